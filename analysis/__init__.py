@@ -1,0 +1,1 @@
+"""Encounters, metrics and reports from recorded runs; reads files only."""

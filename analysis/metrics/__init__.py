@@ -1,0 +1,1 @@
+"""One file per metric, each with UNIT, WORSE, SOURCE and ``compute``."""

@@ -1,0 +1,1 @@
+"""Vehicle controllers: what an ego does with what it perceives."""

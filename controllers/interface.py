@@ -1,0 +1,364 @@
+"""What a controller is told and what it answers.
+
+All values are SI; angles are radians, counter-clockwise from east. The *route frame* has its origin at
+the ego's rear axle, projected on the centre line of the lane the ego is in (the *reference lane*,
+followed along the route): ``along`` is arc length forward of it, ``across`` is the distance from the
+centre line, left positive. Absent values are ``None``; arrays hold finite numbers only, except where a
+field says that infinity means "not within range".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Dimensions of a vehicle [m]."""
+
+    length: float = 4.5
+    width: float = 1.8
+    wheelbase: float = 2.6
+    rear_overhang: float = 0.95
+    """Distance from the rear axle to the rear bumper [m]."""
+
+    @property
+    def front(self) -> float:
+        """Distance from the rear axle to the front bumper [m]."""
+        return self.length - self.rear_overhang
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What the actuators can do: first-order lags [s] and limits [m/s^2, m/s^3, rad, rad/s]."""
+
+    drive_lag: float = 0.3
+    steering_lag: float = 0.1
+    max_acceleration: float = 2.6
+    max_deceleration: float = 8.0
+    max_steering: float = 0.6
+    max_steering_rate: float = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class EgoState:
+    """The ego as its own sensors know it."""
+
+    name: str
+    time: float
+    """Simulated time [s]."""
+    x: float
+    """World position of the rear axle [m]."""
+    y: float
+    heading: float
+    """World heading [rad]."""
+    across: float
+    """Offset of the rear axle from the reference lane's centre line, left positive [m]."""
+    heading_error: float
+    """Heading relative to the centre line at the rear axle [rad]."""
+    speed: float
+    acceleration: float
+    """Realised acceleration, behind the drive lag [m/s^2]."""
+    steering: float
+    """Realised front-wheel angle, left positive [rad]."""
+    body: Body
+    drive: Drive
+    plan_interval: float
+    """Time until the next plan is asked for [s]."""
+
+
+class PedestrianPhase(StrEnum):
+    """What a pedestrian is about to do."""
+
+    CROSSING = "crossing"
+    """On a crossing."""
+    WAITING = "waiting"
+    """Not on the crossing yet, but it is the next edge of the walk."""
+    WALKING = "walking"
+    """Anywhere else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pedestrians:
+    """Pedestrians in the route frame; arrays of length n.
+
+    Persons on, or about to enter, a crossing of ``RoadAhead.crossings`` are expressed in the straight
+    frame tangent to the reference lane where it meets that crossing, so that a turning path bends
+    neither their distance nor their velocity.
+    """
+
+    names: tuple[str, ...]
+    along: FloatArray
+    across: FloatArray
+    along_speed: FloatArray
+    across_speed: FloatArray
+    radius: FloatArray
+    crossing: IntArray
+    """Index into ``RoadAhead.crossings`` of the crossing walked on or next, −1 for none."""
+    on_crossing: NDArray[np.bool_]
+    """True for those on the crossing itself (phase CROSSING)."""
+    waiting: NDArray[np.bool_]
+    """True for those whose next edge is that crossing (phase WAITING)."""
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicles:
+    """Other vehicles in the route frame; arrays of length n, any lane and any direction."""
+
+    names: tuple[str, ...]
+    along: FloatArray
+    """Of the front bumper's centre [m]."""
+    across: FloatArray
+    """Of the body's centre [m]."""
+    along_speed: FloatArray
+    across_speed: FloatArray
+    acceleration: FloatArray
+    heading_error: FloatArray
+    """Relative to the centre line, in (−pi, pi] [rad]."""
+    length: FloatArray
+    width: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """The next vehicle ahead of or behind the ego in one lane."""
+
+    name: str
+    gap: float
+    """True distance between bumpers; negative while the bodies overlap along the lane [m]."""
+    speed: float
+    acceleration: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class NeighbourGaps:
+    """Neighbours in the ego's lane and the adjacent ones; ``None`` where nobody is within range."""
+
+    ahead: Neighbour | None = None
+    behind: Neighbour | None = None
+    left_ahead: Neighbour | None = None
+    left_behind: Neighbour | None = None
+    right_ahead: Neighbour | None = None
+    right_behind: Neighbour | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """A lane of the ego's own direction, usable by it, beside or under the ego."""
+
+    number: int
+    """Lane coordinate: 0 where the trip began, +1 for each lane further left."""
+    offset: float
+    """Across coordinate of its centre line at the ego [m]."""
+    width: float
+    follows_route_for: float
+    """Distance ahead of the rear axle until the lane stops leading along the route; inf when it never does
+    within the view [m]."""
+
+
+class CrossingKind(StrEnum):
+    """Who has to wait at a crossing."""
+
+    ZEBRA = "zebra"
+    """Pedestrians have priority."""
+    UNMARKED = "unmarked"
+    """Vehicles have priority."""
+    SIGNAL = "signal"
+    """Signals decide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """A pedestrian crossing over the reference lane."""
+
+    name: str
+    kind: CrossingKind
+    entry: float
+    """Along coordinate where the crossing's area begins [m]."""
+    exit: float
+    stop_line: float
+    """Along coordinate where a front bumper should stop to leave the crossing free [m]."""
+    right: float
+    """Across coordinate of the crossing's right end (kerb), along its axis [m]."""
+    left: float
+    """Across coordinate of the crossing's left end (kerb), along its axis [m]."""
+    pedestrians_have_green: bool | None
+    """``None`` where no signal controls it."""
+
+
+class SignalState(StrEnum):
+    """A traffic light as the ego sees it."""
+
+    RED = "red"
+    AMBER = "amber"
+    GREEN = "green"
+    """Includes permissive green; the duty to yield is in ``RoadAhead.foes``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A stop line with a traffic light."""
+
+    name: str
+    stop_line: float
+    state: SignalState
+
+
+@dataclass(frozen=True, slots=True)
+class JunctionFoe:
+    """A vehicle whose path crosses the ego's inside a junction ahead."""
+
+    name: str
+    entry: float
+    """Along coordinate where the ego's path enters the conflict [m]."""
+    exit: float
+    stop_line: float
+    """Along coordinate of the ego's stop line before that junction [m]."""
+    foe_entry: float
+    """Distance from the foe's front bumper to the conflict; negative once past [m]."""
+    foe_exit: float
+    foe_speed: float
+    must_yield: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RoadAhead:
+    """The road along the route, from the ego's rear axle on."""
+
+    lanes: tuple[Lane, ...]
+    """Right to left; contains the reference lane and at most the two beside it."""
+    reference: int
+    """``Lane.number`` of the reference lane."""
+    right_edge: float
+    """Across coordinate of the right end of the lanes the ego may use [m]."""
+    left_edge: float
+    curvature: FloatArray
+    """Curvature of the reference lane at multiples of ``curvature_step``, from the rear axle on [1/m]."""
+    curvature_step: float
+    limit_along: FloatArray
+    """Along coordinates from which the speed limits apply, ascending, first one <= 0 [m]."""
+    limit: FloatArray
+    """Speed limits [m/s]."""
+    crossings: tuple[Crossing, ...] = ()
+    """Ascending by entry; includes those the ego is on."""
+    signals: tuple[Signal, ...] = ()
+    foes: tuple[JunctionFoe, ...] = ()
+    route_end: float = float("inf")
+    """Along coordinate of the route's end; inf beyond the view [m]."""
+
+    def lane(self, number: int) -> Lane | None:
+        """Return the lane with that coordinate, or ``None``."""
+        return next((lane for lane in self.lanes if lane.number == number), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Perception:
+    """Everything a controller may know at one instant."""
+
+    ego: EgoState
+    pedestrians: Pedestrians
+    vehicles: Vehicles
+    gaps: NeighbourGaps
+    road: RoadAhead
+
+
+class Rule(StrEnum):
+    """The decision rules (26)-(31) of the velocity-obstacle paper."""
+
+    STRAIGHT = "straight"
+    LANE_CHANGE = "lane_change"
+    AUTONOMOUS = "autonomous"
+
+
+class Manoeuvre(StrEnum):
+    """What the controller wants to do."""
+
+    KEEP = "keep"
+    CHANGE_LEFT = "change_left"
+    CHANGE_RIGHT = "change_right"
+    ABORT_CHANGE = "abort_change"
+    HAND_BACK = "hand_back"
+    """SUMO's own driver drives."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What the controller wants, and because of whom."""
+
+    manoeuvre: Manoeuvre
+    target_lane: int
+    """``Lane.number`` to end in."""
+    rule: Rule | None = None
+    because: str = ""
+    """Name of the vehicle, pedestrian, signal or lane end that mattered most; empty for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Desired acceleration and front-wheel angle over the time from now on, held after the last entry.
+
+    A world applies ``acceleration[i]`` from ``times[i]`` until ``times[i + 1]``.
+    """
+
+    times: FloatArray
+    acceleration: FloatArray
+    steering: FloatArray
+    hand_back: bool = False
+    """SUMO's own driver drives until the next command; the other fields are not used."""
+
+
+def constant_command(acceleration: float, steering: float) -> Command:
+    """Return the command that holds both values."""
+    return Command(np.zeros(1), np.array([acceleration]), np.array([steering]))
+
+
+HAND_BACK = Command(np.zeros(1), np.zeros(1), np.zeros(1), hand_back=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How the decision is carried out. A plan always exists; ``solved`` says whether it is the wanted one."""
+
+    command: Command
+    solved: bool = True
+    status: str = "ok"
+    """``ok``, or the name of the fallback that was used instead."""
+    passing: str = ""
+    """Passing class, for instance ``behind:2 ahead:1``; empty without pedestrians in conflict."""
+    slack: float = 0.0
+    """Largest violation of a soft constraint [m]."""
+    times: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Horizon [s from now]; the next three have its length, in the route frame, rear axle."""
+    along: FloatArray = field(default_factory=lambda: np.zeros(0))
+    across: FloatArray = field(default_factory=lambda: np.zeros(0))
+    speed: FloatArray = field(default_factory=lambda: np.zeros(0))
+    overlay: Mapping[str, FloatArray] = field(default_factory=dict)
+    """What a replay may draw: cones, fields, candidates; by name."""
+
+
+class Controller(Protocol):
+    """Drives one ego for one run."""
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say what to do."""
+        ...
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Say how to do it."""
+        ...

@@ -1,0 +1,1 @@
+"""How pedestrians and vehicles are expected to move."""

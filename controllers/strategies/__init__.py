@@ -1,0 +1,1 @@
+"""One file per controller; the file name is the controller's name."""

@@ -1,0 +1,1 @@
+"""What SUMO does to an external ego, as cases that can fail."""

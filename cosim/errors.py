@@ -1,0 +1,20 @@
+"""The error tree. Every error a user can cause is one line that says what was expected and what exists.
+
+CosimError
+├── InputError          found before the first step: exit code 2
+└── SimulationError     after the first step: the run is invalid, what was recorded is kept, exit code 3
+"""
+
+from __future__ import annotations
+
+
+class CosimError(Exception):
+    """Anything this project raises on purpose; its text is one line for the user."""
+
+
+class InputError(CosimError):
+    """Bad usage or bad input, found before the first step."""
+
+
+class SimulationError(CosimError):
+    """A run that began and could not go on."""

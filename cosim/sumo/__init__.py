@@ -1,0 +1,1 @@
+"""The SUMO world: the only package that touches libsumo or traci."""

@@ -1,0 +1,1 @@
+"""Scenarios: plain SUMO sources and their parameters."""
