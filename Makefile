@@ -1,0 +1,61 @@
+# make demo   three controllers on one scenario, compared
+# make test   the tests         make check  the linters
+# make bench  the benchmarks    make study-crossings  the published table
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+JOBS ?= 2
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+
+# One BLAS thread: two simulations side by side are otherwise slower than one.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help install demo test test-slow check format bench study-crossings clean
+
+help:
+	@sed -n 's/^# //p' Makefile
+
+# The environment is made afresh whenever its description changes.
+$(VENV)/installed: pyproject.toml constraints.txt
+	rm -rf $(VENV)
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, this is " + sys.version.split()[0])'
+	$(PYTHON) -m venv $(VENV)
+	$(PIP) install --quiet -c constraints.txt -e .
+	@touch $@
+
+$(VENV)/installed-dev: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	@touch $@
+
+install: $(VENV)/installed
+
+demo: $(VENV)/installed
+	$(BIN)/python -m cosim.demo
+
+test: $(VENV)/installed-dev
+	$(BIN)/python -m pytest -q -n $(JOBS)
+
+test-slow: $(VENV)/installed-dev
+	$(BIN)/python -m pytest -q -n $(JOBS) -m slow
+
+check: $(VENV)/installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/installed-dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(VENV)/installed-dev
+	@for script in benchmarks/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+study-crossings: $(VENV)/installed
+	$(BIN)/python -m cosim.study_crossings
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
