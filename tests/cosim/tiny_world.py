@@ -1,0 +1,155 @@
+"""A straight road with one pedestrian beside it: just enough world for the step."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from controllers.interface import (
+    Body,
+    Command,
+    Decision,
+    Drive,
+    EgoState,
+    Lane,
+    Manoeuvre,
+    Neighbour,
+    NeighbourGaps,
+    Pedestrians,
+    Perception,
+    Plan,
+    RoadAhead,
+    Rule,
+    Vehicles,
+    constant_command,
+)
+from cosim.errors import SimulationError
+from cosim.world import EgoTruth, FloatArray, MapArea, PersonsTruth, Snapshot, VehiclesTruth
+
+NONE = np.zeros(0)
+BODY = Body()
+
+
+class TinyWorld:
+    """Egos that roll along the x axis; plans every other step; may break on purpose."""
+
+    def __init__(
+        self, egos: tuple[str, ...] = ("ego",), steps: int = 10, step: float = 0.05, breaks_at: int = -1
+    ):
+        self.step = step
+        self.names = egos
+        self.steps = steps
+        self.breaks_at = breaks_at
+        self.done = 0
+        self.speed = dict.fromkeys(egos, 10.0)
+        self.x = dict.fromkeys(egos, 0.0)
+        self.command = {name: constant_command(0.0, 0.0) for name in egos}
+        self.closed = False
+
+    @property
+    def time(self) -> float:
+        return self.done * self.step
+
+    def sense(self) -> Sequence[Perception] | None:
+        if self.done >= self.steps:
+            return None
+        return [self.perception(name) for name in self.names] if self.done % 2 == 0 else []
+
+    def perception(self, name: str) -> Perception:
+        ego = EgoState(
+            name, self.time, self.x[name], 0.0, 0.0, 0.0, 0.0, self.speed[name], 0.0, 0.0, BODY, Drive(), 0.1
+        )
+        persons = Pedestrians(
+            ("ped",),
+            *(np.array([value]) for value in (30.0, -5.0, 0.0, 1.3, 0.25)),
+            np.array([-1]),
+            np.array([False]),
+            np.array([False]),
+        )
+        road = RoadAhead(
+            (Lane(0, 0.0, 3.2, float("inf")),), 0, -1.6, 1.6, NONE, 1.0, np.zeros(1), np.array([13.9])
+        )
+        return Perception(
+            ego,
+            persons,
+            Vehicles((), *(NONE for _ in range(8))),
+            NeighbourGaps(ahead=Neighbour("leader", 12.5, 9.0, 0.0, 4.5)),
+            road,
+        )
+
+    def act(self, name: str, command: Command) -> None:
+        self.command[name] = command
+
+    def advance(self) -> None:
+        if self.done == self.breaks_at:
+            raise SimulationError("the road broke")
+        for name in self.names:
+            self.speed[name] += self.step * float(self.command[name].acceleration[0])
+            self.x[name] += self.step * self.speed[name]
+        self.done += 1
+
+    def snapshot(self) -> Snapshot:
+        persons = PersonsTruth(
+            ("ped",),
+            np.array([30.0]),
+            np.array([-5.0 + 1.3 * self.time]),
+            np.array([0.0]),
+            np.array([1.3]),
+            np.array([0.25]),
+            ("walk",),
+            ("",),
+            ("walking",),
+            ("adult",),
+        )
+        vehicles = VehiclesTruth(
+            ("leader",), *(np.array([v]) for v in (40.0, 0, 0, 9, 4.5, 1.8)), ("e_0",), ("car",)
+        )
+        return Snapshot(self.time, tuple(self.truth(name) for name in self.names), persons, vehicles)
+
+    def truth(self, name: str) -> EgoTruth:
+        front = self.x[name] + BODY.front
+        speed = self.speed[name]
+        return EgoTruth(
+            name, BODY, front, 0.0, 0.0, speed, 0.0, 0.0, "e", "e_0", self.x[name], 13.9, 0.0, 0.0,
+            front, 0.0, speed, False, False,
+        )  # fmt: skip
+
+    def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
+        return np.column_stack([self.x[name] + along, across])
+
+    def map_areas(self) -> Sequence[MapArea]:
+        return [MapArea("e_0", "lane", 3.2, np.array([[0.0, 0.0], [1000.0, 0.0]]))]
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class SteadyDriver:
+    """Commands one acceleration and draws a short plan."""
+
+    def __init__(self, acceleration: float = 1.0) -> None:
+        self.acceleration = acceleration
+
+    def decide(self, perception: Perception) -> Decision:
+        return Decision(Manoeuvre.KEEP, perception.road.reference, Rule.STRAIGHT, "leader")
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        times = np.array([0.1, 0.2])
+        return Plan(
+            constant_command(self.acceleration, 0.0),
+            times=times,
+            along=10.0 * times,
+            across=0.0 * times,
+            speed=10.0 + times,
+            overlay={"cone": np.array([[0.0, 1.0], [np.inf, 2.0]])},
+        )
+
+
+def without_planning(world: TinyWorld) -> Snapshot:
+    """Return a snapshot of a road without egos, persons and vehicles."""
+    snapshot = world.snapshot()
+    persons = PersonsTruth((), NONE, NONE, NONE, NONE, NONE, (), (), (), ())
+    vehicles = VehiclesTruth((), NONE, NONE, NONE, NONE, NONE, NONE, (), ())
+    return dataclasses.replace(snapshot, egos=(), persons=persons, vehicles=vehicles)
