@@ -63,7 +63,11 @@ class TinyWorld:
         )
         persons = Pedestrians(
             ("ped",),
-            *(np.array([value]) for value in (30.0, -5.0, 0.0, 1.3, 0.25)),
+            np.array([30.0]),
+            np.array([-5.0]),
+            np.array([0.0]),
+            np.array([1.3]),
+            np.array([0.25]),
             np.array([-1]),
             np.array([False]),
             np.array([False]),
@@ -74,7 +78,7 @@ class TinyWorld:
         return Perception(
             ego,
             persons,
-            Vehicles((), *(NONE for _ in range(8))),
+            Vehicles((), NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE),
             NeighbourGaps(ahead=Neighbour("leader", 12.5, 9.0, 0.0, 4.5)),
             road,
         )
@@ -104,7 +108,15 @@ class TinyWorld:
             ("adult",),
         )
         vehicles = VehiclesTruth(
-            ("leader",), *(np.array([v]) for v in (40.0, 0, 0, 9, 4.5, 1.8)), ("e_0",), ("car",)
+            ("leader",),
+            np.array([40.0]),
+            np.array([0.0]),
+            np.array([0.0]),
+            np.array([9.0]),
+            np.array([4.5]),
+            np.array([1.8]),
+            ("e_0",),
+            ("car",),
         )
         return Snapshot(self.time, tuple(self.truth(name) for name in self.names), persons, vehicles)
 
