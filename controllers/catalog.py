@@ -26,6 +26,7 @@ ENTRY_POINT_GROUP = "cosim.controllers"
 SEED = "seed"
 
 _TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+_PLAIN = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", type(None): "none"}
 
 
 class CatalogError(ValueError):
@@ -34,9 +35,7 @@ class CatalogError(ValueError):
 
 def names() -> tuple[str, ...]:
     """Return the names of all controllers, sorted."""
-    own = {found.name for found in pkgutil.iter_modules(controllers.strategies.__path__)}
-    plugged = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
-    return tuple(sorted(name for name in own | plugged if not name.startswith("_")))
+    return tuple(sorted(_own() | {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}))
 
 
 def describe(name: str) -> str:
@@ -89,20 +88,25 @@ def build(name: str, /, *, seed: int = 1, **values: object) -> Controller:
         raise CatalogError(f"controller '{name}': {error}") from error
 
 
+def _own() -> set[str]:
+    """Return the files of the repository, which a plug-in of the same name does not replace."""
+    return {found.name for found in pkgutil.iter_modules(controllers.strategies.__path__)}
+
+
 def _module(name: str) -> ModuleType:
-    plugged = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
     if name not in names():
         raise CatalogError(f"no controller '{name}'; {_existing(name, names())}")
+    module: ModuleType
     try:
-        if name in plugged:
-            module = plugged[name].load()
-        else:
+        if name in _own():
             module = importlib.import_module(f"{controllers.strategies.__name__}.{name}")
+        else:
+            module = next(iter(entry_points(group=ENTRY_POINT_GROUP, name=name))).load()
     except ImportError as error:
         raise CatalogError(f"controller '{name}' cannot be loaded: {error}") from error
     if not callable(getattr(module, "build", None)):
         raise CatalogError(f"controller '{name}' has no function build(**parameters)")
-    return cast(ModuleType, module)
+    return module
 
 
 def _signature(name: str) -> dict[str, inspect.Parameter]:
@@ -161,9 +165,9 @@ def _checked(name: str, key: str, value: object, kinds: tuple[object, ...]) -> o
                 return float(value)
         elif kind is int and isinstance(value, bool):
             continue
-        elif isinstance(kind, type) and isinstance(value, kind):
-            return value
-        elif isinstance(kind, str) and value == kind:
+        elif (isinstance(kind, type) and isinstance(value, kind)) or (
+            isinstance(kind, str) and value == kind
+        ):
             return value
         elif isinstance(kind, type) and issubclass(kind, str) and isinstance(value, str):
             try:
@@ -180,23 +184,12 @@ def _wrong(name: str, key: str, value: object, kinds: tuple[object, ...]) -> Cat
 
 
 def _kind_name(kind: object) -> str:
-    plain = {
-        bool: "true or false",
-        int: "a whole number",
-        float: "a number",
-        type(None): "none",
-        str: "a text",
-    }
     if isinstance(kind, str):
         return f"'{kind}'"
     if not isinstance(kind, type):
         return str(kind)
-    members = getattr(kind, "__members__", None)
-    return (
-        " or ".join(f"'{member}'" for member in members.values())
-        if members
-        else plain.get(kind, kind.__name__)
-    )
+    members = getattr(kind, "__members__", {})
+    return " or ".join(f"'{member}'" for member in members.values()) or _PLAIN.get(kind, kind.__name__)
 
 
 def _existing(wanted: str, existing: tuple[str, ...]) -> str:

@@ -1,0 +1,153 @@
+"""Steering along a lane, or over to another one, that also holds when a plan lasts a second.
+
+The law is written in space, so that it works from standstill on, and in cascade: the distance to the lane
+asks for a heading, the heading for a curvature. Over the plan interval the law is run against a kinematic
+bicycle, and what it steered there is the command.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+
+STEP = 0.05
+"""Spacing of the steering sequence [s]."""
+LONGEST = 40
+"""Entries of the longest sequence; a plan interval beyond 2 s is steered by its last angle."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaneKeeping:
+    """How briskly to steer."""
+
+    approach_time: float = 1.0
+    """Time constant with which the distance to the lane decays [s]."""
+    heading_time: float = 0.35
+    """Time constant with which the heading error decays [s]."""
+    approach_length: float = 4.0
+    """What ``approach_time`` becomes at low speed, as a distance [m]."""
+    heading_length: float = 1.4
+    """What ``heading_time`` becomes at low speed, as a distance [m]."""
+    lateral_speed: float = 1.3
+    """Fastest movement across the road [m/s]."""
+    approach_angle: float = 0.4
+    """Steepest angle to the lane at low speed [rad]."""
+    correction: float = 2.0
+    """Lateral acceleration beyond that of the curve that a correction may use [m/s^2]."""
+    lateral_acceleration: float = 3.0
+    """Lateral acceleration that is never exceeded, curve included [m/s^2]."""
+    preview: float = 0.2
+    """How far ahead a coming bend is steered, because the wheel needs time to turn [s]."""
+
+
+def instants(ego: EgoState) -> FloatArray:
+    """Return the times from now at which a command over the ego's plan interval changes [s]."""
+    count = min(max(math.ceil(ego.plan_interval / STEP - 1e-9), 1), LONGEST)
+    return np.arange(count, dtype=np.float64) * STEP
+
+
+def steering(
+    perception: Perception,
+    target: float,
+    acceleration: FloatArray,
+    style: LaneKeeping | None = None,
+) -> FloatArray:
+    """Return the front-wheel angles [rad] that lead the rear axle to an across offset, one per instant.
+
+    Parameters
+    ----------
+    perception : where the ego is, and how its lane bends
+    target : across coordinate to go to, for instance ``Lane.offset`` [m]
+    acceleration : what is commanded meanwhile, at ``instants(perception.ego)`` [m/s^2]
+    style : how briskly
+
+    Notes
+    -----
+    With lateral error e, heading error ψ, lengths ℓ_e = max(approach_length, v · approach_time) and ℓ_ψ
+    likewise: ψ* = −e / ℓ_e within limits, curvature = curve + ((ψ* − ψ) / ℓ_ψ − sin ψ / ℓ_e). Near the
+    lane both poles are real, −1 / ℓ_e and −1 / ℓ_ψ, so it is reached without overshoot.
+    """
+    style = style or LaneKeeping()
+    ego, road = perception.ego, perception.road
+    state = _State(ego)
+    angles = np.zeros(len(acceleration))
+    for i, wanted in enumerate(acceleration):
+        angles[i] = _angle(state, road, target, style)
+        state.move(float(wanted), float(angles[i]), road)
+    return angles
+
+
+class _State:
+    """A kinematic bicycle in the route frame, behind the same lags as the ego."""
+
+    def __init__(self, ego: EgoState) -> None:
+        self.ego = ego
+        self.along = 0.0
+        self.across = ego.across
+        self.heading = ego.heading_error
+        self.speed = max(ego.speed, 0.0)
+        self.acceleration = ego.acceleration
+        self.angle = ego.steering
+
+    def move(self, acceleration: float, angle: float, road: RoadAhead) -> None:
+        drive = self.ego.drive
+        rate = (angle - self.angle) / max(drive.steering_lag, STEP)
+        turned = self.angle + STEP * min(max(rate, -drive.max_steering_rate), drive.max_steering_rate)
+        share = -math.expm1(-STEP / drive.drive_lag) if drive.drive_lag > 0.0 else 1.0
+        self.acceleration += share * (acceleration - self.acceleration)
+        middle = max(self.speed + 0.5 * STEP * self.acceleration, 0.0)
+        bend = math.tan(0.5 * (self.angle + turned)) / self.ego.body.wheelbase
+        here = curvature_at(road, self.along)
+        onward = middle * math.cos(self.heading) / _stretch(here, self.across)
+        turn = middle * bend - here * onward
+        self.across += STEP * middle * math.sin(self.heading + 0.5 * STEP * turn)
+        self.heading += STEP * turn
+        self.along += STEP * onward
+        self.speed = max(self.speed + STEP * self.acceleration, 0.0)
+        self.angle = turned
+
+
+def _angle(state: _State, road: RoadAhead, target: float, style: LaneKeeping) -> float:
+    speed = state.speed
+    approach = max(style.approach_length, speed * style.approach_time)
+    settling = max(style.heading_length, speed * style.heading_time)
+    steepest = min(style.approach_angle, style.lateral_speed / max(speed, 0.1))
+    error = state.across - target
+    wanted = -error / approach
+    moving = math.sin(state.heading) / approach
+    if abs(wanted) > steepest:
+        wanted, moving = math.copysign(steepest, wanted), 0.0
+    correction = (wanted - state.heading) / settling - moving
+    squared = max(speed * speed, 1.0)
+    correction = _within(correction, style.correction / squared)
+    # The wheel follows late, so the bend is taken from what lies between here and the preview.
+    ahead = [curvature_at(road, state.along + speed * style.preview * share) for share in (0.0, 0.5, 1.0)]
+    curve = sum(ahead) / len(ahead)
+    curve *= math.cos(state.heading) / _stretch(curve, state.across)
+    total = _within(curve + correction, style.lateral_acceleration / squared)
+    return _within(math.atan(state.ego.body.wheelbase * total), state.ego.drive.max_steering)
+
+
+def curvature_at(road: RoadAhead, along: float) -> float:
+    """Return the reference lane's curvature [1/m], 0 where the view has ended."""
+    if len(road.curvature) == 0 or road.curvature_step <= 0.0:
+        return 0.0
+    place = max(along / road.curvature_step, 0.0)
+    left = int(place)
+    if left + 1 >= len(road.curvature):
+        return float(road.curvature[-1]) if place <= len(road.curvature) - 1 else 0.0
+    share = place - left
+    return float((1.0 - share) * road.curvature[left] + share * road.curvature[left + 1])
+
+
+def _stretch(curvature: float, across: float) -> float:
+    """Return how much longer the lane is than the path beside it, kept away from the bend's centre."""
+    return max(1.0 - curvature * across, 0.2)
+
+
+def _within(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

@@ -1,0 +1,67 @@
+"""Keeps its speed and its lane whatever happens: the scripted car of test protocols.
+
+Along: the given speed, or the one it had at its first step. Across: lane keeping in the lane it began in;
+it follows bends but brakes for nothing and nobody, not even for a bend that is too tight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers import lane_keeping
+from controllers.interface import Command, Controller, Decision, EgoState, Manoeuvre, Perception, Plan
+
+RESPONSE_TIME = 0.5
+"""Time constant with which a wrong speed is corrected, beside the plan interval [s]."""
+
+
+class ConstantSpeed:
+    """Holds one speed in one lane.
+
+    Parameters
+    ----------
+    speed : what to hold; ``None`` for that of the first step [m/s]
+    """
+
+    def __init__(self, speed: float | None) -> None:
+        self._speed = speed
+        self._lane: int | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Keep the first lane, as long as there is such a lane."""
+        if self._speed is None:
+            self._speed = perception.ego.speed
+        if self._lane is None or perception.road.lane(self._lane) is None:
+            self._lane = perception.road.reference
+        return Decision(Manoeuvre.KEEP, target_lane=self._lane)
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Correct speed and place in the lane."""
+        ego = perception.ego
+        lane = perception.road.lane(decision.target_lane)
+        acceleration = np.full(len(lane_keeping.instants(ego)), self._acceleration(ego))
+        angles = lane_keeping.steering(perception, lane.offset if lane else 0.0, acceleration)
+        return Plan(Command(lane_keeping.instants(ego), acceleration, angles))
+
+    def _acceleration(self, ego: EgoState) -> float:
+        wanted = ego.speed if self._speed is None else self._speed
+        asked = (wanted - ego.speed) / (RESPONSE_TIME + ego.plan_interval)
+        return min(max(asked, -ego.drive.max_deceleration), ego.drive.max_acceleration)
+
+
+def build(*, speed_mps: float | None = None) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    speed_mps : float or None
+        Speed to hold [m/s]; ``None`` keeps the speed it had when it was taken over.
+
+    Raises
+    ------
+    ValueError
+        If the speed is negative or not finite.
+    """
+    if speed_mps is not None and not 0.0 <= speed_mps < float("inf"):
+        raise ValueError(f"speed_mps = {speed_mps} must be at least 0 and finite")
+    return ConstantSpeed(speed_mps)
