@@ -1,0 +1,279 @@
+"""Make a vehicle in SUMO be where our plant is, such that SUMO's traffic reacts to it as to its own.
+
+``hybrid`` lets SUMO drive the given speed and lateral shift on normal lanes and moves the vehicle to its
+position only where that cannot work: in junctions, at lane ends and off the paved lanes. ``move`` moves it
+every step. What each of them does to neighbours and pedestrians is measured in docs/coupling.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from cosim.errors import SimulationError
+from cosim.frames import degrees_of
+from cosim.sumo.lanes import Lanes, LaneShape
+
+OBEY_SPEED = 32
+"""Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
+OBEY_LANE = 0
+"""Lane-change mode: SUMO neither decides nor corrects a lateral movement."""
+EXACT_POSITION = 2
+"""``keepRoute`` of moveToXY: take the position as it is. 6 (with 4, ignore permissions) can crash SUMO."""
+
+POSITION_TOLERANCE = 0.02
+"""Further from the plant [m] than this after a native step, the ego is moved until its lane changes."""
+DITHER = 0.002
+"""Extra lateral shift [m] in the first native step after a move.
+
+A move does not register the vehicle in the second lane that it reaches into, nor does a shift of nothing.
+"""
+_BLIND_PARAMETERS = (("laneChangeModel.lcAccelLat", "1000"), ("laneChangeModel.lcSigma", "0"))
+_LATERAL_SPEED = 10.0
+
+
+class Method(StrEnum):
+    """How the ego is made to follow the plant."""
+
+    HYBRID = "hybrid"
+    MOVE = "move"
+
+
+class Executed(NamedTuple):
+    """Where SUMO says the ego is."""
+
+    x: float
+    """Centre of the front bumper [m]."""
+    y: float
+    speed: float
+    lane: str
+    """Lane id; empty where SUMO lost it."""
+
+
+@dataclass(slots=True)
+class _Ego:
+    """What is remembered of one driven vehicle."""
+
+    vehicle_class: str
+    width: float
+    speed_mode: int
+    lane_mode: int
+    lateral_speed: float
+    parameters: tuple[tuple[str, str], ...]
+    lane: str
+    """Where we believe it to be."""
+    route: tuple[str, ...] = ()
+    """Edges still to drive, as they were before the first of a series of moves."""
+    moved: bool = False
+    """The last step was a move."""
+    moves_on: str = ""
+    """Lane on which native driving failed: move until the ego is on another."""
+    aim: tuple[float, float] | None = None
+    """Where the front bumper has to be after the step under way."""
+    asked_speed: float = 0.0
+    moves: int = field(default=0)
+    routes_restored: int = field(default=0)
+
+
+class Actuation:
+    """Drives any number of vehicles.
+
+    Parameters
+    ----------
+    connection : the ``libsumo`` module, or a ``traci`` connection
+    step : length of a simulation step [s]
+    method : `Method`
+    """
+
+    def __init__(self, connection: Any, step: float, method: Method = Method.HYBRID) -> None:
+        self._connection = connection
+        self._step = step
+        self._method = method
+        self._lanes = Lanes(connection)
+        self._egos: dict[str, _Ego] = {}
+
+    def take_over(self, name: str) -> None:
+        """Begin to drive a vehicle that is on the road; SUMO no longer decides anything for it.
+
+        Raises
+        ------
+        SimulationError
+            If the vehicle is not on a lane.
+        """
+        vehicle = self._connection.vehicle
+        lane = vehicle.getLaneID(name)
+        if not lane:
+            raise SimulationError(f"vehicle {name} cannot be taken over: it is not on a lane")
+        hybrid = self._method is Method.HYBRID
+        self._egos[name] = _Ego(
+            vehicle_class=vehicle.getVehicleClass(name),
+            width=vehicle.getWidth(name),
+            speed_mode=vehicle.getSpeedMode(name),
+            lane_mode=vehicle.getLaneChangeMode(name),
+            lateral_speed=vehicle.getMaxSpeedLat(name),
+            parameters=tuple((key, vehicle.getParameter(name, key)) for key, _ in _BLIND_PARAMETERS)
+            if hybrid
+            else (),
+            lane=lane,
+        )
+        vehicle.setSpeedMode(name, OBEY_SPEED)
+        vehicle.setLaneChangeMode(name, OBEY_LANE)
+        if hybrid:
+            vehicle.setMaxSpeedLat(name, _LATERAL_SPEED)
+            for key, value in _BLIND_PARAMETERS:
+                vehicle.setParameter(name, key, value)
+
+    def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
+        """Say where the vehicle has to be after the next step; call it once before every step.
+
+        Parameters
+        ----------
+        front_x, front_y : centre of the front bumper after the step [m]
+        heading : after the step [rad]
+        speed : after the step [m/s]
+        """
+        ego = self._ego(name)
+        ego.aim = (front_x, front_y)
+        found = self._connection.vehicle.getLaneID(name)
+        if found and found != ego.moves_on:
+            ego.moves_on = ""
+        believed = self._lanes.shape(ego.lane)
+        # After a move SUMO may have taken a crossing lane for ours; a lane beside ours is a matter of taste.
+        trusted = bool(found) and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
+        here = self._lanes.shape(found) if trusted else believed
+        native = trusted and self._method is Method.HYBRID
+        if not native or not self._native(name, ego, here, ego.aim, speed):
+            self._move(name, ego, here, ego.aim, trusted, heading, speed)
+
+    def executed(self, name: str) -> Executed:
+        """Return where SUMO put the vehicle, after the step; repairs what the step broke.
+
+        A route that a move changed is set again, and a position more than `POSITION_TOLERANCE` off makes
+        the next steps moves.
+        """
+        ego = self._ego(name)
+        vehicle = self._connection.vehicle
+        x, y = vehicle.getPosition(name)
+        lane = vehicle.getLaneID(name)
+        if ego.aim is not None:
+            if ego.moved:
+                self._keep_route(name, ego)
+            else:
+                ego.lane = lane or ego.lane
+                if math.dist((x, y), ego.aim) > POSITION_TOLERANCE:
+                    ego.moves_on = lane
+            ego.aim = None
+        return Executed(x, y, vehicle.getSpeed(name), lane)
+
+    def asked_speed(self, name: str) -> float:
+        """Return the speed [m/s] that SUMO was told to drive in the last step.
+
+        It is the way of the step over its duration, which differs from the speed at its end by half the
+        acceleration times the step; so this is the one that `Executed.speed` has to be compared with.
+        """
+        return self._ego(name).asked_speed
+
+    def moves(self, name: str) -> int:
+        """Return how many steps so far moved the vehicle instead of driving it natively."""
+        return self._ego(name).moves
+
+    def routes_restored(self, name: str) -> int:
+        """Return how often the rest of the route had to be set again after a move."""
+        return self._ego(name).routes_restored
+
+    def drives(self, name: str) -> bool:
+        """Return whether the vehicle is ours at the moment."""
+        return name in self._egos
+
+    def release(self, name: str) -> None:
+        """Hand the vehicle back to SUMO's driver, with everything as `take_over` found it."""
+        ego = self._ego(name)
+        vehicle = self._connection.vehicle
+        vehicle.setSpeed(name, -1.0)
+        vehicle.setSpeedMode(name, ego.speed_mode)
+        vehicle.setLaneChangeMode(name, ego.lane_mode)
+        if self._method is Method.HYBRID:
+            vehicle.setMaxSpeedLat(name, ego.lateral_speed)
+            for key, value in ego.parameters:
+                vehicle.setParameter(name, key, value)
+        self.forget(name)
+
+    def forget(self, name: str) -> None:
+        """Drop a vehicle that has left the road."""
+        self._egos.pop(name, None)
+
+    def _ego(self, name: str) -> _Ego:
+        found = self._egos.get(name)
+        if found is None:
+            known = ", ".join(self._egos) or "none"
+            raise SimulationError(f"vehicle {name} is not driven from here; those that are: {known}")
+        return found
+
+    def _native(self, name: str, ego: _Ego, here: LaneShape, aim: tuple[float, float], speed: float) -> bool:
+        """Let SUMO drive there, if it can."""
+        if here.internal or here.name == ego.moves_on:
+            return False
+        place = here.place(*aim)
+        if not 0.0 <= place.along < here.shape_length or not self._paved(ego, here, place.across):
+            return False
+        vehicle = self._connection.vehicle
+        asked = (place.along * here.scale - vehicle.getLanePosition(name)) / self._step
+        if abs(asked - speed) > 0.1 * speed + 0.2:
+            return False
+        ego.asked_speed = max(0.0, asked)  # a negative speed would hand the vehicle back to SUMO's driver
+        shift = place.across - vehicle.getLateralLanePosition(name) + (DITHER if ego.moved else 0.0)
+        vehicle.setSpeed(name, ego.asked_speed)
+        vehicle.changeSublane(name, shift)
+        ego.moved = False
+        return True
+
+    def _paved(self, ego: _Ego, here: LaneShape, across: float) -> bool:
+        """Return whether the body is within this lane and the permitted ones beside it."""
+        right = left = 0.5 * here.width
+        for lane in self._lanes.beside(here, ego.vehicle_class):
+            if lane.index == here.index - 1:
+                right += lane.width
+            elif lane.index == here.index + 1:
+                left += lane.width
+        return 0.5 * ego.width - right <= across <= left - 0.5 * ego.width
+
+    def _move(
+        self,
+        name: str,
+        ego: _Ego,
+        here: LaneShape,
+        aim: tuple[float, float],
+        trusted: bool,
+        heading: float,
+        speed: float,
+    ) -> None:
+        """Put the vehicle there, with the lane that the route says as the hint."""
+        vehicle = self._connection.vehicle
+        if not ego.moved:
+            ego.route = tuple(vehicle.getRoute(name)[vehicle.getRouteIndex(name) :])
+        lane, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
+        ego.asked_speed = speed
+        if self._method is Method.HYBRID and trusted:
+            rate = (way - vehicle.getLanePosition(name)) / self._step
+            ego.asked_speed = min(max(rate, 0.9 * speed), 1.1 * speed)
+        vehicle.setSpeed(name, ego.asked_speed)
+        vehicle.moveToXY(name, lane.edge, lane.index, *aim, degrees_of(heading), EXACT_POSITION)
+        ego.lane = lane.name
+        ego.moved = True
+        ego.moves += 1
+
+    def _keep_route(self, name: str, ego: _Ego) -> None:
+        """Set the rest of the route again if the move changed it."""
+        vehicle = self._connection.vehicle
+        rest = tuple(vehicle.getRoute(name)[vehicle.getRouteIndex(name) :])
+        if rest and ego.route[-len(rest) :] == rest:
+            ego.route = rest
+            return
+        lane = vehicle.getLaneID(name)
+        # SUMO takes no route that the present edge or the way through the junction does not lead along.
+        fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
+        if lane and fits:  # else again after the next step
+            vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            ego.routes_restored += 1

@@ -1,0 +1,196 @@
+"""Lanes of the running simulation, asked for once and kept: shape, neighbours, and where they lead."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A point seen from a lane."""
+
+    along: float
+    """Distance along the lane's shape; negative before it, greater than its length beyond it [m]."""
+    across: float
+    """Distance from the shape, left positive [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaneShape:
+    """A lane as SUMO draws it, with the length that SUMO counts."""
+
+    name: str
+    edge: str
+    index: int
+    width: float
+    length: float
+    """Length that SUMO's lane positions count [m]; differs from the shape's where a network says so."""
+    points: tuple[tuple[float, float], ...]
+    stations: tuple[float, ...]
+    """Distance along the shape to each point [m]."""
+
+    @property
+    def shape_length(self) -> float:
+        """Length of the shape [m]."""
+        return self.stations[-1]
+
+    @property
+    def scale(self) -> float:
+        """Counted length over drawn length."""
+        return self.length / self.stations[-1] if self.stations[-1] > 0.0 else 1.0
+
+    @property
+    def internal(self) -> bool:
+        """Whether the lane is inside a junction."""
+        return self.edge.startswith(":")
+
+    def place(self, x: float, y: float) -> Place:
+        """Return where a point [m] is along and across the lane.
+
+        The first and the last piece of the shape are prolonged, so that a point beyond an end has its
+        true distance beyond it.
+        """
+        best = math.inf
+        found = Place(0.0, 0.0)
+        last = len(self.points) - 2
+        for number, ((x0, y0), (x1, y1)) in enumerate(pairwise(self.points)):
+            east, north = x1 - x0, y1 - y0
+            piece = math.hypot(east, north)
+            if piece == 0.0:
+                continue
+            forward = ((x - x0) * east + (y - y0) * north) / piece
+            sideways = ((y - y0) * east - (x - x0) * north) / piece
+            low = -math.inf if number == 0 else 0.0
+            high = math.inf if number == last else piece
+            inside = min(max(forward, low), high)
+            distance = math.hypot(forward - inside, sideways)
+            if distance < best:
+                best = distance
+                across = math.copysign(distance, sideways)
+                found = Place(self.stations[number] + inside, across)
+        return found
+
+    def point(self, along: float, across: float) -> tuple[float, float]:
+        """Return the point [m] that has this place; the inverse of `place` where the lane is straight."""
+        number = min(max(bisect_right(self.stations, along) - 1, 0), len(self.points) - 2)
+        (x0, y0), (x1, y1) = self.points[number], self.points[number + 1]
+        piece = math.hypot(x1 - x0, y1 - y0) or 1.0
+        east, north = (x1 - x0) / piece, (y1 - y0) / piece
+        forward = along - self.stations[number]
+        return x0 + forward * east - across * north, y0 + forward * north + across * east
+
+
+@dataclass(frozen=True, slots=True)
+class LaneLink:
+    """A way out of a lane."""
+
+    lane: str
+    """Next normal lane."""
+    via: str
+    """Lane inside the junction on the way there; empty where there is none."""
+
+    @property
+    def first(self) -> str:
+        """Lane entered next."""
+        return self.via or self.lane
+
+
+class Lanes:
+    """Lanes by name. ``connection`` is the libsumo module or a traci connection."""
+
+    def __init__(self, connection: Any) -> None:
+        self._connection = connection
+        self._shapes: dict[str, LaneShape] = {}
+        self._links: dict[str, tuple[LaneLink, ...]] = {}
+        self._counts: dict[str, int] = {}
+        self._banned: dict[str, frozenset[str]] = {}
+
+    def shape(self, name: str) -> LaneShape:
+        """Return a lane's shape."""
+        found = self._shapes.get(name)
+        if found is None:
+            found = self._shapes[name] = self._read(name)
+        return found
+
+    def links(self, name: str) -> tuple[LaneLink, ...]:
+        """Return a lane's ways out."""
+        found = self._links.get(name)
+        if found is None:
+            rows = self._connection.lane.getLinks(name)
+            found = self._links[name] = tuple(LaneLink(row[0], row[4]) for row in rows)
+        return found
+
+    def permits(self, name: str, vehicle_class: str) -> bool:
+        """Return whether vehicles of that class may use the lane."""
+        banned = self._banned.get(name)
+        if banned is None:
+            banned = self._banned[name] = frozenset(self._connection.lane.getDisallowed(name))
+        return vehicle_class not in banned
+
+    def beside(self, lane: LaneShape, vehicle_class: str) -> tuple[LaneShape, ...]:
+        """Return all lanes of the same edge that the class may use, right to left."""
+        count = self._counts.get(lane.edge)
+        if count is None:
+            count = self._counts[lane.edge] = self._connection.edge.getLaneNumber(lane.edge)
+        names = (f"{lane.edge}_{index}" for index in range(count))
+        return tuple(self.shape(name) for name in names if self.permits(name, vehicle_class))
+
+    def reach(
+        self, start: LaneShape, route: tuple[str, ...], vehicle_class: str, x: float, y: float
+    ) -> tuple[LaneShape, float]:
+        """Return the lane a point [m] is on, and its lane position [m] counted from the start's beginning.
+
+        Of lanes side by side it is the nearest one; beyond a lane's end, the one that leads along the
+        route (edges from the start's on), however many short lanes that takes.
+        """
+        lane = self._nearest(start, vehicle_class, x, y)
+        place = lane.place(x, y)
+        before = 0.0
+        while place.along > lane.shape_length:
+            following = self._following(lane, route, vehicle_class)
+            if following is None:
+                break
+            before += lane.length
+            lane = self._nearest(following, vehicle_class, x, y)
+            place = lane.place(x, y)
+        return lane, before + place.along * lane.scale
+
+    def _nearest(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> LaneShape:
+        candidates = self.beside(lane, vehicle_class) or (lane,)
+        return min(candidates, key=lambda candidate: abs(candidate.place(x, y).across))
+
+    def _following(self, lane: LaneShape, route: tuple[str, ...], vehicle_class: str) -> LaneShape | None:
+        """Return the lane after this one along the route; ``None`` where the route ends."""
+        if lane.internal:
+            links = self.links(lane.name)
+            return self.shape(links[0].first) if links else None
+        if lane.edge not in route[:-1]:
+            return None
+        onward = route[route.index(lane.edge) + 1]
+        # A lane that does not lead there: the controller is in the wrong one, its neighbour's way is nearest.
+        ways = sorted(self.beside(lane, vehicle_class), key=lambda other: abs(other.index - lane.index))
+        for way in ways:
+            for link in self.links(way.name):
+                if link.lane.rpartition("_")[0] == onward:
+                    return self.shape(link.first)
+        return None
+
+    def _read(self, name: str) -> LaneShape:
+        lane = self._connection.lane
+        shape = lane.getShape(name)
+        stations = [0.0]
+        for start, end in pairwise(shape):
+            stations.append(stations[-1] + math.dist(start, end))
+        return LaneShape(
+            name=name,
+            edge=lane.getEdgeID(name),
+            index=int(name.rpartition("_")[2]),
+            width=lane.getWidth(name),
+            length=lane.getLength(name),
+            points=tuple((point[0], point[1]) for point in shape),
+            stations=tuple(stations),
+        )
