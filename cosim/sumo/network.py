@@ -1,0 +1,333 @@
+"""What a SUMO network says about lanes, connections, crossings and walking areas; no simulation needed."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import BinaryIO, cast
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import CrossingKind
+from cosim.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+DEFAULT_LANE_WIDTH = 3.2
+"""SUMO's own default [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Permissions:
+    """Which vehicle classes may use a lane or a connection."""
+
+    allow: frozenset[str] | None = None
+    disallow: frozenset[str] = frozenset()
+
+    def allows(self, vehicle_class: str) -> bool:
+        """Return whether that class may use it.
+
+        >>> Permissions(allow=frozenset({"bus"})).allows("passenger")
+        False
+        """
+        if self.allow is not None:
+            return vehicle_class in self.allow or "all" in self.allow
+        return vehicle_class not in self.disallow and "all" not in self.disallow
+
+
+@dataclass(frozen=True)
+class NetLane:
+    """One lane, internal ones, crossings and walking areas included."""
+
+    name: str
+    edge: str
+    index: int
+    length: float
+    """As SUMO counts positions [m]; may differ from the length of the shape."""
+    width: float
+    speed: float
+    shape: FloatArray
+    """(n, 2) centre line; of a walking area its outline [m]."""
+    permissions: Permissions
+
+    @property
+    def internal(self) -> bool:
+        """Whether it lies inside a junction."""
+        return self.name.startswith(":")
+
+    @cached_property
+    def shape_length(self) -> float:
+        """Length of the centre line [m]."""
+        return float(np.hypot(*np.diff(self.shape, axis=0).T).sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """How one lane continues in another."""
+
+    source: str
+    target: str
+    via: tuple[str, ...]
+    """Internal lanes between the two, in driving order."""
+    direction: str
+    signal: str
+    """Id of the traffic light that controls it; empty for none."""
+    signal_index: int
+    permissions: Permissions
+
+
+@dataclass(frozen=True, slots=True)
+class NetCrossing:
+    """A pedestrian crossing."""
+
+    name: str
+    """Edge id."""
+    axis: FloatArray
+    """(n, 2) middle line from kerb to kerb [m]."""
+    width: float
+    edges: frozenset[str]
+    """The road edges it crosses."""
+    kind: CrossingKind
+    signal: str
+    signal_indices: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WalkingArea:
+    """Where pedestrians wait and turn."""
+
+    name: str
+    outline: FloatArray
+
+
+class Network:
+    """A network read once; everything in it is fixed."""
+
+    def __init__(
+        self,
+        lanes: Mapping[str, NetLane],
+        edges: Mapping[str, tuple[str, ...]],
+        connections: Mapping[str, tuple[Connection, ...]],
+        crossings: Mapping[str, NetCrossing],
+        walking_areas: Mapping[str, WalkingArea],
+    ) -> None:
+        self.lanes = lanes
+        self.edges = edges
+        """Lane names by index; normal and internal edges."""
+        self.connections = connections
+        """By source lane; only those that begin on a normal lane."""
+        self.crossings = crossings
+        self.walking_areas = walking_areas
+        incoming: defaultdict[str, list[Connection]] = defaultdict(list)
+        for group in connections.values():
+            for connection in group:
+                incoming[connection.target].append(connection)
+        self.incoming: Mapping[str, tuple[Connection, ...]] = {
+            name: tuple(group) for name, group in incoming.items()
+        }
+
+    @property
+    def roads(self) -> list[str]:
+        """Names of the normal edges."""
+        return [name for name in self.edges if not name.startswith(":")]
+
+    def allowed_lanes(self, edge: str, vehicle_class: str) -> list[int]:
+        """Return the indices of the lanes of an edge which that class may use."""
+        return [
+            index
+            for index, name in enumerate(self.edges[edge])
+            if self.lanes[name].permissions.allows(vehicle_class)
+        ]
+
+    def follow(self, lane: str, edge: str, vehicle_class: str) -> list[Connection]:
+        """Return the connections of a lane into an edge which that class may drive all the way."""
+        return [
+            connection
+            for connection in self.connections.get(lane, ())
+            if self.lanes[connection.target].edge == edge and self.passable(connection, vehicle_class)
+        ]
+
+    def passable(self, connection: Connection, vehicle_class: str) -> bool:
+        """Return whether that class may drive a connection, its internal lanes and its target."""
+        names = (*connection.via, connection.target)
+        return connection.permissions.allows(vehicle_class) and all(
+            self.lanes[name].permissions.allows(vehicle_class) for name in names
+        )
+
+
+def read_network(path: Path) -> Network:
+    """Return the network in a ``.net.xml`` or ``.net.xml.gz`` file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no SUMO network.
+    """
+    reader = _Reader()
+    try:
+        with _opened(path) as source:
+            for element in _elements(source):
+                reader.take(element)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"cannot read the network {path}: {reason}") from error
+    except (ElementTree.ParseError, zlib.error, EOFError) as error:
+        raise InputError(f"{path} is not a SUMO network: {error}") from error
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{path} is not a complete SUMO network: {error!r}") from error
+    if not reader.edges:
+        raise InputError(f"{path} has no edges; expected a SUMO network (.net.xml)")
+    return reader.network()
+
+
+def _opened(path: Path) -> BinaryIO:
+    with path.open("rb") as source:
+        magic = source.read(2)
+    return cast(BinaryIO, gzip.open(path, "rb")) if magic == b"\x1f\x8b" else path.open("rb")
+
+
+def _elements(source: BinaryIO) -> Iterator[ElementTree.Element]:
+    """Yield the root's children one after the other, and free each when it has been used."""
+    depth = 0
+    root: ElementTree.Element | None = None
+    for event, element in ElementTree.iterparse(source, events=("start", "end")):
+        if event == "start":
+            depth += 1
+            if root is None:
+                root = element
+            continue
+        depth -= 1
+        if depth == 1 and root is not None:
+            yield element
+            root.clear()
+
+
+def _classes(text: str | None) -> frozenset[str] | None:
+    return None if text is None else frozenset(text.split())
+
+
+def _permissions(element: ElementTree.Element) -> Permissions:
+    return Permissions(_classes(element.get("allow")), _classes(element.get("disallow")) or frozenset())
+
+
+def _shape(text: str) -> FloatArray:
+    points = np.array([[float(value) for value in point.split(",")[:2]] for point in text.split()])
+    if len(points) < 2:
+        return np.repeat(points, 2, axis=0)
+    # Repeated points have no direction; one of them is enough.
+    keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-6])
+    return points[keep] if keep.sum() >= 2 else points[:2]
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.lanes: dict[str, NetLane] = {}
+        self.edges: dict[str, tuple[str, ...]] = {}
+        self.crossing_edges: dict[str, frozenset[str]] = {}
+        self.walking_areas: dict[str, WalkingArea] = {}
+        self.links: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
+        self.entries: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
+
+    def take(self, element: ElementTree.Element) -> None:
+        if element.tag == "edge":
+            self._edge(element)
+        elif element.tag == "connection":
+            self._connection(element)
+
+    def _edge(self, element: ElementTree.Element) -> None:
+        function = element.get("function", "")
+        if function == "connector":
+            return
+        name = element.attrib["id"]
+        lanes = [self._lane(name, lane) for lane in element.iter("lane")]
+        if function == "walkingarea":
+            self.walking_areas[name] = WalkingArea(name, lanes[0].shape)
+            return
+        for lane in lanes:
+            self.lanes[lane.name] = lane
+        if function == "crossing":
+            self.crossing_edges[name] = frozenset(element.get("crossingEdges", "").split())
+        else:
+            self.edges[name] = tuple(lane.name for lane in lanes)
+
+    def _lane(self, edge: str, element: ElementTree.Element) -> NetLane:
+        return NetLane(
+            element.attrib["id"],
+            edge,
+            int(element.attrib["index"]),
+            float(element.attrib["length"]),
+            float(element.get("width", DEFAULT_LANE_WIDTH)),
+            float(element.attrib["speed"]),
+            _shape(element.attrib["shape"]),
+            _permissions(element),
+        )
+
+    def _connection(self, element: ElementTree.Element) -> None:
+        source, target = element.attrib["from"], element.attrib["to"]
+        if target in self.crossing_edges:
+            self.entries[target].append(element)
+        if source in self.edges and target in self.edges:
+            self.links[self._name(source, element.attrib["fromLane"])].append(element)
+
+    def _name(self, edge: str, index: str) -> str:
+        return self.edges[edge][int(index)]
+
+    def _via(self, element: ElementTree.Element) -> tuple[str, ...]:
+        """Return the chain of internal lanes: an internal lane may continue in a further one."""
+        chain: list[str] = []
+        target = (element.attrib["to"], element.attrib["toLane"])
+        via = element.get("via")
+        while via and via in self.lanes and via not in chain:
+            chain.append(via)
+            via = next(
+                (
+                    link.get("via")
+                    for link in self.links.get(via, ())
+                    if (link.attrib["to"], link.attrib["toLane"]) == target
+                ),
+                None,
+            )
+        return tuple(chain)
+
+    def _crossing(self, name: str) -> NetCrossing:
+        lane = self.lanes[f"{name}_0"]
+        entries = self.entries[name]
+        signal = next((entry.attrib["tl"] for entry in entries if entry.get("tl")), "")
+        indices = {
+            int(entry.attrib[key])
+            for entry in entries
+            for key in ("linkIndex", "linkIndex2")
+            if entry.get("tl") and int(entry.get(key, "-1")) >= 0
+        }
+        zebra = any(entry.get("state") == "M" for entry in entries)
+        kind = CrossingKind.SIGNAL if signal else CrossingKind.ZEBRA if zebra else CrossingKind.UNMARKED
+        edges = self.crossing_edges[name]
+        return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, tuple(sorted(indices)))
+
+    def network(self) -> Network:
+        connections = {
+            source: tuple(
+                Connection(
+                    source,
+                    self._name(link.attrib["to"], link.attrib["toLane"]),
+                    self._via(link),
+                    link.get("dir", "s"),
+                    link.get("tl", ""),
+                    int(link.get("linkIndex", "-1")),
+                    _permissions(link),
+                )
+                for link in links
+            )
+            for source, links in self.links.items()
+            if not source.startswith(":")
+        }
+        crossings = {name: self._crossing(name) for name in self.crossing_edges}
+        lanes = {name: lane for name, lane in self.lanes.items() if lane.edge in self.edges}
+        return Network(lanes, self.edges, connections, crossings, self.walking_areas)

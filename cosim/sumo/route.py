@@ -1,0 +1,395 @@
+"""A route through the network, lane by lane: where each lane leads, and the curve that follows it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import CrossingKind
+from cosim.errors import InputError
+from cosim.sumo.network import Connection, NetCrossing, NetLane, Network
+from cosim.sumo.path import Path, crossing_point
+
+FloatArray = NDArray[np.float64]
+
+VIEW = 250.0
+"""How far a path reaches beyond the end of its edge [m]."""
+BEHIND = 80.0
+"""How far a path reaches back before its edge [m]."""
+STRAIGHT_ON = 60.0
+"""How far a path goes straight on where its lanes end [m]."""
+STOP_MARGIN = 1.0
+"""Distance from a stop line to the crossing behind it [m]."""
+SAME_APPROACH = 8.0
+"""A crossing that begins at most this far behind a lane's end is the one that lane stops for [m]."""
+DIVERGED = 12.0
+"""Lanes further apart than this are not beside each other [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PathCrossing:
+    """A crossing where a path meets it; distances along the path."""
+
+    source: NetCrossing
+    middle: float
+    entry: float
+    exit: float
+    stop_line: float
+    origin: FloatArray
+    """World position of the meeting point [m]."""
+    heading: float
+    """Of the path there [rad]."""
+    right: float
+    left: float
+
+    @property
+    def kind(self) -> CrossingKind:
+        """Who has to wait."""
+        return self.source.kind
+
+
+@dataclass(frozen=True, slots=True)
+class PathSignal:
+    """A traffic light over a path."""
+
+    name: str
+    index: int
+    stop_line: float
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """The part of a path that one lane makes."""
+
+    lane: NetLane
+    step: int
+    """Index of the route's edge that the lane belongs to, or that its junction follows; −1 before it."""
+    start: float
+    end: float
+
+
+class LanePath:
+    """What lies along one lane of one edge of a route, and along the lanes that continue it.
+
+    ``along`` is 0 where the edge begins and negative before it.
+    """
+
+    def __init__(
+        self, polyline: FloatArray, origin: float, pieces: Sequence[Piece], leads_to_end: bool, step: int
+    ) -> None:
+        self.curve = Path(polyline, origin)
+        along = self.curve.station_along
+        self.pieces = tuple(
+            Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
+        )
+        ahead = [piece for piece in self.pieces if piece.start >= -1e-6]
+        self.own = ahead[0]
+        self.edge_end = self.own.end
+        following = [piece for piece in ahead if piece.step > step and not piece.lane.internal]
+        self.next_start = following[0].start if following else math.inf
+        """Where the next edge of the route begins [m]; inf when this lane does not lead there."""
+        self.chain_end = ahead[-1].end
+        """Where the lanes that were followed end [m]."""
+        self.leads_to_end = leads_to_end
+        """Whether the chain ends because the route does."""
+        self._polyline, self._origin, self._step = polyline, origin, step
+        self._limits = self._speed_limits()
+        self.crossings: tuple[PathCrossing, ...] = ()
+        self.signals: tuple[PathSignal, ...] = ()
+        self._offsets: dict[int, FloatArray] = {}
+
+    @property
+    def limits(self) -> tuple[FloatArray, FloatArray]:
+        """Where speed limits begin [m], and the limits [m/s]."""
+        return self._limits
+
+    @cached_property
+    def widths(self) -> FloatArray:
+        """Lane width at each sample of the curve [m]."""
+        starts = np.array([piece.start for piece in self.pieces])
+        index = np.clip(np.searchsorted(starts, self.curve.along, side="right") - 1, 0, None)
+        return np.array([piece.lane.width for piece in self.pieces])[index]
+
+    def piece_at(self, along: float) -> Piece:
+        """Return the piece there; the first or last one beyond the ends."""
+        for piece in self.pieces:
+            if along < piece.end:
+                return piece
+        return self.pieces[-1]
+
+    def beside(self, other: LanePath) -> FloatArray:
+        """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""
+        key = id(other)
+        if key not in self._offsets:
+            along, across, _ = other.curve.project(self.curve.points)
+            # `across` is this curve seen from the other one: the offset has the other sign.
+            gone = (np.abs(across) > DIVERGED) | (along > other.chain_end + 5.0)
+            self._offsets[key] = np.where(gone, np.nan, -across)
+        return self._offsets[key]
+
+    def _speed_limits(self) -> tuple[FloatArray, FloatArray]:
+        starts, limits = [], []
+        for piece in self.pieces:
+            if not limits or piece.lane.speed != limits[-1]:
+                starts.append(piece.start)
+                limits.append(piece.lane.speed)
+        return np.array(starts), np.array(limits)
+
+    def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
+        """Find the crossings and signals along the path."""
+        ends = [piece.end for piece in self.pieces if not piece.lane.internal]
+        found = [self._meeting(crossing, ends) for crossing in crossings]
+        self.crossings = tuple(sorted((c for c in found if c is not None), key=lambda c: c.entry))
+        end_of = {piece.lane.name: piece.end for piece in self.pieces}
+        self.signals = tuple(
+            PathSignal(connection.signal, connection.signal_index, end_of[connection.source])
+            for connection in connections
+            if connection.signal and connection.source in end_of
+        )
+
+    def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
+        axis = _lengthened(crossing.axis, 0.5)
+        meeting = crossing_point(self._polyline, axis)
+        if meeting is None:
+            return None
+        station, _, axis_direction = meeting
+        middle = self.curve.station_along(station + self._origin)
+        heading = self.curve.heading_at(middle)
+        forward = np.array([math.cos(heading), math.sin(heading)])
+        leftward = np.array([-forward[1], forward[0]])
+        sine = max(abs(float(forward[0] * axis_direction[1] - forward[1] * axis_direction[0])), 0.3)
+        half = 0.5 * crossing.width / sine
+        entry = middle - half
+        # An oblique crossing begins earlier for a corner of the car than for its centre line.
+        skew = min(0.9 * math.sqrt(1.0 - sine * sine) / sine, 3.0)
+        stop_line = entry - STOP_MARGIN - skew
+        for end in ends:
+            if entry - SAME_APPROACH <= end <= middle + half:
+                stop_line = min(stop_line, end)
+        origin = self.curve.at(np.array([middle]), np.zeros(1))[0]
+        sides = (crossing.axis[[0, -1]] - origin) @ leftward
+        return PathCrossing(
+            crossing, middle, entry, middle + half, stop_line, origin, heading, sides.min(), sides.max()
+        )
+
+
+def _lengthened(line: FloatArray, by: float) -> FloatArray:
+    first, last = line[0] - line[1], line[-1] - line[-2]
+    return np.concatenate(
+        [[line[0] + by * first / np.hypot(*first)], line[1:-1], [line[-1] + by * last / np.hypot(*last)]]
+    )
+
+
+class Route:
+    """A route for a vehicle class, and the paths along its lanes.
+
+    Parameters
+    ----------
+    network
+    edges : names, in driving order
+    vehicle_class : SUMO's name of it
+
+    Raises
+    ------
+    InputError
+        If an edge does not exist, may not be used by the class, or does not follow the one before.
+    """
+
+    def __init__(self, network: Network, edges: Sequence[str], vehicle_class: str) -> None:
+        self.network = network
+        self.edges = tuple(edges)
+        self.vehicle_class = vehicle_class
+        check_route(network, self.edges, vehicle_class)
+        self._reach = self._reaches()
+        self._paths: dict[tuple[int, int], LanePath] = {}
+
+    def lane(self, step: int, index: int) -> NetLane:
+        """Return a lane of the route's edge number ``step``."""
+        return self.network.lanes[self.network.edges[self.edges[step]][index]]
+
+    def usable(self, step: int, index: int) -> bool:
+        """Return whether that lane exists and the class may use it."""
+        names = self.network.edges[self.edges[step]]
+        return 0 <= index < len(names) and self.lane(step, index).permissions.allows(self.vehicle_class)
+
+    def reach(self, step: int, index: int) -> float:
+        """Return how far a lane leads along the route from its beginning [m]; inf to the route's end."""
+        return self._reach[step].get(index, 0.0)
+
+    def path(self, step: int, index: int) -> LanePath:
+        """Return the path along a lane, made on first use."""
+        key = (step, index)
+        if key not in self._paths:
+            self._paths[key] = self._path(step, index)
+        return self._paths[key]
+
+    def next_lane(self, step: int, index: int) -> int | None:
+        """Return the index of the lane on the next edge that continues this one best."""
+        connection = self._onward(step, index)
+        return None if connection is None else self.network.lanes[connection.target].index
+
+    def _reaches(self) -> list[dict[int, float]]:
+        last = len(self.edges) - 1
+        reaches: list[dict[int, float]] = [{} for _ in self.edges]
+        reaches[last] = dict.fromkeys(
+            self.network.allowed_lanes(self.edges[last], self.vehicle_class), math.inf
+        )
+        for step in range(last - 1, -1, -1):
+            for index in self.network.allowed_lanes(self.edges[step], self.vehicle_class):
+                onward = [
+                    sum(self.network.lanes[name].shape_length for name in connection.via)
+                    + reaches[step + 1].get(self.network.lanes[connection.target].index, 0.0)
+                    for connection in self._connections(step, index)
+                ]
+                reaches[step][index] = self.lane(step, index).shape_length + max(onward, default=0.0)
+        return reaches
+
+    def _connections(self, step: int, index: int) -> list[Connection]:
+        if step + 1 >= len(self.edges):
+            return []
+        name = self.lane(step, index).name
+        return self.network.follow(name, self.edges[step + 1], self.vehicle_class)
+
+    def _onward(self, step: int, index: int) -> Connection | None:
+        """Return the connection that leads furthest; of equal ones the one that keeps the lane."""
+        return max(
+            self._connections(step, index),
+            key=lambda connection: (
+                self.reach(step + 1, self.network.lanes[connection.target].index),
+                -abs(self.network.lanes[connection.target].index - index),
+            ),
+            default=None,
+        )
+
+    def _backward(self, step: int, index: int) -> Connection | None:
+        incoming = [
+            connection
+            for connection in self.network.incoming.get(self.lane(step, index).name, ())
+            if self.network.passable(connection, self.vehicle_class)
+            and self.network.lanes[connection.source].permissions.allows(self.vehicle_class)
+        ]
+        if step > 0:
+            before = self.edges[step - 1]
+            incoming = [c for c in incoming if self.network.lanes[c.source].edge == before]
+        return max(incoming, key=lambda connection: connection.direction == "s", default=None)
+
+    def _path(self, step: int, index: int) -> LanePath:
+        lanes: list[tuple[NetLane, int]] = [(self.lane(step, index), step)]
+        connections: list[Connection] = []
+        beyond, at, lane = 0.0, step, index
+        leads_to_end = step == len(self.edges) - 1
+        while beyond < VIEW:
+            connection = self._onward(at, lane)
+            if connection is None:
+                leads_to_end = at == len(self.edges) - 1
+                break
+            connections.append(connection)
+            added = [self.network.lanes[name] for name in connection.via]
+            at, lane = at + 1, self.network.lanes[connection.target].index
+            lanes += [(part, at - 1) for part in added] + [(self.lane(at, lane), at)]
+            beyond += sum(part.shape_length for part in added) + self.lane(at, lane).shape_length
+            leads_to_end = False
+        before, entering = self._before(step, index)
+        polyline, origin, pieces = _joined([(part, step - 1) for part in before], lanes)
+        path = LanePath(polyline, origin, pieces, leads_to_end, step)
+        edges = {part.edge for part, _ in lanes if not part.internal}
+        edges |= {part.edge for part in before if not part.internal}
+        crossings = [c for c in self.network.crossings.values() if c.edges & edges]
+        path.meet(crossings, [*entering, *connections])
+        return path
+
+    def _before(self, step: int, index: int) -> tuple[list[NetLane], list[Connection]]:
+        """Return the lanes that lead to a lane, in driving order, and the connections between them."""
+        lanes: list[NetLane] = []
+        connections: list[Connection] = []
+        gone, at, lane = 0.0, step, index
+        connection = self._backward(at, lane)
+        while connection is not None and gone < BEHIND:
+            source = self.network.lanes[connection.source]
+            added = [source, *(self.network.lanes[name] for name in connection.via)]
+            lanes = added + lanes
+            connections.insert(0, connection)
+            gone += sum(part.shape_length for part in added)
+            at, lane = at - 1, source.index
+            if at < 0:
+                break
+            connection = self._backward(at, lane)
+        return lanes, connections
+
+
+def _joined(
+    before: Sequence[tuple[NetLane, int]], ahead: Sequence[tuple[NetLane, int]]
+) -> tuple[FloatArray, float, list[Piece]]:
+    """Return one polyline over all lanes, the station of its first point, and where each lane lies.
+
+    Station 0 is where the first lane of ``ahead`` begins. Gaps between lanes are bridged straight.
+    """
+    points: list[FloatArray] = []
+    spans: list[tuple[NetLane, int, float, float]] = []
+    length, origin = 0.0, 0.0
+    everything = [*before, *ahead]
+    for number, (lane, step) in enumerate(everything):
+        if number == len(before):
+            origin = length
+        shape = lane.shape
+        if points:
+            jump = float(np.hypot(*(shape[0] - points[-1][-1])))
+            if jump < 0.05:
+                shape = shape[1:]
+                jump = 0.0
+            length += jump
+            if number == len(before):
+                origin = length
+        spans.append((lane, step, length, length + lane.shape_length))
+        points.append(shape)
+        length += lane.shape_length
+    polyline = np.concatenate([part for part in points if len(part)])
+    first, last = polyline[0] - polyline[1], polyline[-1] - polyline[-2]
+    head = polyline[0] + STRAIGHT_ON * first / np.hypot(*first)
+    tail = polyline[-1] + STRAIGHT_ON * last / np.hypot(*last)
+    polyline = np.concatenate([[head], polyline, [tail]])
+    pieces = [Piece(lane, step, start - origin, end - origin) for lane, step, start, end in spans]
+    return polyline, -origin - STRAIGHT_ON, pieces
+
+
+def check_route(network: Network, edges: Sequence[str], vehicle_class: str) -> None:
+    """Raise `InputError` naming the first edge that a route of that class cannot contain."""
+    if not edges:
+        raise InputError('a route needs at least one edge, for instance "e1 e2 e3"')
+    for number, edge in enumerate(edges):
+        if edge.startswith(":") or edge not in network.edges:
+            raise InputError(f'route edge {number + 1} "{edge}" is not in the network; {_similar(network, edge)}')
+        if not network.allowed_lanes(edge, vehicle_class):
+            raise InputError(f'route edge {number + 1} "{edge}" has no lane for a {vehicle_class} vehicle')
+    for number, (edge, following) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        lanes = [network.edges[edge][index] for index in network.allowed_lanes(edge, vehicle_class)]
+        if not any(network.follow(lane, following, vehicle_class) for lane in lanes):
+            raise InputError(
+                f'route edge {number + 2} "{following}" does not follow "{edge}" for a {vehicle_class} '
+                f"vehicle; after it come {_after(network, lanes, vehicle_class)}"
+            )
+
+
+def _after(network: Network, lanes: Sequence[str], vehicle_class: str) -> str:
+    names = {
+        network.lanes[connection.target].edge
+        for lane in lanes
+        for connection in network.connections.get(lane, ())
+        if network.passable(connection, vehicle_class)
+    }
+    return ", ".join(f'"{name}"' for name in sorted(names)[:8]) or "no edges"
+
+
+def _similar(network: Network, edge: str) -> str:
+    """Say which edges exist whose names are most like the given one."""
+    import difflib
+
+    roads = network.roads
+    near = difflib.get_close_matches(edge, roads, n=5, cutoff=0.3) or sorted(roads)[:5]
+    names = ", ".join(f'"{name}"' for name in near)
+    return f"the network has {len(roads)} edges, for instance {names}"
