@@ -1,0 +1,130 @@
+"""Scenarios by name, folder or configuration: ``names``, ``load``, ``with_parameters``, ``prepare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Egos, Scenario, egos_of, with_egos
+from sumo_scenarios.parameters import parameter_names, with_parameters
+from sumo_scenarios.preparation import Prepared, prepare
+from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, defaults, read_table
+from sumo_scenarios.sumo_installation import packaged_file
+from sumo_scenarios.sumocfg import SumoConfiguration, read_sumocfg
+
+__all__ = [
+    "Egos",
+    "Prepared",
+    "Scenario",
+    "ScenarioError",
+    "load",
+    "names",
+    "parameter_names",
+    "prepare",
+    "with_egos",
+    "with_parameters",
+]
+
+LIBRARY = Path(__file__).parent
+DEFINITION = "scenario.toml"
+# A configuration without an end goes on for as long as there are vehicles.
+DURATION_WITHOUT_END_S = 3600.0
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the built-in scenarios: every folder here that holds a scenario.toml."""
+    return tuple(sorted(path.parent.name for path in LIBRARY.glob(f"*/{DEFINITION}")))
+
+
+def load(name_or_path: str) -> Scenario:
+    """Return a built-in scenario, one from a folder with a scenario.toml, or a SUMO configuration.
+
+    Raises
+    ------
+    ScenarioError
+        If there is none, or it cannot be read.
+    """
+    if name_or_path in names():
+        return _from_folder(LIBRARY / name_or_path)
+    path = Path(name_or_path)
+    if path.name == DEFINITION and path.is_file():
+        path = path.parent
+    if (path / DEFINITION).is_file():
+        return _from_folder(path.resolve())
+    if path.is_file():
+        return _from_sumocfg(path)
+    if path.is_dir():
+        raise ScenarioError(f"{name_or_path}: the folder has no {DEFINITION}")
+    kind = "no such configuration" if path.suffix == ".sumocfg" else "no such scenario"
+    raise ScenarioError(
+        f"{name_or_path}: {kind}; built-in: {', '.join(names())}; or a folder with {DEFINITION}, or a .sumocfg"
+    )
+
+
+def _from_folder(folder: Path) -> Scenario:
+    table = read_table(folder / DEFINITION)
+    parameters = defaults(table)
+    sumocfg: Path | None = None
+    begin_s, step_s = 0.0, table.step_s or 0.1
+    if table.network is None:
+        sumocfg = packaged_file(table.packaged_sumocfg) if table.packaged_sumocfg else folder / table.sumocfg
+        configuration = read_sumocfg(sumocfg)
+        begin_s = configuration.begin_s
+        step_s = table.step_s or _checked_step(configuration)
+    hybrid = HYBRID_LATERAL_RESOLUTION_M if table.actuation == "hybrid" else None
+    demand = table.demand
+    if table.warmup_s >= table.duration_s:
+        raise ScenarioError(f"{folder / DEFINITION}: key 'warmup_s': expected less than duration_s")
+    return Scenario(
+        name=folder.name,
+        folder=folder,
+        sumocfg=sumocfg,
+        description=table.description,
+        begin_s=begin_s,
+        duration_s=table.duration_s,
+        warmup_s=table.warmup_s,
+        step_s=step_s,
+        actuation=table.actuation,
+        lateral_resolution_m=table.lateral_resolution_m or hybrid,
+        vehicles_per_hour=demand.vehicles_per_hour if demand else None,
+        pedestrians_per_hour=demand.pedestrians_per_hour if demand else None,
+        parameters=parameters,
+        egos=egos_of(table, parameters),
+        table=table,
+    )
+
+
+def _from_sumocfg(path: Path) -> Scenario:
+    configuration = read_sumocfg(path)
+    end_s = configuration.end_s
+    duration_s = DURATION_WITHOUT_END_S if end_s is None else end_s - configuration.begin_s
+    if duration_s <= 0:
+        raise ScenarioError(
+            f"{path}: end is {end_s:g} s; expected more than begin, {configuration.begin_s:g} s"
+        )
+    return Scenario(
+        name=path.stem,
+        folder=None,
+        sumocfg=path.resolve(),
+        description=f"SUMO configuration {path.name}",
+        begin_s=configuration.begin_s,
+        duration_s=duration_s,
+        warmup_s=0.0,
+        step_s=_checked_step(configuration),
+        actuation="hybrid",
+        lateral_resolution_m=configuration.lateral_resolution_m or HYBRID_LATERAL_RESOLUTION_M,
+        vehicles_per_hour=None,
+        pedestrians_per_hour=None,
+        parameters={},
+        egos=Egos(),
+    )
+
+
+def _checked_step(configuration: SumoConfiguration) -> float:
+    step_s = configuration.step_s
+    if not SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S:
+        raise ScenarioError(
+            f"{configuration.path}: step-length is {step_s:g} s; "
+            f"expected {SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
+        )
+    return step_s

@@ -1,0 +1,98 @@
+"""Networks built by netconvert on first use, kept in a cache that is keyed by their content."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import platformdirs
+
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.schema import NetworkTable
+from sumo_scenarios.sumo_installation import netconvert, sumo_home, sumo_version
+
+CACHE_VARIABLE = "COSIM_CACHE_DIR"
+# Mid-road nodes and dead ends would get U-turns otherwise.
+_ALWAYS = ("--no-turnarounds", "true", "--xml-validation", "never")
+_COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
+
+
+def cache_folder() -> Path:
+    """Return the folder of built networks: ``$COSIM_CACHE_DIR``, or the user's own cache."""
+    chosen = os.environ.get(CACHE_VARIABLE)
+    return Path(chosen) if chosen else Path(platformdirs.user_cache_dir("sumo-cosim", appauthor=False))
+
+
+def source_files(folder: Path, network: NetworkTable) -> dict[str, tuple[Path, ...]]:
+    """Return the plain sources by netconvert's option."""
+    files = {
+        "--node-files": (folder / network.nodes,),
+        "--edge-files": (folder / network.edges,),
+        "--type-files": (folder / network.types,) if network.types else (),
+        "--connection-files": tuple(folder / name for name in network.connections),
+    }
+    return {option: paths for option, paths in files.items() if paths}
+
+
+def build_network(folder: Path, network: NetworkTable) -> Path:
+    """Return the network file, from the cache if these sources were built before.
+
+    The comment in which netconvert writes date and paths is taken out: the same sources give the same
+    bytes. The file appears under its final name only when it is complete, so that processes which build
+    the same network at the same time do not disturb each other.
+
+    Raises
+    ------
+    ScenarioError
+        If a source is missing, or netconvert refuses the sources.
+    """
+    sources = source_files(folder, network)
+    target = cache_folder() / f"{folder.name}-{_key(sources, network.netconvert)}.net.xml"
+    if target.is_file():
+        return target
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".building-") as work:
+            raw = Path(work) / "raw.net.xml"
+            _run_netconvert(folder, sources, network.netconvert, raw)
+            stripped = Path(work) / "stripped.net.xml"
+            stripped.write_bytes(_COMMENT.sub(b"", raw.read_bytes()))
+            os.replace(stripped, target)
+    except OSError as error:
+        raise ScenarioError(
+            f"cannot write the network cache {target.parent}: {error.strerror}; set {CACHE_VARIABLE} to another"
+        ) from error
+    return target
+
+
+def _key(sources: dict[str, tuple[Path, ...]], further: Sequence[str]) -> str:
+    digest = hashlib.sha256(repr((sumo_version(), _ALWAYS, tuple(further))).encode())
+    for option, paths in sources.items():
+        for path in paths:
+            try:
+                content = path.read_bytes()
+            except OSError as error:
+                raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from error
+            digest.update(f"{option} {len(content)} ".encode())
+            digest.update(content)
+    return digest.hexdigest()[:24]
+
+
+def _run_netconvert(
+    folder: Path, sources: dict[str, tuple[Path, ...]], further: Sequence[str], output: Path
+) -> None:
+    command = [str(netconvert())]
+    for option, paths in sources.items():
+        command += [option, ",".join(str(path) for path in paths)]
+    command += [*_ALWAYS, *further, "--output-file", str(output)]
+    environment = {**os.environ, "SUMO_HOME": str(sumo_home())}
+    result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    if result.returncode != 0 or not output.is_file():
+        lines = [line for line in (result.stderr + result.stdout).splitlines() if line.startswith("Error")]
+        reason = " ".join(lines) or f"netconvert ended with {result.returncode}"
+        raise ScenarioError(f"{folder.name}: netconvert cannot build the network: {reason}")

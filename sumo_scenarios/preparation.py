@@ -1,0 +1,101 @@
+"""From a scenario to SUMO's command line and the hashes of everything that goes in."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from sumo_scenarios.demand import fill, placeholders
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.model import Scenario
+from sumo_scenarios.network_cache import build_network, source_files
+from sumo_scenarios.sumocfg import read_sumocfg
+from sumo_scenarios.xml_files import sha256
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A scenario that SUMO can start."""
+
+    options: tuple[str, ...]
+    """SUMO's command line without the program."""
+    net_file: Path
+    begin_s: float
+    """Simulated time of the first step [s]."""
+    inputs: dict[str, str]
+    """SHA-256 of every input file, by a name that is the same on every machine."""
+
+
+def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
+    """Build or find the network, fill the demand into ``work_dir``, and return what SUMO needs.
+
+    Raises
+    ------
+    ScenarioError
+        If an input file is missing or broken.
+    """
+    if scenario.sumocfg is not None:
+        return _prepare_configuration(scenario, seed, scenario.sumocfg)
+    table = scenario.table
+    if table is None or table.network is None or table.demand is None or scenario.folder is None:
+        raise ScenarioError(f"{scenario.name}: has neither a network nor a SUMO configuration")
+    net_file = build_network(scenario.folder, table.network)
+    values = placeholders(scenario, table)
+    filled: dict[str, list[Path]] = {"routes": [], "additional": []}
+    for kind, names in (("routes", table.demand.routes), ("additional", table.demand.additional)):
+        for name in names:
+            target = work_dir / Path(name).name
+            fill(scenario.folder / name, values, target)
+            filled[kind].append(target)
+    options = ["--net-file", str(net_file), "--route-files", ",".join(map(str, filled["routes"]))]
+    if filled["additional"]:
+        options += ["--additional-files", ",".join(map(str, filled["additional"]))]
+    sources = [path for paths in source_files(scenario.folder, table.network).values() for path in paths]
+    inputs = _hashes(scenario.folder, sources)
+    inputs["network"] = sha256(net_file)
+    inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"]])
+    return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs)
+
+
+def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path) -> Prepared:
+    configuration = read_sumocfg(sumocfg)
+    files = (sumocfg, configuration.net_file, *configuration.route_files, *configuration.additional_files)
+    options = ("--configuration-file", str(sumocfg), *_run_options(scenario, seed))
+    return Prepared(options, configuration.net_file, scenario.begin_s, _hashes(sumocfg.parent, files))
+
+
+def _hashes(folder: Path, files: Iterable[Path]) -> dict[str, str]:
+    return {Path(os.path.relpath(file, folder)).as_posix(): sha256(file) for file in files}
+
+
+def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
+    """Return what every run sets, over what a configuration may say otherwise."""
+    options = [
+        *("--seed", str(seed)),
+        *("--random", "false"),
+        *("--begin", f"{scenario.begin_s:.3f}"),
+        *("--step-length", f"{scenario.step_s:g}"),
+        # Reported speeds of moved vehicles are off under the ballistic method.
+        *("--step-method.ballistic", "false"),
+        # SUMO's defaults hide collisions: vehicles are teleported away and junctions are not looked at.
+        *("--collision.action", "warn"),
+        *("--collision.check-junctions", "true"),
+        *("--collision.mingap-factor", "0"),
+        # A standing ego must stay where it is.
+        *("--time-to-teleport", "-1"),
+        *("--no-step-log", "true"),
+        *("--no-warnings", "true"),
+        *("--duration-log.disable", "true"),
+        *("--xml-validation", "never"),
+    ]
+    if scenario.lateral_resolution_m is not None:
+        # SUMO accepts only one of the two lane-change models.
+        options += [
+            "--lateral-resolution",
+            f"{scenario.lateral_resolution_m:g}",
+            "--lanechange.duration",
+            "0",
+        ]
+    return tuple(options)

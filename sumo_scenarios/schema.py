@@ -1,0 +1,184 @@
+"""What a ``scenario.toml`` may hold; every other key is an error."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from sumo_scenarios.errors import ScenarioError
+
+SHORTEST_STEP_S = 0.05
+LONGEST_STEP_S = 1.0
+
+ParameterValue = bool | int | float | str
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Step = Annotated[float, Field(ge=SHORTEST_STEP_S, le=LONGEST_STEP_S, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)]
+Actuation = Literal["hybrid", "move"]
+
+
+class Table(BaseModel):
+    """A TOML table whose keys are all known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class NetworkTable(Table):
+    """Plain network sources, relative to the scenario's folder, and further netconvert arguments."""
+
+    nodes: str
+    edges: str
+    types: str = ""
+    connections: list[str] = []
+    netconvert: list[str] = []
+
+
+class RateTable(Table):
+    """A rate in the demand text: ``share`` of a parameter that is counted per hour."""
+
+    of: str
+    share: Positive
+
+
+class DemandTable(Table):
+    """Demand texts (``string.Template``), relative to the scenario's folder."""
+
+    routes: list[str]
+    additional: list[str] = []
+    vehicles_per_hour: NotNegative | None = None
+    pedestrians_per_hour: NotNegative | None = None
+
+
+class ParameterTable(Table):
+    """One further parameter of this scenario; the type of its default is its type."""
+
+    default: ParameterValue
+    description: str
+    choices: list[str] = []
+    minimum: float | None = None
+    maximum: float | None = None
+
+
+class RouteTable(Table):
+    """One ego trip, offered where the parameters have the values of ``when``."""
+
+    edges: str
+    when: dict[str, ParameterValue] = {}
+
+
+class EgosTable(Table):
+    """How egos come about."""
+
+    routes: list[RouteTable] = []
+    vehicles: list[str] = []
+    share: Share | None = None
+    count: Annotated[int, Field(ge=0)] = 0
+    first_depart_s: NotNegative = 0.0
+    headway_s: Positive = 30.0
+    vehicle_type: str = ""
+    depart_lane: str = "best"
+    depart_speed: str = "desired"
+
+
+class ScenarioTable(Table):
+    """The whole of ``scenario.toml``."""
+
+    description: str
+    duration_s: Positive
+    warmup_s: NotNegative = 0.0
+    step_s: Step | None = None
+    actuation: Actuation = "hybrid"
+    lateral_resolution_m: Positive | None = None
+    network: NetworkTable | None = None
+    demand: DemandTable | None = None
+    packaged_sumocfg: str = ""
+    sumocfg: str = ""
+    rates: dict[str, RateTable] = {}
+    times: dict[str, float] = {}
+    parameters: dict[str, ParameterTable] = {}
+    egos: EgosTable = EgosTable()
+
+    @model_validator(mode="after")
+    def one_source(self) -> ScenarioTable:
+        """Check that there is exactly one network, and a demand with a network of our own."""
+        if sum((self.network is not None, bool(self.packaged_sumocfg), bool(self.sumocfg))) != 1:
+            raise ValueError("expected exactly one of [network], sumocfg, packaged_sumocfg")
+        if (self.network is None) != (self.demand is None):
+            raise ValueError("[demand] belongs to [network]: expected both or none")
+        counted = {"vehicles_per_hour", "pedestrians_per_hour", *self.parameters}
+        for name, rate in self.rates.items():
+            if rate.of not in counted:
+                raise ValueError(f"rates.{name}.of is {rate.of!r}; there are: {', '.join(sorted(counted))}")
+        for route in self.egos.routes:
+            for key in route.when:
+                if key not in self.parameters:
+                    exist = ", ".join(sorted(self.parameters)) or "none"
+                    raise ValueError(f"egos.routes.when names {key!r}; parameters that exist: {exist}")
+        return self
+
+
+def read_table(path: Path) -> ScenarioTable:
+    """Return the checked content of a ``scenario.toml``.
+
+    Raises
+    ------
+    ScenarioError
+        One line with file, key and what exists.
+    """
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: not valid TOML: {error}") from error
+    try:
+        return ScenarioTable.model_validate(raw)
+    except ValidationError as error:
+        raise ScenarioError(f"{path}: {_first_line(error)}") from error
+
+
+def _first_line(error: ValidationError) -> str:
+    details = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in details["loc"])
+    if details["type"] == "extra_forbidden":
+        return f"unknown key '{key}'; keys that exist here: {', '.join(_keys_beside(details['loc']))}"
+    if details["type"] == "missing":
+        return f"key '{key}' is missing"
+    if details["type"] == "value_error":
+        return str(details["msg"]).removeprefix("Value error, ")
+    return f"key '{key}': {_lower(details)}, got {details['input']!r}"
+
+
+def _lower(details: ErrorDetails) -> str:
+    message = str(details["msg"])
+    return message[:1].lower() + message[1:]
+
+
+def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
+    """Return the keys of the table in which an unknown key was found."""
+    table: type[BaseModel] = ScenarioTable
+    for part in location[:-1]:
+        if isinstance(part, str) and part in table.model_fields:
+            table = _table_in(table.model_fields[part].annotation) or table
+    return list(table.model_fields)
+
+
+def _table_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for inner in get_args(annotation):
+        found = _table_in(inner)
+        if found is not None:
+            return found
+    return None
+
+
+def defaults(table: ScenarioTable) -> Mapping[str, ParameterValue]:
+    """Return the default of each further parameter."""
+    return {name: parameter.default for name, parameter in table.parameters.items()}

@@ -1,0 +1,103 @@
+"""What a SUMO configuration file says about times and input files."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.xml_files import check_xml
+
+# SUMO accepts several names for one option.
+_NAMES = {
+    "n": "net-file",
+    "net": "net-file",
+    "r": "route-files",
+    "routes": "route-files",
+    "a": "additional-files",
+    "additional": "additional-files",
+    "b": "begin",
+    "e": "end",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SumoConfiguration:
+    """The part of a configuration that a run needs to know."""
+
+    path: Path
+    net_file: Path
+    route_files: tuple[Path, ...]
+    additional_files: tuple[Path, ...]
+    begin_s: float
+    end_s: float | None
+    step_s: float
+    lateral_resolution_m: float | None
+
+
+def read_sumocfg(path: Path) -> SumoConfiguration:
+    """Return what a configuration says; its input files must exist and be well-formed XML.
+
+    Raises
+    ------
+    ScenarioError
+        If the configuration or a file that it names is missing or broken.
+    """
+    root_name = check_xml(path)
+    if not root_name.lower().endswith("configuration"):
+        raise ScenarioError(f"{path}: the root element is <{root_name}>; expected a SUMO <configuration>")
+    options = _options(path)
+    if not options.get("net-file"):
+        raise ScenarioError(f'{path}: names no network; expected <net-file value="..."/>')
+    (net_file,) = _files(path, "net-file", options)[:1]
+    root_name = check_xml(net_file, asked_by=path)
+    if root_name != "net":
+        raise ScenarioError(f"{net_file}: the root element is <{root_name}>; expected a SUMO network, <net>")
+    others = {key: _files(path, key, options) for key in ("route-files", "additional-files")}
+    for file in (*others["route-files"], *others["additional-files"]):
+        check_xml(file, asked_by=path)
+    lateral = _seconds(path, "lateral-resolution", options) or 0.0
+    end_s = _seconds(path, "end", options)
+    step_s = _seconds(path, "step-length", options)
+    return SumoConfiguration(
+        path=path,
+        net_file=net_file,
+        route_files=others["route-files"],
+        additional_files=others["additional-files"],
+        begin_s=_seconds(path, "begin", options) or 0.0,
+        end_s=None if end_s is None or end_s < 0 else end_s,
+        step_s=1.0 if step_s is None else step_s,
+        lateral_resolution_m=lateral if lateral > 0 else None,
+    )
+
+
+def _options(path: Path) -> dict[str, str]:
+    options = {}
+    for element in ElementTree.parse(path).getroot().iter():
+        value = element.get("value", element.get("v"))
+        if value is not None:
+            options[_NAMES.get(element.tag, element.tag)] = value
+    return options
+
+
+def _files(path: Path, key: str, options: dict[str, str]) -> tuple[Path, ...]:
+    names = (name.strip() for name in os.path.expandvars(options.get(key, "")).split(","))
+    return tuple(path.parent / name for name in names if name)
+
+
+def _seconds(path: Path, key: str, options: dict[str, str]) -> float | None:
+    """Return a time, given as seconds or as [days:]hours:minutes:seconds."""
+    text = options.get(key)
+    if text is None:
+        return None
+    sign, parts = (-1.0, text[1:]) if text.startswith("-") else (1.0, text)
+    seconds = 0.0
+    try:
+        numbers = [float(part) for part in parts.split(":")]
+    except ValueError:
+        raise ScenarioError(f"{path}: {key} is {text!r}; expected seconds or h:m:s") from None
+    for number, scale in zip(reversed(numbers), (1.0, 60.0, 3600.0, 86400.0), strict=False):
+        seconds += number * scale
+    return sign * seconds
