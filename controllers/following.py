@@ -1,0 +1,257 @@
+"""How fast to drive when nothing but the road, its rules and other vehicles matter.
+
+Car-following after the Intelligent Driver Model, of which every place to stop at is a standing leader,
+and a speed profile that reaches lower limits and bends at a comfortable deceleration.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import EgoState, FloatArray, Neighbour, Perception, RoadAhead
+from controllers.right_of_way import RightOfWay, StopPlace
+
+STEP = 0.05
+"""Longest step of the prediction over a plan interval [s]."""
+LANE_END = "lane end"
+SPEED_LIMIT = "speed limit"
+BEND = "bend"
+
+
+@dataclass(frozen=True, slots=True)
+class DrivingStyle:
+    """Parameters of the car-following model and the speed profile."""
+
+    headway: float = 1.0
+    """Time gap to a leader [s]."""
+    standstill_gap: float = 2.5
+    """Gap to a standing leader [m]."""
+    acceleration: float = 1.8
+    """Acceleration from standstill on a free road [m/s^2]."""
+    deceleration: float = 2.0
+    """Comfortable deceleration [m/s^2]."""
+    lateral_acceleration: float = 2.0
+    """In bends [m/s^2]."""
+    slowest_bend: float = 2.0
+    """No bend is taken slower, whatever curvature a coarse lane shape seems to have [m/s]."""
+    stop_gap: float = 0.5
+    """Distance kept to a stop line [m]."""
+    stop_headway: float = 0.5
+    """Time gap to a stop line [s]."""
+    room_to_change: float = 8.0
+    """Distance kept to the end of a lane that has to be left, so that there is room to steer out [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Longitudinal:
+    """Desired accelerations, and because of what they are not those of a free road."""
+
+    acceleration: FloatArray
+    """One per instant asked for [m/s^2]."""
+    because: str
+    """Vehicle, signal, ``lane end``, ``bend`` or ``speed limit``; empty when nothing matters."""
+
+
+@dataclass(slots=True)
+class _Leader:
+    """Something to stay behind; ``gap`` and ``speed`` change in the prediction."""
+
+    name: str
+    gap: float
+    speed: float
+    acceleration: float
+    standstill_gap: float
+    headway: float
+
+
+class Following:
+    """The longitudinal half of a driver. It remembers which junction foes are standing, so: one per ego."""
+
+    def __init__(self, style: DrivingStyle | None = None) -> None:
+        self.style = style or DrivingStyle()
+        self._right_of_way = RightOfWay(self.style.acceleration)
+
+    def follow(self, perception: Perception, target_lane: int, times: FloatArray) -> Longitudinal:
+        """Return desired accelerations at the given times from now.
+
+        Parameters
+        ----------
+        perception : what the ego knows
+        target_lane : ``Lane.number`` to end in; its leader is followed as well as the own one
+        times : instants from now, ascending from 0 [s]
+
+        Notes
+        -----
+        Over the instants, the leaders keep their acceleration and the ego's follows with its lag.
+        """
+        ego, style = perception.ego, self.style
+        stops = self._right_of_way.stops(perception)
+        leaders = [
+            *_neighbours(perception, target_lane, style),
+            *_standing(perception, target_lane, stops, style),
+        ]
+        places, speeds, names = speed_targets(perception.road, ego.body.front, style)
+        free = _limit_now(perception.road, ego.body.front)
+        result = np.zeros(len(times))
+        speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0
+        because = ""
+        for i in range(len(times)):
+            asked, reason = _desired(speed, free, leaders, places - gone, speeds, names, style)
+            result[i] = min(max(asked, -ego.drive.max_deceleration), ego.drive.max_acceleration)
+            because = reason if i == 0 else because
+            step = float(times[i + 1] - times[i]) if i + 1 < len(times) else 0.0
+            actual += (result[i] - actual) * _share(ego, step)
+            moved = max(speed * step + 0.5 * actual * step * step, 0.0)
+            speed = max(speed + actual * step, 0.0)
+            gone += moved
+            for leader in leaders:
+                leader.gap += leader.speed * step - moved
+                leader.speed = max(leader.speed + leader.acceleration * step, 0.0)
+        return Longitudinal(result, because)
+
+
+def free_acceleration(speed: float, desired: float, style: DrivingStyle) -> float:
+    """Return the acceleration on a free road [m/s^2].
+
+    a · (1 − (v / v0)⁴) up to the desired speed v0, −b · (1 − (v0 / v)^(4 a / b)) above it.
+
+    Notes
+    -----
+    [Treiber2000]_; above the desired speed as in the improved model of [Treiber2013]_, because the
+    original brakes without bound where a limit drops.
+
+    >>> free_acceleration(10.0, 10.0, DrivingStyle())
+    0.0
+    """
+    desired = max(desired, 0.1)
+    if speed <= desired:
+        return style.acceleration * (1.0 - (speed / desired) ** 4)
+    slower: float = (desired / speed) ** (4.0 * style.acceleration / style.deceleration)
+    return -style.deceleration * (1.0 - slower)
+
+
+def desired_gap(
+    speed: float, leader_speed: float, standstill: float, headway: float, style: DrivingStyle
+) -> float:
+    """Return the gap s* = s0 + max(0, v T + v Δv / (2 √(a b))) that the model keeps [m].
+
+    Notes
+    -----
+    Eq. (3) of [Treiber2000]_, without its root term.
+
+    >>> desired_gap(10.0, 10.0, 2.5, 1.0, DrivingStyle())
+    12.5
+    """
+    closing = speed * (speed - leader_speed) / (2.0 * math.sqrt(style.acceleration * style.deceleration))
+    return standstill + max(0.0, speed * headway + closing)
+
+
+def speed_targets(
+    road: RoadAhead, front: float, style: DrivingStyle
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Return how far ahead [m] which speed [m/s] must not be exceeded, and because of what.
+
+    Limits hold for the front bumper; a bend allows √(a_lat / |κ|) at the rear axle.
+
+    Parameters
+    ----------
+    road : as seen
+    front : from the rear axle to the front bumper [m]
+    style : for the lateral acceleration
+    """
+    limit_places = np.maximum(road.limit_along - front, 0.0)[road.limit_along > front]
+    limits = road.limit[road.limit_along > front]
+    bent = np.flatnonzero(np.abs(road.curvature) > 1e-4)
+    bend_speeds = np.sqrt(style.lateral_acceleration / np.abs(road.curvature[bent]))
+    return (
+        np.concatenate([limit_places, bent * road.curvature_step]),
+        np.concatenate([limits, np.maximum(bend_speeds, style.slowest_bend)]),
+        (SPEED_LIMIT,) * len(limits) + (BEND,) * len(bent),
+    )
+
+
+def _limit_now(road: RoadAhead, front: float) -> float:
+    """Return the speed limit at the front bumper [m/s]."""
+    passed = np.flatnonzero(road.limit_along <= front)
+    if len(passed):
+        return float(road.limit[passed[-1]])
+    return float(road.limit[0]) if len(road.limit) else math.inf
+
+
+def _desired(
+    speed: float,
+    limit: float,
+    leaders: Sequence[_Leader],
+    places: FloatArray,
+    speeds: FloatArray,
+    names: tuple[str, ...],
+    style: DrivingStyle,
+) -> tuple[float, str]:
+    """Return the smallest of all accelerations, and its name where it is not the free road's."""
+    free = free_acceleration(speed, limit, style)
+    best, because = free, ""
+    for leader in leaders:
+        wanted = desired_gap(speed, leader.speed, leader.standstill_gap, leader.headway, style)
+        asked = free - style.acceleration * (wanted / max(leader.gap, 0.1)) ** 2
+        if asked < best:
+            best, because = asked, leader.name
+    ahead = np.flatnonzero(places > -0.5)
+    if len(ahead):
+        allowed = np.sqrt(speeds[ahead] ** 2 + 2.0 * style.deceleration * np.maximum(places[ahead], 0.0))
+        tightest = int(np.argmin(allowed))
+        asked = _towards(speed, float(allowed[tightest]), float(speeds[ahead[tightest]]), style)
+        if asked < best:
+            best, because = asked, names[ahead[tightest]]
+    return best, because if best < free - 0.1 else ""
+
+
+def _towards(speed: float, allowed: float, end: float, style: DrivingStyle) -> float:
+    """Return the acceleration [m/s^2] that follows the braking curve √(v_end² + 2 b x).
+
+    On the curve, which has fallen to ``allowed`` here, it is −b, below it more; nowhere is it less than
+    what leads to the end speed at once.
+    """
+    along_curve = (allowed - speed) / 1.0 - style.deceleration * min(speed / max(allowed, 0.1), 1.0)
+    return max(along_curve, (end - speed) / 0.5)
+
+
+def _neighbours(perception: Perception, target_lane: int, style: DrivingStyle) -> list[_Leader]:
+    gaps, road = perception.gaps, perception.road
+    ahead: list[Neighbour] = [gaps.ahead] if gaps.ahead is not None else []
+    beside = None
+    if target_lane > road.reference:
+        beside = gaps.left_ahead
+    elif target_lane < road.reference:
+        beside = gaps.right_ahead
+    # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
+    if beside is not None and beside.gap > 0.0:
+        ahead.append(beside)
+    return [
+        _Leader(one.name, one.gap, max(one.speed, 0.0), one.acceleration, style.standstill_gap, style.headway)
+        for one in ahead
+    ]
+
+
+def _standing(
+    perception: Perception, target_lane: int, stops: Sequence[StopPlace], style: DrivingStyle
+) -> list[_Leader]:
+    road, front = perception.road, perception.ego.body.front
+    found = [
+        _Leader(stop.name, stop.along - front, 0.0, 0.0, style.stop_gap, style.stop_headway) for stop in stops
+    ]
+    lane = road.lane(road.reference)
+    if lane is not None and lane.follows_route_for < min(road.route_end, math.inf):
+        room = style.room_to_change if target_lane == road.reference else 0.0
+        gap = lane.follows_route_for - front - room
+        found.append(_Leader(LANE_END, gap, 0.0, 0.0, style.stop_gap, style.stop_headway))
+    return found
+
+
+def _share(ego: EgoState, step: float) -> float:
+    """Return which share of a command's step the drive lag lets through."""
+    lag = ego.drive.drive_lag
+    return -math.expm1(-step / lag) if lag > 0.0 else 1.0

@@ -1,0 +1,186 @@
+"""Which lane to be in so that the route can be followed, and whether another lane is free.
+
+The lane wanted is remembered by ``Lane.number``, which does not change while the ego moves over and its
+reference lane becomes another one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.following import LANE_END
+from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception, RoadAhead
+
+
+@dataclass(frozen=True, slots=True)
+class GapRule:
+    """When the gaps of another lane are large enough.
+
+    At the beginning each gap must be at least G_min = minimum + headway · v plus what braking from the
+    closing speed needs; later in the manoeuvre it must stay above a share of G_min.
+    """
+
+    minimum: float = 2.5
+    """Gap at standstill [m]."""
+    headway: float = 1.0
+    """Time gap of the one behind [s]."""
+    deceleration: float = 2.0
+    """With which a closing speed is reduced [m/s^2]."""
+    duration: float = 4.0
+    """How far ahead others are predicted, at constant velocity [s]."""
+    later_share: float = 0.5
+    """Share of G_min that must be left at any time of the manoeuvre."""
+    abort_share: float = 0.3
+    """Share of G_min below which a change that has begun is given up."""
+    side: float = 0.3
+    """Distance kept beside others [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RouteRule:
+    """When a lane has to be left for the route."""
+
+    distance: float = 60.0
+    """Distance that a lane change takes at least [m]."""
+    time: float = 5.0
+    """Time that a lane change takes at least [s]."""
+    search: float = 1.0
+    """How much more of the same to allow for finding a gap."""
+
+
+class LaneChoice:
+    """Chooses the lane to be in; changes only because of the route. It remembers, so: one per ego."""
+
+    def __init__(self, gap_rule: GapRule | None = None, route_rule: RouteRule | None = None) -> None:
+        self._gap_rule = gap_rule or GapRule()
+        self._route_rule = route_rule or RouteRule()
+        self._target: int | None = None
+
+    def choose(self, perception: Perception) -> tuple[int, str]:
+        """Return the ``Lane.number`` to end in, and because of what.
+
+        The reason is ``lane end`` where the route asks for a change, the name of a vehicle where one has
+        to be waited for or a change was given up for it, and empty where there is nothing to change.
+        """
+        road = perception.road
+        if self._target is None or road.lane(self._target) is None:
+            self._target = road.reference
+        if self._target != road.reference:
+            threat = blocker(perception, self._target, self._gap_rule, begun=True)
+            if threat is not None:
+                self._target = road.reference
+                return self._target, threat
+            return self._target, LANE_END
+        wanted = lane_for_route(perception, self._route_rule)
+        if wanted is None:
+            return self._target, ""
+        threat = blocker(perception, wanted, self._gap_rule)
+        if threat is not None:
+            return self._target, threat
+        self._target = wanted
+        return self._target, LANE_END
+
+
+def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int | None:
+    """Return the adjacent lane that the route asks for now, ``None`` if the present one still serves.
+
+    Notes
+    -----
+    Of the adjacent lanes the one that follows the route for longer is taken. Where none does, several
+    changes are needed, and they lead to the side on which the road goes on beyond the lanes in view.
+    """
+    rule = rule or RouteRule()
+    road, ego = perception.road, perception.ego
+    here = road.lane(road.reference)
+    if here is None or here.follows_route_for >= road.route_end:
+        return None
+    beside = [lane for lane in road.lanes if abs(lane.number - here.number) == 1]
+    better = [lane for lane in beside if lane.follows_route_for > here.follows_route_for + 1.0]
+    candidates = better or [lane for lane in beside if _road_goes_on(lane, here, road)] or beside
+    if not candidates:
+        return None
+    changes = 1 if better and np.isinf(max(lane.follows_route_for for lane in better)) else 2
+    needed = changes * (1.0 + rule.search) * max(rule.distance, rule.time * ego.speed)
+    if here.follows_route_for - ego.body.front > needed:
+        return None
+    # max() keeps the first of equals: the right one, where traffic is slower.
+    return max(candidates, key=lambda lane: lane.follows_route_for).number
+
+
+def blocker(
+    perception: Perception, number: int, rule: GapRule | None = None, *, begun: bool = False
+) -> str | None:
+    """Return who makes a change to an adjacent lane unsafe, ``None`` if nobody does.
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    number : ``Lane.number`` of a lane beside the reference lane
+    rule : how large the gaps have to be
+    begun : judge a change that is under way, by the smaller gaps that make it be given up
+
+    Notes
+    -----
+    Judged are the neighbours as they are now, and all vehicles at constant velocity over the duration of
+    the manoeuvre, also those that come over from a third lane or into the gap from the ego's own.
+    """
+    rule = rule or GapRule()
+    road = perception.road
+    lane = road.lane(number)
+    if lane is None:
+        return "no such lane"
+    if lane.number == road.reference:
+        return None
+    ahead, behind = _adjacent(perception.gaps, left=lane.number > road.reference)
+    speed = max(perception.ego.speed, 0.0)
+    if ahead is not None and ahead.gap < _required(speed, ahead.speed, rule, begun):
+        return ahead.name
+    if behind is not None and behind.gap < _required(behind.speed, speed, rule, begun):
+        return behind.name
+    return _meets(perception, lane, rule, begun)
+
+
+def _adjacent(gaps: NeighbourGaps, *, left: bool) -> tuple[Neighbour | None, Neighbour | None]:
+    if left:
+        return gaps.left_ahead, gaps.left_behind
+    return gaps.right_ahead, gaps.right_behind
+
+
+def _required(follower: float, leader: float, rule: GapRule, begun: bool) -> float:
+    """Return G_min for the follower's speed, plus what braking down to the leader's needs [m]."""
+    follower, leader = max(follower, 0.0), max(leader, 0.0)
+    smallest = rule.minimum + rule.headway * follower
+    if begun:
+        return rule.abort_share * smallest
+    return smallest + max(follower - leader, 0.0) ** 2 / (2.0 * rule.deceleration)
+
+
+def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> str | None:
+    """Return the first vehicle that would come too near in the target lane at constant velocities."""
+    others, ego = perception.vehicles, perception.ego
+    if len(others) == 0:
+        return None
+    speed = max(ego.speed, 0.0)
+    times = np.arange(0.0, rule.duration + 0.25, 0.5)[:, None]
+    share = rule.abort_share if begun else rule.later_share
+    across = others.across + others.across_speed * times
+    front = others.along + others.along_speed * times
+    ego_front = ego.body.front + speed * times
+    # From where the ego is to where it goes: nobody may be in that strip, whichever side he comes from.
+    reach = 0.5 * (others.width + ego.body.width) + rule.side
+    inside = np.abs(across - lane.offset) < reach
+    gap_ahead = front - others.length - ego_front
+    gap_behind = ego_front - ego.body.length - front
+    ahead_needed = share * (rule.minimum + rule.headway * speed)
+    behind_needed = share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0))
+    near = inside & (gap_ahead < ahead_needed) & (gap_behind < behind_needed)
+    hits = np.flatnonzero(near.any(axis=0))
+    return others.names[int(hits[0])] if len(hits) else None
+
+
+def _road_goes_on(lane: Lane, here: Lane, road: RoadAhead) -> bool:
+    """Say whether there are lanes beyond an adjacent one."""
+    edge = road.left_edge if lane.number > here.number else road.right_edge
+    return abs(edge - lane.offset) > 0.9 * lane.width

@@ -1,0 +1,91 @@
+"""When two shapes that keep their velocities touch: the ego's rectangle, discs and other rectangles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.interface import FloatArray
+
+
+def disc_contact_times(
+    rear: float,
+    front: float,
+    half_width: float,
+    x: FloatArray,
+    y: FloatArray,
+    x_speed: FloatArray,
+    y_speed: FloatArray,
+    radius: FloatArray,
+) -> FloatArray:
+    """Return when discs first touch a rectangle [s]; inf for never, 0 for those that do already.
+
+    Parameters
+    ----------
+    rear, front, half_width : the rectangle is [rear, front] × [−half_width, half_width] [m]
+    x, y : centres in the rectangle's frame [m]
+    x_speed, y_speed : velocities relative to the rectangle, which are kept [m/s]
+    radius : [m]
+
+    Notes
+    -----
+    The rectangle grown by the disc is two rectangles and four quarter discs; the first of them counts.
+    """
+    long = box_contact_times(rear - radius, front + radius, half_width, x, y, x_speed, y_speed)
+    wide = box_contact_times(rear, front, half_width + radius, x, y, x_speed, y_speed)
+    first = np.minimum(long, wide)
+    for corner_x in (rear, front):
+        for corner_y in (-half_width, half_width):
+            first = np.minimum(first, _point_times(x - corner_x, y - corner_y, x_speed, y_speed, radius))
+    return first
+
+
+def box_contact_times(
+    rear: float | FloatArray,
+    front: float | FloatArray,
+    half_width: float | FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    x_speed: FloatArray,
+    y_speed: FloatArray,
+) -> FloatArray:
+    """Return when points first lie in a rectangle [s]; inf for never, 0 for those that do already.
+
+    Parameters
+    ----------
+    rear, front, half_width : as for discs, one for all points or one for each [m]
+    x, y, x_speed, y_speed : as for discs
+
+    >>> box_contact_times(0.0, 4.0, 1.0, np.array([6.0]), np.zeros(1), np.array([-2.0]), np.zeros(1))
+    array([1.])
+    """
+    enters_x, leaves_x = _between(np.asarray(rear), np.asarray(front), x, x_speed)
+    enters_y, leaves_y = _between(-np.asarray(half_width), np.asarray(half_width), y, y_speed)
+    enters, leaves = np.maximum(enters_x, enters_y), np.minimum(leaves_x, leaves_y)
+    return np.where((enters <= leaves) & (leaves >= 0.0), np.maximum(enters, 0.0), np.inf)
+
+
+def _between(
+    low: FloatArray, high: FloatArray, place: FloatArray, speed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return when a coordinate enters and leaves an interval [s]."""
+    still = np.abs(speed) < 1e-12
+    safe = np.where(still, 1.0, speed)
+    one, other = (low - place) / safe, (high - place) / safe
+    inside = (place >= low) & (place <= high)
+    enters = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(one, other))
+    leaves = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(one, other))
+    return enters, leaves
+
+
+def _point_times(
+    x: FloatArray, y: FloatArray, x_speed: FloatArray, y_speed: FloatArray, radius: FloatArray
+) -> FloatArray:
+    """Return when points come as near to the origin as their radius [s]."""
+    squared = x_speed**2 + y_speed**2
+    moving = squared > 1e-12
+    approach = -(x * x_speed + y * y_speed)
+    excess = x**2 + y**2 - radius**2
+    root = approach**2 - squared * excess
+    time = (approach - np.sqrt(np.maximum(root, 0.0))) / np.where(moving, squared, 1.0)
+    meets = moving & (root >= 0.0) & (time >= 0.0)
+    return np.where(excess <= 0.0, 0.0, np.where(meets, time, np.inf))

@@ -1,0 +1,135 @@
+"""Where to stop because others go first: traffic lights, and vehicles whose path crosses the ego's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from controllers.interface import EgoState, JunctionFoe, Perception, RoadAhead, Signal, SignalState
+
+AMBER_DECELERATION = 3.0
+"""An amber light is stopped at where this deceleration is enough [m/s^2]."""
+HARD_SHARE = 0.75
+"""Share of the greatest deceleration that a stop at a red light or for a foe may need."""
+OVERSHOOT = 1.0
+"""A line overrun by no more than this still is the place to stop at [m]."""
+CONFLICT_GAP = 1.0
+"""Distance kept to a conflict when its stop line has been passed already [m]."""
+TIME_MARGIN = 1.0
+"""Time between one leaving a conflict and the other entering it [s]."""
+FOE_LENGTH = 5.0
+"""How far a foe's front is past the conflict when its body has left; its length is not known [m]."""
+FOE_ACCELERATION = 1.5
+"""A standing or slow foe may drive on with this [m/s^2]."""
+BEND_ACCELERATION = 2.0
+"""Lateral acceleration with which the ego is expected to take the bend through the conflict [m/s^2]."""
+STANDING = 0.3
+"""Slower is standing [m/s]."""
+PATIENCE = 3.0
+"""A foe that has stood for so long is taken to let the ego go [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class StopPlace:
+    """A place the front bumper must not pass now."""
+
+    name: str
+    along: float
+
+
+class RightOfWay:
+    """Decides at which places the ego has to stop.
+
+    Parameters
+    ----------
+    acceleration : with which the ego clears a conflict [m/s^2]
+    """
+
+    def __init__(self, acceleration: float) -> None:
+        self._acceleration = acceleration
+        self._standing_since: dict[str, float] = {}
+
+    def stops(self, perception: Perception) -> list[StopPlace]:
+        """Return the places to stop at, in no order."""
+        ego, road = perception.ego, perception.road
+        self._watch(ego.time, road)
+        lights = [StopPlace(one.name, one.stop_line) for one in road.signals if must_stop(one, ego)]
+        foes = [self._before(foe, perception) for foe in road.foes if self._yields(foe, perception)]
+        return lights + [stop for stop in foes if stop is not None]
+
+    def _watch(self, time: float, road: RoadAhead) -> None:
+        standing = {foe.name for foe in road.foes if foe.foe_speed < STANDING}
+        self._standing_since = {name: self._standing_since.get(name, time) for name in standing}
+
+    def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
+        """Say whether the ego would meet the foe in the conflict if it drove on."""
+        ego = perception.ego
+        gone = foe.foe_exit + FOE_LENGTH <= 0.0
+        inside = foe.foe_entry <= 0.0
+        if gone or ego.body.front > foe.entry or not (foe.must_yield or inside):
+            return False
+        speed = max(ego.speed, 0.0)
+        slowest, fastest = _speeds_until(foe.exit, perception.road)
+        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for a bend.
+        enters = travel_time(foe.entry - ego.body.front, speed, self._acceleration, fastest)
+        clears = travel_time(
+            foe.exit + ego.body.rear_overhang, min(speed, slowest), self._acceleration, slowest
+        )
+        stood = ego.time - self._standing_since.get(foe.name, math.inf)
+        if not inside and stood >= PATIENCE:
+            return False
+        arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
+        leaves = (foe.foe_exit + FOE_LENGTH) / foe.foe_speed if foe.foe_speed > STANDING else math.inf
+        return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
+
+    @staticmethod
+    def _before(foe: JunctionFoe, perception: Perception) -> StopPlace | None:
+        """Return the last place before the conflict where the ego can still stop."""
+        ego = perception.ego
+        for place, overshoot in ((foe.stop_line, OVERSHOOT), (foe.entry - CONFLICT_GAP, 0.0)):
+            if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
+                return StopPlace(foe.name, place)
+        return None
+
+
+def must_stop(signal: Signal, ego: EgoState) -> bool:
+    """Say whether a traffic light has to be stopped at.
+
+    At red always, unless full braking would end beyond the line; at amber if comfortable braking is enough.
+    """
+    if signal.state is SignalState.RED:
+        return _can_stop(signal.stop_line + OVERSHOOT, ego, HARD_SHARE * ego.drive.max_deceleration)
+    if signal.state is SignalState.AMBER:
+        return _can_stop(signal.stop_line, ego, AMBER_DECELERATION)
+    return False
+
+
+def travel_time(distance: float, speed: float, acceleration: float, limit: float) -> float:
+    """Return the time to drive a distance, speeding up to a limit [s].
+
+    >>> travel_time(10.0, 5.0, 1.0, 5.0)
+    2.0
+    >>> travel_time(8.0, 0.0, 1.0, 100.0)
+    4.0
+    """
+    if distance <= 0.0:
+        return 0.0
+    if speed >= limit:
+        return distance / max(speed, 1e-6)
+    until_limit = (limit**2 - speed**2) / (2.0 * acceleration)
+    if distance <= until_limit:
+        return (math.sqrt(speed**2 + 2.0 * acceleration * distance) - speed) / acceleration
+    return (limit - speed) / acceleration + (distance - until_limit) / limit
+
+
+def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:
+    return ego.speed**2 / (2.0 * deceleration) <= place - ego.body.front
+
+
+def _speeds_until(along: float, road: RoadAhead) -> tuple[float, float]:
+    """Return the lowest speed that bends allow until there, and the highest that limits allow [m/s]."""
+    count = int(along / road.curvature_step) + 1 if road.curvature_step > 0.0 else 0
+    sharpest = max((abs(float(value)) for value in road.curvature[:count]), default=0.0)
+    fastest = max((float(value) for value in road.limit), default=30.0)
+    slowest = math.sqrt(BEND_ACCELERATION / sharpest) if sharpest > 0.0 else fastest
+    return max(min(slowest, fastest), 2.0), max(fastest, 2.0)

@@ -1,0 +1,100 @@
+"""A driver blind to pedestrians, with automatic emergency braking: the baseline of the drivable-area paper.
+
+Along: car-following that obeys leaders, signals, right of way, speed limits and bends, but yields to no
+pedestrian, not at a zebra either; emergency braking for pedestrians and vehicles that a constant-velocity
+prediction meets. Across: lane keeping, and lane changes that the route asks for.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers import lane_keeping
+from controllers.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.following import DrivingStyle, Following
+from controllers.interface import Command, Controller, Decision, Manoeuvre, Perception, Plan
+from controllers.lane_choice import LaneChoice
+
+
+class EmergencyBrakingDriver:
+    """Follows, keeps or changes its lane for the route, and brakes in an emergency."""
+
+    def __init__(self, style: DrivingStyle, rule: BrakingRule) -> None:
+        self._following = Following(style)
+        self._lanes = LaneChoice()
+        self._brake = EmergencyBraking(rule)
+        self._changing_to: int | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say which lane to be in, and who is braked or waited for."""
+        threat = self._brake.watch(perception)
+        target, reason = self._lanes.choose(perception)
+        manoeuvre = self._manoeuvre(target, perception.road.reference)
+        if not threat and manoeuvre is Manoeuvre.KEEP and not reason:
+            reason = self._following.follow(perception, target, np.zeros(1)).because
+        return Decision(manoeuvre, target, because=threat or reason)
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Drive towards the target lane; the emergency brake has the last word along."""
+        ego, road = perception.ego, perception.road
+        times = lane_keeping.instants(ego)
+        wanted = self._following.follow(perception, decision.target_lane, times).acceleration
+        acceleration = np.minimum(wanted, self._brake.accelerations(ego, times))
+        lane = road.lane(decision.target_lane)
+        angles = lane_keeping.steering(perception, lane.offset if lane else 0.0, acceleration)
+        return Plan(Command(times, acceleration, angles))
+
+    def _manoeuvre(self, target: int, reference: int) -> Manoeuvre:
+        before, self._changing_to = self._changing_to, None if target == reference else target
+        if target > reference:
+            return Manoeuvre.CHANGE_LEFT
+        if target < reference:
+            return Manoeuvre.CHANGE_RIGHT
+        return Manoeuvre.KEEP if before in (None, reference) else Manoeuvre.ABORT_CHANGE
+
+
+def build(
+    *,
+    friction: float = 0.8,
+    dead_time_s: float = 0.1,
+    ramp_s: float = 0.2,
+    stop_margin_m: float = 0.5,
+    side_margin_m: float = 0.1,
+    headway_s: float = 1.0,
+) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    friction : float
+        Full braking is friction · g, or what the drive can do if that is less.
+    dead_time_s : float
+        From the trigger until the brake begins to act [s].
+    ramp_s : float
+        From then until it brakes fully; the deceleration grows linearly [s].
+    stop_margin_m : float
+        Distance that is to be left after a stop; larger means earlier [m].
+    side_margin_m : float
+        What a pedestrian's disc is grown by in the prediction [m].
+    headway_s : float
+        Time gap to a leader [s].
+
+    Raises
+    ------
+    ValueError
+        If one is negative or not finite, or the friction is zero.
+    """
+    for name, value in {
+        "friction": friction,
+        "dead_time_s": dead_time_s,
+        "ramp_s": ramp_s,
+        "stop_margin_m": stop_margin_m,
+        "side_margin_m": side_margin_m,
+        "headway_s": headway_s,
+    }.items():
+        if not 0.0 <= value < float("inf"):
+            raise ValueError(f"{name} = {value} must be at least 0 and finite")
+    if friction == 0.0:
+        raise ValueError("friction = 0.0 must be greater than 0")
+    rule = BrakingRule(friction, dead_time_s, ramp_s, stop_margin_m, side_margin_m)
+    return EmergencyBrakingDriver(DrivingStyle(headway=headway_s), rule)
