@@ -57,7 +57,8 @@ def load(name_or_path: str) -> Scenario:
         raise ScenarioError(f"{name_or_path}: the folder has no {DEFINITION}")
     kind = "no such configuration" if path.suffix == ".sumocfg" else "no such scenario"
     raise ScenarioError(
-        f"{name_or_path}: {kind}; built-in: {', '.join(names())}; or a folder with {DEFINITION}, or a .sumocfg"
+        f"{name_or_path}: {kind}; built-in: {', '.join(names())}; "
+        f"or the path of a folder with {DEFINITION} or of a .sumocfg"
     )
 
 

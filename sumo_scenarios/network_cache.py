@@ -65,7 +65,8 @@ def build_network(folder: Path, network: NetworkTable) -> Path:
             os.replace(stripped, target)
     except OSError as error:
         raise ScenarioError(
-            f"cannot write the network cache {target.parent}: {error.strerror}; set {CACHE_VARIABLE} to another"
+            f"{target.parent}: cannot write the network cache: {error.strerror}; "
+            f"set {CACHE_VARIABLE} to another folder"
         ) from error
     return target
 

@@ -47,6 +47,8 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     for kind, names in (("routes", table.demand.routes), ("additional", table.demand.additional)):
         for name in names:
             target = work_dir / Path(name).name
+            if target in filled["routes"] or target in filled["additional"]:
+                raise ScenarioError(f"{scenario.name}: two demand files are called {target.name}")
             fill(scenario.folder / name, values, target)
             filled[kind].append(target)
     options = ["--net-file", str(net_file), "--route-files", ",".join(map(str, filled["routes"]))]
