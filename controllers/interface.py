@@ -340,7 +340,7 @@ class Plan:
     status: str = "ok"
     """``ok``, or the name of the fallback that was used instead."""
     passing: str = ""
-    """Passing class, for instance ``behind:2 ahead:1``; empty without pedestrians in conflict."""
+    """Passing class by names, for instance ``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
     slack: float = 0.0
     """Largest violation of a soft constraint [m]."""
     times: FloatArray = field(default_factory=lambda: np.zeros(0))

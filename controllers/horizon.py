@@ -1,0 +1,183 @@
+"""The prediction horizon: its time grid and the linear maps from inputs to states.
+
+Both motions of the ego are chains of integrators behind a first-order actuator lag. Over an interval of
+length ``h`` in which the commanded value ``c`` ramps at the constant rate ``u`` (jerk along the lane,
+steering rate across it), the lagged value ``a`` obeys ``a' = (c - a) / lag``, and it, its integral and its
+double integral have closed forms. States are condensed away: every state at every step is an affine
+function of the inputs, so a quadratic program holds inputs and slacks only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def growing_grid(steps: int, first: float, last: float) -> FloatArray:
+    """Return ``steps`` interval lengths that grow geometrically from ``first`` to ``last`` [s].
+
+    Near steps need the resolution of the command, far ones only an idea of what follows.
+
+    >>> growing_grid(3, 0.1, 0.4).round(3).tolist()
+    [0.1, 0.2, 0.4]
+    """
+    if steps == 1:
+        return np.array([first])
+    return first * (last / first) ** (np.arange(steps) / (steps - 1))
+
+
+@dataclass(frozen=True, slots=True)
+class LaggedRamp:
+    """Responses of a first-order lag, its integral and double integral over intervals ``h``.
+
+    With ``e = exp(-h / lag)``: ``decay = e``, ``first = lag (1 - e)``, ``ramp = h - first``,
+    ``double = h^2 / 2 - lag ramp`` and ``triple = h^3 / 6 - lag double``. All have the shape of ``h``.
+    """
+
+    h: FloatArray
+    lag: float
+    decay: FloatArray
+    first: FloatArray
+    ramp: FloatArray
+    double: FloatArray
+    triple: FloatArray
+
+
+def lagged_ramp(h: FloatArray, lag: float) -> LaggedRamp:
+    """Return the responses for intervals ``h`` [s] and a time constant ``lag`` >= 0 [s]."""
+    decay = np.exp(-h / lag) if lag > 0.0 else np.zeros_like(h)
+    first = lag * (1.0 - decay)
+    ramp = h - first
+    double = h**2 / 2.0 - lag * ramp
+    triple = h**3 / 6.0 - lag * double
+    return LaggedRamp(h, lag, decay, first, ramp, double, triple)
+
+
+@dataclass(frozen=True, slots=True)
+class AffineMaps:
+    """States as functions of the inputs: ``state[i, k] = free[i, k] + gain[i, k] @ inputs``.
+
+    ``free`` has shape (states, N), ``gain`` (states, N, N); row k is the end of interval k.
+    """
+
+    free: FloatArray
+    gain: FloatArray
+
+
+# Order of the longitudinal states.
+POSITION, SPEED, ACCELERATION, COMMAND = range(4)
+# Order of the lateral states.
+ACROSS, HEADING, STEERING, STEERING_COMMAND = range(4)
+
+
+class LongitudinalHorizon:
+    """Position, speed, acceleration and commanded acceleration, driven by the jerk of the command.
+
+    The maps do not depend on the state, so they are built once.
+
+    Parameters
+    ----------
+    dt
+        Interval lengths, shape (N,) [s].
+    lag
+        Time constant of drive and brake [s].
+    """
+
+    def __init__(self, dt: FloatArray, lag: float) -> None:
+        n = len(dt)
+        r = lagged_ramp(dt, lag)
+        self._start = np.zeros((4, n, 4))
+        self.gain = np.zeros((4, n, n))
+        start = np.eye(4)
+        gain = np.zeros((4, n))
+        for k in range(n):
+            step = np.array(
+                [
+                    [1.0, dt[k], lag * r.ramp[k], r.double[k]],
+                    [0.0, 1.0, r.first[k], r.ramp[k]],
+                    [0.0, 0.0, r.decay[k], 1.0 - r.decay[k]],
+                    [0.0, 0.0, 0.0, 1.0],
+                ]
+            )
+            start = step @ start
+            gain = step @ gain
+            gain[:, k] += (r.triple[k], r.double[k], r.ramp[k], dt[k])
+            self._start[:, k] = start
+            self.gain[:, k] = gain
+
+    def free(self, speed: float, acceleration: float, command: float) -> FloatArray:
+        """Return the states without input, shape (4, N), from position 0."""
+        states: FloatArray = self._start @ np.array([0.0, speed, acceleration, command])
+        return states
+
+
+class LateralHorizon:
+    """Offset, heading error, steering angle and commanded angle, driven by the steering rate.
+
+    Linearised kinematic bicycle along a lane of curvature ``kappa``, for small heading errors, with the
+    speed given: ``across' = v heading``, ``heading' = v (steering / wheelbase - kappa)``.
+
+    Parameters
+    ----------
+    dt
+        Interval lengths, shape (N,) [s].
+    lag
+        Time constant of the steering [s].
+    wheelbase
+        [m].
+    """
+
+    def __init__(self, dt: FloatArray, lag: float, wheelbase: float) -> None:
+        self._ramp = lagged_ramp(dt, lag)
+        self._wheelbase = wheelbase
+        n = len(dt)
+        r = self._ramp
+        self._step = np.zeros((n, 4, 4))
+        self._step[:, 0, 0] = 1.0
+        self._step[:, 1, 1] = 1.0
+        self._step[:, 2, 2] = r.decay
+        self._step[:, 2, 3] = 1.0 - r.decay
+        self._step[:, 3, 3] = 1.0
+        self._input = np.zeros((n, 4))
+        self._input[:, 2] = r.ramp
+        self._input[:, 3] = r.h
+        self._states = np.zeros((n, 4, n + 1))
+
+    def maps(self, speed: FloatArray, curvature: FloatArray, start: FloatArray) -> AffineMaps:
+        """Return the maps for a speed profile and the lane's curvature in each interval.
+
+        Parameters
+        ----------
+        speed, curvature
+            Mean values in each interval, shape (N,) [m/s, 1/m].
+        start
+            Offset, heading error, steering angle, commanded angle now.
+
+        Notes
+        -----
+        ``free`` and ``gain`` are views into a buffer that the next call overwrites.
+        """
+        r, step, state = self._ramp, self._step, self._states
+        per_wheelbase = speed / self._wheelbase
+        step[:, 0, 1] = speed * r.h
+        step[:, 0, 2] = speed * per_wheelbase * r.lag * r.ramp
+        step[:, 0, 3] = speed * per_wheelbase * r.double
+        step[:, 1, 2] = per_wheelbase * r.first
+        step[:, 1, 3] = per_wheelbase * r.ramp
+        self._input[:, 0] = speed * per_wheelbase * r.triple
+        self._input[:, 1] = per_wheelbase * r.double
+        turn = curvature * speed * r.h
+        current = np.zeros((4, len(speed) + 1))
+        current[:, -1] = start
+        for k in range(len(speed)):
+            current = step[k] @ current
+            current[:, k] += self._input[k]
+            current[0, -1] -= 0.5 * turn[k] * speed[k] * r.h[k]
+            current[1, -1] -= turn[k]
+            state[k] = current
+        by_state = state.transpose(1, 0, 2)
+        return AffineMaps(by_state[:, :, -1], by_state[:, :, :-1])

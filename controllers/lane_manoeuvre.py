@@ -1,0 +1,87 @@
+"""The lane an ego is in or moving to, kept over time, and the offset profile that takes it there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Lane, Perception
+
+FloatArray = NDArray[np.float64]
+
+
+def minimum_jerk(fraction: FloatArray) -> FloatArray:
+    """Return the profile ``10 s^3 - 15 s^4 + 6 s^5`` from 0 to 1, held outside.
+
+    >>> minimum_jerk(np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist()
+    [0.0, 0.0, 0.5, 1.0, 1.0]
+    """
+    s = np.clip(fraction, 0.0, 1.0)
+    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+
+
+@dataclass(slots=True)
+class LaneManoeuvre:
+    """Where the ego is going, in lane numbers, which do not change while it drives.
+
+    Parameters
+    ----------
+    duration
+        Planned length of a lane change [s].
+    """
+
+    duration: float
+    target: int | None = None
+    origin: int | None = None
+    """Lane the running change began in; ``None`` when no change runs."""
+    started: float = 0.0
+    finished: float = -np.inf
+    """When the last change ended or was aborted [s]."""
+    _from: float = 0.0
+    # Offset from the target lane's centre at the start of the change [m].
+
+    def settle(self, perception: Perception) -> None:
+        """Take note of where the ego is: adopt its lane, or end a change that has arrived."""
+        road, ego = perception.road, perception.ego
+        if self.target is None:
+            self.target = road.reference
+        lane = road.lane(self.target)
+        if lane is None:
+            # The lane is gone (the road narrowed, or a junction rearranged it): stay where the ego is.
+            self.target, self.origin = road.reference, None
+            self.finished = ego.time
+            return
+        arrived = abs(ego.across - lane.offset) < 0.3 and ego.time - self.started > 0.6 * self.duration
+        if self.origin is not None and arrived:
+            self.origin = None
+            self.finished = ego.time
+        if self.origin is None and self.target != road.reference:
+            self.target = road.reference
+
+    @property
+    def running(self) -> bool:
+        """Whether a change is under way."""
+        return self.origin is not None
+
+    def begin(self, perception: Perception, target: int) -> None:
+        """Start to move to another lane (or back to the origin)."""
+        lane = perception.road.lane(target)
+        self.origin = perception.road.reference if self.origin is None else self.origin
+        self.target = target
+        self.started = perception.ego.time
+        self._from = perception.ego.across - (lane.offset if lane else 0.0)
+
+    def lane(self, perception: Perception) -> Lane | None:
+        """Return the target lane as perceived now."""
+        return perception.road.lane(self.target if self.target is not None else perception.road.reference)
+
+    def offsets(self, perception: Perception, times: FloatArray) -> FloatArray:
+        """Return the wanted offset of the rear axle at times from now, shape (N,) [m]."""
+        lane = self.lane(perception)
+        goal = lane.offset if lane is not None else 0.0
+        if not self.running:
+            return np.full(len(times), goal)
+        fraction = (perception.ego.time - self.started + times) / self.duration
+        return goal + self._from * (1.0 - minimum_jerk(fraction))

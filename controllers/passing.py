@@ -1,0 +1,231 @@
+"""Which pedestrians the ego's path conflicts with, and in which order they can be passed.
+
+A pedestrian conflicts while the disc, grown by the side margin, overlaps the band the ego's body sweeps.
+Sorted by the time at which that overlap begins, only n + 1 orders make sense: the ego lets the first j
+pass (it goes *behind* them) and goes *ahead* of the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import CrossingKind, Perception
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class PedestrianAssumptions:
+    """What is assumed of pedestrians whose velocity does not say what they will do."""
+
+    resume_speed: float = 1.2
+    """Speed at which somebody who stands on a crossing may walk on [m/s]."""
+    standing_below: float = 0.2
+    """Slower than this is standing [m/s]."""
+    yield_to_standing: bool = False
+    """Whether somebody who stands at the kerb of a zebra is expected to step out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conflicts:
+    """Pedestrians in conflict with the ego's path, by time of entry; arrays of length n."""
+
+    names: tuple[str, ...]
+    index: IntArray
+    """Position in ``Perception.pedestrians``."""
+    along: FloatArray
+    along_speed: FloatArray
+    across: FloatArray
+    across_speed: FloatArray
+    """Assumed velocity across the path; its sign says which way the pedestrian walks [m/s]."""
+    radius: FloatArray
+    enter: FloatArray
+    """Time until the overlap begins; 0 while it lasts [s]."""
+    leave: FloatArray
+    """Time until it ends; inf for somebody who stays [s]."""
+    stop_line: FloatArray
+    """Where a front bumper that yields should stop; inf without a crossing [m]."""
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def find(
+    perception: Perception,
+    headings: dict[str, float],
+    band: tuple[float, float],
+    side_margin: float,
+    horizon: float,
+    assume: PedestrianAssumptions,
+) -> Conflicts:
+    """Return the pedestrians who will be in the band within the horizon.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    headings
+        Sign of the last clear movement across the path, by name; updated here.
+    band
+        Right and left end of what the ego's body sweeps (across) [m].
+    side_margin
+        Added to the disc on both sides [m].
+    horizon
+        [s].
+    assume
+        See :class:`PedestrianAssumptions`.
+    """
+    people = perception.pedestrians
+    road = perception.road
+    n = len(people)
+    if n == 0:
+        return _empty()
+    across_speed, considered = _expected_motion(perception, headings, assume)
+    low = band[0] - people.radius - side_margin
+    high = band[1] + people.radius + side_margin
+    enter, leave = _overlap(people.across, across_speed, low, high)
+    # The body reaches this far behind the rear axle; whoever is further back cannot be hit by driving on.
+    behind = people.along + people.radius < -perception.ego.body.rear_overhang - 0.5
+    approaching = people.along_speed > perception.ego.speed
+    keep = considered & (enter < horizon) & ~(behind & ~approaching)
+    chosen = np.flatnonzero(keep)
+    chosen = chosen[np.lexsort((chosen, enter[chosen]))]
+    stop = np.array([road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen]])
+    return Conflicts(
+        tuple(people.names[i] for i in chosen),
+        chosen,
+        people.along[chosen],
+        people.along_speed[chosen],
+        people.across[chosen],
+        across_speed[chosen],
+        people.radius[chosen],
+        enter[chosen],
+        leave[chosen],
+        stop.reshape(len(chosen)),
+    )
+
+
+def _expected_motion(
+    perception: Perception, headings: dict[str, float], assume: PedestrianAssumptions
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the expected speed across the path and who has to be considered at all."""
+    people = perception.pedestrians
+    road = perception.road
+    speed = people.across_speed.copy()
+    considered = np.ones(len(people), dtype=bool)
+    for i, name in enumerate(people.names):
+        if abs(speed[i]) > assume.standing_below:
+            headings[name] = float(np.sign(speed[i]))
+        crossing = road.crossings[people.crossing[i]] if people.crossing[i] >= 0 else None
+        if people.on_crossing[i]:
+            if abs(speed[i]) < assume.standing_below and name in headings:
+                speed[i] = headings[name] * assume.resume_speed
+        elif people.waiting[i] and crossing is not None:
+            has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
+            pace = float(np.hypot(people.along_speed[i], people.across_speed[i]))
+            if not has_priority or (pace < assume.standing_below and not assume.yield_to_standing):
+                considered[i] = False
+            else:
+                # On the waiting area people still walk along the kerb: count on them to turn and cross.
+                speed[i] = -np.sign(people.across[i]) * max(pace, assume.resume_speed)
+        else:
+            outside = people.across[i] > road.left_edge + 0.5 or people.across[i] < road.right_edge - 0.5
+            considered[i] = not (outside and abs(speed[i]) < 0.5)
+    return speed, considered
+
+
+def _overlap(
+    across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return when a point that moves at constant speed enters and leaves [low, high]; inf for never."""
+    moving = np.abs(speed) > 1e-6
+    safe = np.where(moving, speed, 1.0)
+    first = (np.where(safe > 0.0, low, high) - across) / safe
+    last = (np.where(safe > 0.0, high, low) - across) / safe
+    inside = (across >= low) & (across <= high)
+    enter = np.where(
+        moving, np.where(last < 0.0, np.inf, np.maximum(first, 0.0)), np.where(inside, 0.0, np.inf)
+    )
+    leave = np.where(moving, np.where(last < 0.0, np.inf, last), np.inf)
+    return enter, leave
+
+
+def _empty() -> Conflicts:
+    none = np.zeros(0)
+    return Conflicts((), np.zeros(0, dtype=np.int64), *([none] * 8))
+
+
+def class_name(conflicts: Conflicts, behind: int) -> str:
+    """Return who is let pass and who is not: ``behind=p1|p2 ahead=p3``; empty without conflicts."""
+    if not len(conflicts):
+        return ""
+    return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
+
+
+def position_bounds(
+    conflicts: Conflicts,
+    behind: int,
+    times: FloatArray,
+    front: float,
+    rear: float,
+    margin_along: float,
+    speed: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what one passing class asks of the rear axle's position at each time.
+
+    Every half-plane of this formulation bounds the position alone, so per time only the tightest one
+    matters: the program does not grow with the number of pedestrians, and nothing is lost.
+
+    Parameters
+    ----------
+    conflicts
+        By time of entry; the first ``behind`` are let pass.
+    times
+        Horizon, shape (N,) [s].
+    front, rear
+        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+    margin_along
+        [m].
+    speed
+        Expected speed at each time: carries a bound from the instant it holds to the next grid time,
+        shape (N,) [m/s].
+
+    Returns
+    -------
+    upper
+        Largest position while somebody who is let pass has not left, shape (N,); inf where free.
+    lower
+        Least position once somebody who is passed ahead of enters, −inf where free.
+    freeze
+        As ``upper``, but only while somebody is expected in the band: where the ego must still be able
+        to stop should they stop walking.
+    """
+    n = len(times)
+    upper = np.full(n, np.inf)
+    lower = np.full(n, -np.inf)
+    freeze = np.full(n, np.inf)
+    previous = np.concatenate(([0.0], times[:-1]))
+    following = np.concatenate((times[1:], [np.inf]))
+    for i in range(len(conflicts)):
+        x = conflicts.along[i] + conflicts.along_speed[i] * np.minimum(times, 3.0)
+        reach = conflicts.radius[i] + margin_along
+        if i < behind:
+            limit = x - reach
+            line = conflicts.stop_line[i]
+            # Once the bumper is past the stop line only the pedestrian counts.
+            if front <= line + 0.3:
+                limit = np.minimum(limit, max(line, front))
+            active = previous < conflicts.leave[i]
+            late = np.where(active, speed * np.maximum(times - conflicts.leave[i], 0.0), 0.0)
+            upper = np.where(active, np.minimum(upper, limit - front + late), upper)
+            occupied = active & (following > conflicts.enter[i])
+            freeze = np.where(occupied, np.minimum(freeze, limit - 0.25 - front), freeze)
+        else:
+            active = (times >= conflicts.enter[i]) & (previous < conflicts.leave[i])
+            late = speed * np.where(previous < conflicts.enter[i], times - conflicts.enter[i], 0.0)
+            lower = np.where(active, np.maximum(lower, x + reach + rear + late), lower)
+    return upper, lower, freeze

@@ -1,0 +1,79 @@
+"""What the controller planned last, moved to the present."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Command, EgoState
+
+FloatArray = NDArray[np.float64]
+
+FORGOTTEN_AFTER = 1.5
+"""An older plan is no guide any more [s]."""
+COMMAND_SPACING = 0.05
+"""Commands are given as a sequence this fine, so that a long simulation step is driven well too [s]."""
+
+
+@dataclass(slots=True)
+class PlanMemory:
+    """The last plan: when it was made, its command, and positions and speeds at the horizon's times."""
+
+    times: FloatArray
+    made_at: float | None = None
+    command: Command | None = None
+    position: FloatArray | None = None
+    speed: FloatArray | None = None
+
+    def keep(self, time: float, command: Command, position: FloatArray, speed: FloatArray) -> None:
+        """Remember a plan."""
+        self.made_at, self.command, self.position, self.speed = time, command, position, speed
+
+    def age(self, time: float) -> float:
+        """Return the time since the plan was made; inf without one [s]."""
+        return time - self.made_at if self.made_at is not None else float("inf")
+
+    def expected(self, ego: EgoState) -> tuple[FloatArray, FloatArray]:
+        """Return positions (from now) and speeds of the last plan; constant speed without a fresh one."""
+        age = self.age(ego.time)
+        if self.position is None or self.speed is None or age > FORGOTTEN_AFTER:
+            return ego.speed * self.times, np.full(len(self.times), ego.speed)
+        at = self.times + age
+        knots = np.concatenate(([0.0], self.times))
+        travelled = np.interp(age, knots, np.concatenate(([0.0], self.position)))
+        beyond = np.maximum(at - self.times[-1], 0.0) * self.speed[-1]
+        moved = np.interp(at, self.times, self.position) + beyond - travelled
+        return moved, np.interp(at, self.times, self.speed)
+
+    def commanded(self, ego: EgoState) -> tuple[float, float]:
+        """Return acceleration and steering that are commanded at this instant."""
+        if self.command is None:
+            return ego.acceleration, ego.steering
+        i = self._entry(ego.time)
+        acceleration, steering = float(self.command.acceleration[i]), float(self.command.steering[i])
+        # A vehicle at its limits, or one that SUMO held, has left the command behind.
+        return (ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration), steering
+
+    def rest(self, time: float) -> Command | None:
+        """Return what is left of the last command, as a command from now on."""
+        if self.command is None:
+            return None
+        i = self._entry(time)
+        times = np.maximum(self.command.times[i:] - self.age(time), 0.0)
+        return Command(times, self.command.acceleration[i:], self.command.steering[i:])
+
+    def _entry(self, time: float) -> int:
+        if self.command is None:
+            return 0
+        return max(int(np.searchsorted(self.command.times, self.age(time) + 1e-9)) - 1, 0)
+
+
+def sampled_command(
+    times: FloatArray, acceleration: FloatArray, steering: FloatArray, duration: float
+) -> Command:
+    """Return the command that follows two profiles, linear between ``times``, for ``duration`` [s]."""
+    starts = np.arange(0.0, duration, COMMAND_SPACING)
+    middle = starts + 0.5 * COMMAND_SPACING
+    return Command(starts, np.interp(middle, times, acceleration), np.interp(middle, times, steering))

@@ -1,0 +1,72 @@
+"""What the road itself asks of the speed: limits, bends, crossings to be kept clear."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Perception
+
+FloatArray = NDArray[np.float64]
+
+
+def reference_speed(
+    perception: Perception, positions: FloatArray, lateral_acceleration: float, braking: float
+) -> FloatArray:
+    """Return the highest wanted speed at each position: limits and bends, seen early enough to slow down.
+
+    ``v(s) = min over p >= s of sqrt(v_p^2 + 2 braking (p - s))``
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    positions
+        Rear-axle positions, shape (N,) [m].
+    lateral_acceleration
+        Comfortable limit in bends [m/s^2].
+    braking
+        With which the ego slows down for what it sees [m/s^2].
+    """
+    road = perception.road
+    along = np.arange(len(road.curvature)) * road.curvature_step
+    bend = np.sqrt(lateral_acceleration / np.maximum(np.abs(road.curvature), 1e-4))
+    points = np.concatenate((along, road.limit_along))
+    speeds = np.concatenate((bend, road.limit))
+    here = road.limit[max(int(np.searchsorted(road.limit_along, 1e-9)) - 1, 0)] if len(road.limit) else np.inf
+    if len(points) == 0:
+        return np.full(len(positions), here)
+    ahead = points[None, :] - positions[:, None]
+    passed = ahead < 0.0
+    # A bend behind the rear axle no longer counts; a limit counts until the next one begins.
+    passed[:, len(along) :] = False
+    reach = np.where(passed, np.inf, speeds[None, :] ** 2 + 2.0 * braking * np.maximum(ahead, 0.0))
+    ended = np.zeros_like(passed)
+    if len(road.limit_along) > 1:
+        ended[:, len(along) : -1] = road.limit_along[None, 1:] <= positions[:, None]
+    reach = np.where(ended, np.inf, reach)
+    return np.asarray(np.sqrt(np.minimum(reach.min(axis=1), 1e4)))
+
+
+def keep_clear_line(perception: Perception, leader_rest: float, gap: float) -> tuple[float, str]:
+    """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    leader_rest
+        Where the rear bumper of the vehicle ahead will be when the ego gets there; inf for none [m].
+    gap
+        Kept to it at a standstill [m].
+    """
+    ego, body = perception.ego, perception.ego.body
+    for crossing in perception.road.crossings:
+        on_it = body.front > crossing.entry
+        if on_it or crossing.stop_line < body.front - 0.5:
+            continue
+        if leader_rest - gap < crossing.exit + body.length + 0.5:
+            room = crossing.stop_line - body.front
+            if ego.speed**2 / (2.0 * 4.0) <= max(room, 0.0) + 0.5:
+                return crossing.stop_line, crossing.name
+    return float("inf"), ""

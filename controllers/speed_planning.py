@@ -1,0 +1,243 @@
+"""Speed plans on the way into a lane: who bounds the position, and which passing class is cheapest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import passing, road_profile, traffic
+from controllers.interface import Lane, Perception
+from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.plan_memory import PlanMemory
+from controllers.right_of_way import RightOfWay, StopPlace
+
+FloatArray = NDArray[np.float64]
+
+SIDE_CLEARANCE = 0.3
+"""Distance kept beside other vehicles [m]."""
+BODY_GAP = 1.0
+"""Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
+SLOWING_FOR_THE_ROAD = 1.5
+"""Deceleration with which limits and bends ahead are met [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PassingSettings:
+    """How pedestrians are passed."""
+
+    margin_along: float
+    margin_across: float
+    hysteresis: float
+    lock: float
+    max_classes: int
+    passes: int
+    standstill_gap: float
+    bend_acceleration: float
+    assume: passing.PedestrianAssumptions
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The speed plan of the cheapest passing class for one lane."""
+
+    plan: SpeedPlan
+    conflicts: passing.Conflicts
+    behind: int
+    because: str
+    """Who bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nobody."""
+
+
+@dataclass(slots=True)
+class SpeedPlanner:
+    """Makes speed plans; remembers which pedestrians the ego has set out to pass ahead of."""
+
+    settings: PassingSettings
+    program: LongitudinalProgram
+    memory: PlanMemory
+    right_of_way: RightOfWay
+    _ahead: dict[str, bool] = field(default_factory=dict)
+    _headings: dict[str, float] = field(default_factory=dict)
+    _stops: list[StopPlace] = field(default_factory=list)
+
+    def look(self, perception: Perception) -> None:
+        """Take note of signals and of vehicles with priority; once per plan."""
+        self._stops = self.right_of_way.stops(perception)
+
+    def commit(self, chosen: Chosen) -> None:
+        """Remember the passing class that is followed from now on."""
+        self._ahead = {name: i >= chosen.behind for i, name in enumerate(chosen.conflicts.names)}
+
+    def cheapest(self, perception: Perception, lane: Lane | None, leaving_for: float) -> Chosen:
+        """Return the cheapest passing class on the way into a lane.
+
+        Parameters
+        ----------
+        perception
+            What the ego is told.
+        lane
+            Where the ego drives to; ``None``: straight on.
+        leaving_for
+            How long the vehicles ahead in the present lane still count when another lane is the target [s].
+        """
+        s, times = self.settings, self.memory.times
+        conflicts = passing.find(
+            perception,
+            self._headings,
+            _swept(perception, lane),
+            s.margin_across,
+            float(times[-1]),
+            s.assume,
+        )
+        task, because = self._task(perception, lane, leaving_for)
+        best: Chosen | None = None
+        best_cost = np.inf
+        for behind in self._candidates(perception, conflicts, task):
+            plan = self._solve(self._bounded(perception, task, conflicts, behind))
+            # A change of mind has to be worth it.
+            cost = plan.cost / (s.hysteresis if self._flips(conflicts, behind) else 1.0)
+            if plan.found and (best is None or cost < best_cost):
+                who = because or (conflicts.names[0] if len(conflicts) else "")
+                best, best_cost = Chosen(plan, conflicts, behind, who), cost
+        return best or Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
+
+    def _solve(self, task: SpeedTask) -> SpeedPlan:
+        """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
+        plan = self.program.solve(task)
+        for _ in range(self.settings.passes - 1):
+            bounded = np.isfinite(task.stoppable)
+            if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > 0.3).any():
+                break
+            task = replace(task, expected=plan.speed)
+            plan = self.program.solve(task, warm=plan.inputs)
+        return plan
+
+    def _candidates(self, perception: Perception, conflicts: passing.Conflicts, task: SpeedTask) -> list[int]:
+        """Return the passing classes to solve: the present one and those that come nearest to reachable."""
+        s, n = self.settings, len(conflicts)
+        if n == 0:
+            return [0]
+        fastest, slowest = self._reach(perception.ego.speed, task)
+        scored = []
+        for behind in range(n + 1):
+            bounded = self._bounded(perception, task, conflicts, behind)
+            short = np.maximum(bounded.lower - fastest, 0.0).max()
+            short += np.maximum(slowest - bounded.upper, 0.0).max()
+            scored.append((short > 0.5, self._flips(conflicts, behind), -behind, behind))
+        chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
+        if self._locked(perception, conflicts):
+            kept = [behind for behind in range(n + 1) if self._flips(conflicts, behind) == 0]
+            reachable = {behind for far, *_, behind in scored if not far}
+            return [behind for behind in kept if behind in reachable][: s.max_classes] or chosen
+        # Letting everybody pass is always worth a try.
+        return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
+
+    def _reach(self, speed: float, task: SpeedTask) -> tuple[FloatArray, FloatArray]:
+        """Return the farthest and nearest positions with comfortable accelerations, shape (N,) each."""
+        limits, times = self.program.limits, self.memory.times
+        top = max(float(task.reference.max()), speed)
+        t = np.minimum(times, (top - speed) / limits.acceleration)
+        farthest = speed * t + 0.5 * limits.acceleration * t**2 + (times - t) * top
+        t = np.minimum(times, speed / limits.comfortable_braking)
+        nearest = speed * t - 0.5 * limits.comfortable_braking * t**2
+        return np.minimum(farthest, task.upper), nearest
+
+    def _locked(self, perception: Perception, conflicts: passing.Conflicts) -> bool:
+        """Return whether the class is kept because the ego is about to arrive."""
+        known = [i for i, name in enumerate(conflicts.names) if name in self._ahead]
+        if not known or perception.ego.speed < 1.0:
+            return False
+        room = float(np.min(conflicts.along[known])) - perception.ego.body.front
+        return room / perception.ego.speed < self.settings.lock
+
+    def _flips(self, conflicts: passing.Conflicts, behind: int) -> int:
+        """Return for how many pedestrians a class differs from the one that is being followed."""
+        return sum(
+            self._ahead[name] != (i >= behind)
+            for i, name in enumerate(conflicts.names)
+            if name in self._ahead
+        )
+
+    def _task(self, perception: Perception, lane: Lane | None, leaving_for: float) -> tuple[SpeedTask, str]:
+        """Return the speed task without pedestrians, and who bounds the position apart from them."""
+        s, ego, front = self.settings, perception.ego, perception.ego.body.front
+        times, limits = self.memory.times, self.program.limits
+        positions, expected = self.memory.expected(ego)
+        rear, rest, leader = self._vehicles(perception, lane, leaving_for)
+        line, stop = self._line(perception, lane, float(rest.min()))
+        short = front + s.standstill_gap + limits.headway * ego.speed - float(rear[0])
+        task = SpeedTask(
+            speed=ego.speed,
+            acceleration=ego.acceleration,
+            command=self.memory.commanded(ego)[0],
+            reference=road_profile.reference_speed(
+                perception, positions, s.bend_acceleration, SLOWING_FOR_THE_ROAD
+            ),
+            expected=expected,
+            upper=np.minimum(rear - BODY_GAP, line - 0.5) - front,
+            lower=np.full(len(times), -np.inf),
+            stoppable=rest - BODY_GAP - front,
+            # A time gap that is short already is opened over some seconds, not by braking hard.
+            headway=rear - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
+        )
+        return task, stop or leader
+
+    def _vehicles(
+        self, perception: Perception, lane: Lane | None, leaving_for: float
+    ) -> tuple[FloatArray, FloatArray, str]:
+        """Return where rear bumpers are and come to rest, in the lane driven to and the one being left."""
+        ego, times = perception.ego, self.memory.times
+        reach = 0.5 * ego.body.width + SIDE_CLEARANCE
+        offset = lane.offset if lane is not None else 0.0
+        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
+        if abs(offset - ego.across) < 0.3:
+            return then.rear, then.rest, then.name
+        now = traffic.blockade(perception, (ego.across - reach, ego.across + reach), times)
+        left = times > leaving_for
+        rear = np.minimum(np.where(left, np.inf, now.rear), then.rear)
+        rest = np.minimum(np.where(left, np.inf, now.rest), then.rest)
+        return rear, rest, then.name or (now.name if leaving_for > 0.0 else "")
+
+    def _line(self, perception: Perception, lane: Lane | None, rest: float) -> tuple[float, str]:
+        """Return the place the front bumper must not pass now, and why; inf for none."""
+        places = [(stop.along, stop.name) for stop in self._stops]
+        places.append(road_profile.keep_clear_line(perception, rest, self.settings.standstill_gap))
+        if lane is not None:
+            places.append((lane.follows_route_for, "lane end"))
+        nearest, name = min(places)
+        return nearest, name if np.isfinite(nearest) else ""
+
+    def _bounded(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
+    ) -> SpeedTask:
+        """Return the task with the pedestrians of one passing class in it."""
+        body = perception.ego.body
+        upper, lower, freeze = passing.position_bounds(
+            conflicts,
+            behind,
+            self.memory.times,
+            body.front,
+            body.rear_overhang,
+            self.settings.margin_along,
+            task.expected,
+        )
+        return replace(
+            task,
+            upper=np.minimum(task.upper, upper),
+            lower=np.maximum(task.lower, lower),
+            stoppable=np.minimum(task.stoppable, freeze),
+        )
+
+    def _nothing(self, speed: float) -> SpeedPlan:
+        times = self.memory.times
+        none = np.zeros(len(times))
+        return SpeedPlan(False, speed * times, none + speed, none, none, np.inf, 0.0, 0.0, none)
+
+
+def _swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
+    """Return right and left end of what the body sweeps on its way into a lane."""
+    half = 0.5 * perception.ego.body.width
+    offset = lane.offset if lane is not None else 0.0
+    across = perception.ego.across
+    return min(across, offset) - half, max(across, offset) + half

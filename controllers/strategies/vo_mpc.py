@@ -1,0 +1,293 @@
+"""Velocity-obstacle model predictive control: passing classes, decision rules, sequential QPs.
+
+Speed and steering are two quadratic programs, solved one after the other. The pedestrians bound the
+position along the lane only, so the steering program can use the speed profile already found, which is
+more accurate than linearising both at once. See ``docs/control.md``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import passing
+from controllers.horizon import growing_grid
+from controllers.interface import Command, Controller, Decision, Perception, Plan, constant_command
+from controllers.lane_choice import GapRule
+from controllers.lane_decision import ChangeSettings, LaneDecision
+from controllers.lane_manoeuvre import LaneManoeuvre
+from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
+from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
+from controllers.plan_memory import PlanMemory, sampled_command
+from controllers.right_of_way import RightOfWay
+from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner
+
+FloatArray = NDArray[np.float64]
+
+FRESH = 0.5
+"""A plan is followed on for this long when no new one is found [s]."""
+BODY_OUT_OF_LANE = 0.8
+"""Share of a lane change after which the body has left its old lane."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Parameters of the controller; ``build`` documents them."""
+
+    dt: FloatArray
+    passing: PassingSettings
+    change: ChangeSettings
+    change_duration: float
+    weights: SpeedWeights
+    limits: SpeedLimits
+    steering: SteeringWeights
+    solver: str
+    tolerance: float
+
+
+class VelocityObstacleMpc:
+    """Drives one ego; see the module's docstring."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self._times = np.cumsum(settings.dt)
+        self._memory = PlanMemory(self._times)
+        self._lanes = LaneManoeuvre(settings.change_duration)
+        self._decision = LaneDecision(settings.change, self._lanes)
+        self._speed: SpeedPlanner | None = None
+        self._steering: LateralProgram | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Apply the decision rules on the neighbour gaps; see :mod:`controllers.lane_decision`."""
+        planner = self._planner(perception)
+        planner.look(perception)
+        return self._decision.decide(
+            perception, lambda lane: planner.cheapest(perception, lane, leaving_for=0.0).plan.cost
+        )
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
+        planner = self._planner(perception)
+        lane = self._lanes.lane(perception)
+        elapsed = perception.ego.time - self._lanes.started if self._lanes.running else np.inf
+        leaving = max(BODY_OUT_OF_LANE * self._lanes.duration - elapsed, 0.5)
+        chosen = planner.cheapest(perception, lane, leaving)
+        steering = self._steer(perception, chosen.plan) if chosen.plan.found else None
+        if steering is None or not steering.found:
+            return self._fallback(perception, chosen)
+        planner.commit(chosen)
+        command = self._command(perception, chosen.plan, steering)
+        self._memory.keep(perception.ego.time, command, chosen.plan.position, chosen.plan.speed)
+        return Plan(
+            command,
+            passing=passing.class_name(chosen.conflicts, chosen.behind),
+            slack=chosen.plan.slack,
+            times=self._times,
+            along=chosen.plan.position,
+            across=steering.across,
+            speed=chosen.plan.speed,
+        )
+
+    def _steer(self, perception: Perception, speed: SpeedPlan) -> SteeringPlan:
+        ego, road = perception.ego, perception.road
+        grid = np.arange(len(road.curvature)) * road.curvature_step
+        middle = 0.5 * (speed.position + np.concatenate(([0.0], speed.position[:-1])))
+        mean = 0.5 * (speed.speed + np.concatenate(([ego.speed], speed.speed[:-1])))
+        half = 0.5 * ego.body.width
+        lanes = [one for one in (road.lane(road.reference), self._lanes.lane(perception)) if one is not None]
+        right = min((lane.offset - 0.5 * lane.width for lane in lanes), default=-2.0) + half
+        left = max((lane.offset + 0.5 * lane.width for lane in lanes), default=2.0) - half
+        if right > left:  # a body wider than its lane
+            right = left = 0.5 * (right + left)
+        n = len(self._times)
+        return self._steering_program(perception).solve(
+            SteeringTask(
+                across=ego.across,
+                heading_error=ego.heading_error,
+                steering=ego.steering,
+                command=self._memory.commanded(ego)[1],
+                # Standing wheels do not steer; the program needs some motion to know where they lead.
+                speed=np.maximum(mean, 0.5),
+                curvature=np.interp(middle, grid, road.curvature) if len(grid) else np.zeros(n),
+                target=self._lanes.offsets(perception, self._times),
+                right=np.full(n, right),
+                left=np.full(n, left),
+            )
+        )
+
+    def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
+        ego = perception.ego
+        acceleration, angle = self._memory.commanded(ego)
+        knots = np.concatenate(([0.0], self._times))
+        command = sampled_command(
+            knots,
+            np.concatenate(([acceleration], speed.command)),
+            np.concatenate(([angle], steering.command)),
+            ego.plan_interval + FRESH,
+        )
+        if ego.speed < 0.05 and float(speed.speed.max()) < 0.3:
+            # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
+            return replace(command, acceleration=np.full(len(command.times), -0.5))
+        return command
+
+    def _fallback(self, perception: Perception, chosen: Chosen) -> Plan:
+        """Return the declared fallback: the last plan while fresh, then a comfortable, then a hard stop."""
+        ego, limits = perception.ego, self._planner(perception).program.limits
+        rest = self._memory.rest(ego.time)
+        if rest is not None and self._memory.age(ego.time) < FRESH:
+            return Plan(rest, solved=False, status="fallback_last_plan")
+        stopping = ego.speed**2 / (2.0 * limits.comfortable_braking) + 2.0
+        near = chosen.conflicts.along - ego.body.front < stopping
+        braking = limits.emergency_braking if near.any() else limits.comfortable_braking
+        status = "fallback_emergency_stop" if near.any() else "fallback_comfortable_stop"
+        angle = self._memory.commanded(ego)[1]
+        return Plan(constant_command(-braking, angle), solved=False, status=status)
+
+    def _planner(self, perception: Perception) -> SpeedPlanner:
+        """Return the speed planner, built once the vehicle is known."""
+        if self._speed is None:
+            s, drive = self.settings, perception.ego.drive
+            limits = replace(
+                s.limits,
+                acceleration=min(s.limits.acceleration, drive.max_acceleration),
+                emergency_braking=min(s.limits.emergency_braking, drive.max_deceleration),
+                comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
+            )
+            program = LongitudinalProgram(s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance)
+            self._speed = SpeedPlanner(s.passing, program, self._memory, RightOfWay(limits.acceleration))
+        return self._speed
+
+    def _steering_program(self, perception: Perception) -> LateralProgram:
+        if self._steering is None:
+            s, drive, body = self.settings, perception.ego.drive, perception.ego.body
+            self._steering = LateralProgram(
+                s.dt,
+                drive.steering_lag,
+                body.wheelbase,
+                body.front,
+                drive.max_steering,
+                drive.max_steering_rate,
+                s.steering,
+                s.solver,
+                s.tolerance,
+            )
+        return self._steering
+
+
+def build(
+    steps: int = 20,
+    first_step_s: float = 0.1,
+    last_step_s: float = 0.7,
+    passes: int = 2,
+    margin_along_m: float = 1.0,
+    margin_across_m: float = 0.6,
+    class_hysteresis: float = 0.85,
+    class_lock_s: float = 2.5,
+    max_classes: int = 3,
+    standstill_gap_m: float = 2.5,
+    headway_s: float = 1.0,
+    lane_changes: bool = True,
+    change_duration_s: float = 4.5,
+    change_cost: float = 12.0,
+    change_pause_s: float = 6.0,
+    clear_before_crossing_m: float = 35.0,
+    clear_after_crossing_m: float = 12.0,
+    bend_acceleration_mps2: float = 2.0,
+    max_acceleration_mps2: float = 1.8,
+    comfortable_braking_mps2: float = 3.0,
+    emergency_braking_mps2: float = 8.0,
+    max_jerk_mps3: float = 12.0,
+    freeze_braking_mps2: float = 7.0,
+    yield_to_standing: bool = False,
+    solver: str = "osqp",
+    tolerance: float = 1e-4,
+) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    steps, first_step_s, last_step_s
+        Horizon: number of intervals, first and last length; they grow geometrically.
+    passes
+        Quadratic programs per passing class at most.
+    margin_along_m, margin_across_m
+        Free distance to a pedestrian's disc along and across the path.
+    class_hysteresis
+        Another passing class is taken when it costs less than this share of the present one.
+    class_lock_s
+        Nearer than this to a pedestrian's path the class is kept.
+    max_classes
+        Passing classes solved per step.
+    standstill_gap_m, headway_s
+        ``G_min = standstill_gap + headway * v``.
+    lane_changes
+        Whether to change lanes at all.
+    change_duration_s, change_cost, change_pause_s
+        Length of a change, what it costs in the objective, and the pause after one.
+    clear_before_crossing_m, clear_after_crossing_m
+        No change begins within this distance of a crossing.
+    bend_acceleration_mps2
+        Comfortable lateral acceleration.
+    max_acceleration_mps2, comfortable_braking_mps2, emergency_braking_mps2, max_jerk_mps3
+        Limits of the plan; braking beyond the comfortable limit is penalised.
+    freeze_braking_mps2
+        Braking with which the ego must still be able to stop should a pedestrian stop in its path.
+    yield_to_standing
+        Expect people who stand at the kerb of a zebra to step out.
+    solver, tolerance
+        A solver that qpsolvers knows; tolerance of OSQP.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    if steps < 2:
+        raise ValueError(f"steps must be at least 2, not {steps}")
+    if not 0.0 < first_step_s <= last_step_s:
+        raise ValueError(f"first_step_s must be above 0 and at most last_step_s, not {first_step_s}")
+    for name, value in (("margin_along_m", margin_along_m), ("margin_across_m", margin_across_m)):
+        if value < 0.0:
+            raise ValueError(f"{name} must not be negative, not {value}")
+    return VelocityObstacleMpc(
+        Settings(
+            dt=growing_grid(steps, first_step_s, last_step_s),
+            passing=PassingSettings(
+                margin_along=margin_along_m,
+                margin_across=margin_across_m,
+                hysteresis=class_hysteresis,
+                lock=class_lock_s,
+                max_classes=max(max_classes, 1),
+                passes=max(passes, 1),
+                standstill_gap=standstill_gap_m,
+                bend_acceleration=bend_acceleration_mps2,
+                assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
+            ),
+            change=ChangeSettings(
+                allowed=lane_changes,
+                cost=change_cost,
+                pause=change_pause_s,
+                before_crossing=clear_before_crossing_m,
+                after_crossing=clear_after_crossing_m,
+                least_speed=2.0,
+                standstill_gap=standstill_gap_m,
+                headway=headway_s,
+                gaps=GapRule(minimum=standstill_gap_m, headway=headway_s, duration=change_duration_s),
+            ),
+            change_duration=change_duration_s,
+            weights=SpeedWeights(),
+            limits=SpeedLimits(
+                acceleration=max_acceleration_mps2,
+                comfortable_braking=comfortable_braking_mps2,
+                emergency_braking=emergency_braking_mps2,
+                jerk=max_jerk_mps3,
+                freeze_braking=freeze_braking_mps2,
+                headway=headway_s,
+            ),
+            steering=SteeringWeights(),
+            solver=solver,
+            tolerance=tolerance,
+        )
+    )
