@@ -6,6 +6,7 @@ import importlib
 import os
 import shutil
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,18 +21,6 @@ DEBIAN_PACKAGES = {
     "libXrender": "libxrender1",
 }
 """Which Debian package brings a system library that the libsumo wheel needs."""
-
-COUPLING_OPTIONS = (
-    *("--collision.action", "warn"),
-    *("--collision.check-junctions", "true"),
-    *("--collision.mingap-factor", "0"),
-    *("--time-to-teleport", "-1"),
-    *("--no-step-log", "true"),
-)
-"""What every coupled simulation needs: nobody disappears because an ego is close or stands."""
-
-SUBLANE_OPTIONS = ("--lateral-resolution", "0.4")
-"""What hybrid actuation needs."""
 
 
 class Connection:
@@ -87,13 +76,13 @@ def start(options: Sequence[str], gui: bool = False) -> Connection:
         raise SimulationError("this process runs a simulation already; close it first")
     binary = _sumo_gui() if gui else "sumo"
     extra = ["--start", "true", "--quit-on-end", "true"] if gui else []
+    refusals: tuple[type[Exception], ...] = (*_errors(sumo), OSError)
+    failure: Exception | None = None
     with _heard() as heard:
         try:
             sumo.start([binary, *options, *extra])
-        except (*_errors(sumo), OSError) as error:
-            failure: Exception | None = error
-        else:
-            failure = None
+        except refusals as error:
+            failure = error
     if failure is not None:
         # libsumo stays half loaded after a refused start.
         if not gui and sumo.isLoaded():
@@ -137,8 +126,6 @@ class _Heard:
 @contextmanager
 def _heard() -> Iterator[_Heard]:
     """Keep what SUMO writes to the standard error stream: its exceptions do not say what was wrong."""
-    import tempfile
-
     heard = _Heard()
     sys.stderr.flush()
     saved = os.dup(2)

@@ -43,9 +43,7 @@ class Path:
         # `along` agrees with the station at the curve's origin: station 0 is where the lane begins.
         self.along = cut - float(np.interp(0.0, self._stations, cut)) if origin < 0.0 else cut + origin
         direction = np.unwrap(np.arctan2(chords[:, 1], chords[:, 0]))
-        self.heading = np.concatenate(
-            [direction[:1], 0.5 * (direction[1:] + direction[:-1]), direction[-1:]]
-        )
+        self.heading = np.concatenate([direction[:1], 0.5 * (direction[1:] + direction[:-1]), direction[-1:]])
         self.curvature = _smoothed(np.gradient(self.heading, self.along)[:, None])[:, 0]
         self._segments = np.column_stack([self.points[:-1], chords, lengths])
         self._tree = cKDTree(self.points)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +135,8 @@ class LanePath:
         return self._offsets[key]
 
     def _speed_limits(self) -> tuple[FloatArray, FloatArray]:
-        starts, limits = [], []
+        starts: list[float] = []
+        limits: list[float] = []
         for piece in self.pieces:
             if not limits or piece.lane.speed != limits[-1]:
                 starts.append(piece.start)
@@ -363,10 +366,11 @@ def check_route(network: Network, edges: Sequence[str], vehicle_class: str) -> N
         raise InputError('a route needs at least one edge, for instance "e1 e2 e3"')
     for number, edge in enumerate(edges):
         if edge.startswith(":") or edge not in network.edges:
-            raise InputError(f'route edge {number + 1} "{edge}" is not in the network; {_similar(network, edge)}')
+            near = _similar(network, edge)
+            raise InputError(f'route edge {number + 1} "{edge}" is not in the network; {near}')
         if not network.allowed_lanes(edge, vehicle_class):
             raise InputError(f'route edge {number + 1} "{edge}" has no lane for a {vehicle_class} vehicle')
-    for number, (edge, following) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for number, (edge, following) in enumerate(pairwise(edges)):
         lanes = [network.edges[edge][index] for index in network.allowed_lanes(edge, vehicle_class)]
         if not any(network.follow(lane, following, vehicle_class) for lane in lanes):
             raise InputError(
@@ -387,8 +391,6 @@ def _after(network: Network, lanes: Sequence[str], vehicle_class: str) -> str:
 
 def _similar(network: Network, edge: str) -> str:
     """Say which edges exist whose names are most like the given one."""
-    import difflib
-
     roads = network.roads
     near = difflib.get_close_matches(edge, roads, n=5, cutoff=0.3) or sorted(roads)[:5]
     names = ", ".join(f'"{name}"' for name in near)

@@ -1,0 +1,198 @@
+"""How egos come about: trips of our own, vehicles of the demand by id, or a share of its cars."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cosim.errors import InputError, SimulationError
+from cosim.sumo.network import Network
+from cosim.sumo.route import Route
+from sumo_scenarios.model import Egos
+
+EGO_TYPE = "cosim_ego"
+PASSENGER = "passenger"
+INSERTION_PATIENCE = 60.0
+"""An ego that found no place for this long is an error [s]."""
+ROADLESS_CLASSES = frozenset(
+    {"pedestrian", "tram", "rail_urban", "rail", "rail_electric", "rail_fast", "ship", "container"}
+    | {"cable_car", "subway", "aircraft", "wheelchair", "drone"}
+)
+"""Vehicle classes that cannot be driven by steering and braking on a road."""
+
+
+@dataclass(slots=True)
+class Trip:
+    """An ego of our own that has yet to appear."""
+
+    name: str
+    route: Route
+    depart: float
+    """Simulated time [s]."""
+    asked: bool = False
+    """Whether SUMO has been told."""
+
+
+class EgoSources:
+    """Says which departing vehicles become egos, and inserts our own.
+
+    Parameters
+    ----------
+    egos : what the scenario says
+    network
+    seed : draws the share
+    start : simulated time from which egos may appear [s]
+
+    Raises
+    ------
+    InputError
+        If a route is not possible, or there is no road for cars.
+    """
+
+    def __init__(self, egos: Egos, network: Network, seed: int, start: float) -> None:
+        self._egos = egos
+        self._seed = seed
+        self._start = start
+        self._wanted = set(egos.vehicles)
+        self._cars_seen = 0
+        self._departed_seen = 0
+        self._some_departed: list[str] = []
+        if not egos.routes and not egos.vehicles and not egos.share:
+            raise InputError("no ego: expected a route, a vehicle id or a share of the passenger cars")
+        roads = network.roads
+        if not egos.vehicles and not any(network.allowed_lanes(edge, PASSENGER) for edge in roads):
+            raise InputError(f"the network has no lane for passenger cars on any of its {len(roads)} edges")
+        routes = [Route(network, edges, PASSENGER) for edges in egos.routes]
+        count = max(egos.count, 1) if routes else 0
+        first = start + egos.first_depart_s
+        self.trips = [
+            Trip(f"ego_{number}", routes[number % len(routes)], first + number * egos.headway_s)
+            for number in range(count)
+        ]
+
+    @property
+    def ends(self) -> bool:
+        """Whether no further ego can appear: never said of a share while there may be demand."""
+        return not self._egos.share and not self.trips and not self._wanted
+
+    def check(self, sumo: Any) -> None:
+        """Check against the running simulation, before its first step.
+
+        Raises
+        ------
+        InputError
+            If the vehicle type does not exist or is taken.
+        """
+        wanted = self._egos.vehicle_type
+        known = sumo.vehicletype.getIDList()
+        if self.trips and wanted and wanted not in known:
+            names = ", ".join(name for name in sorted(known) if not name.startswith("DEFAULT_"))
+            raise InputError(f'no vehicle type "{wanted}" for the egos; the scenario has {names}')
+        taken = set(sumo.vehicle.getLoadedIDList()) & {trip.name for trip in self.trips}
+        if taken:
+            raise InputError(f'the demand already has a vehicle "{min(taken)}", the name of an ego')
+
+    def insert(self, sumo: Any, time: float) -> None:
+        """Tell SUMO of the trips that are due.
+
+        Raises
+        ------
+        SimulationError
+            If one has found no place for too long.
+        """
+        for trip in self.trips:
+            if trip.asked and time > trip.depart + INSERTION_PATIENCE:
+                edge = trip.route.edges[0]
+                raise SimulationError(
+                    f'ego "{trip.name}" could not be inserted on edge "{edge}" for {INSERTION_PATIENCE:g} s: '
+                    f"{sumo.edge.getLastStepVehicleNumber(edge)} vehicles are on it, mean speed "
+                    f"{sumo.edge.getLastStepMeanSpeed(edge):.1f} m/s; expected a free place"
+                )
+            if not trip.asked and time >= trip.depart - 1e-9:
+                self._ask(sumo, trip)
+
+    def _ask(self, sumo: Any, trip: Trip) -> None:
+        kind = self._egos.vehicle_type
+        if not kind:
+            kind = EGO_TYPE
+            if kind not in sumo.vehicletype.getIDList():
+                _add_ego_type(sumo)
+        route = f"{trip.name}_route"
+        sumo.route.add(route, trip.route.edges)
+        sumo.vehicle.add(
+            trip.name,
+            route,
+            typeID=kind,
+            departLane=self._egos.depart_lane,
+            departPos="base",
+            departSpeed=self._egos.depart_speed,
+        )
+        trip.asked = True
+
+    def choose(self, sumo: Any, departed: Sequence[str], time: float) -> list[str]:
+        """Return which of the vehicles that have just departed are egos.
+
+        Raises
+        ------
+        InputError
+            If a vehicle that was asked for cannot be driven on a road.
+        """
+        chosen = []
+        own = {trip.name for trip in self.trips}
+        self._departed_seen += len(departed)
+        self._some_departed += departed[: max(0, 5 - len(self._some_departed))]
+        for name in departed:
+            if name in own:
+                self.trips = [trip for trip in self.trips if trip.name != name]
+                chosen.append(name)
+            elif name in self._wanted:
+                self._wanted.discard(name)
+                kind = sumo.vehicle.getVehicleClass(name)
+                if kind in ROADLESS_CLASSES:
+                    raise InputError(f'vehicle "{name}" is of class {kind}; an ego has to drive on a road')
+                chosen.append(name)
+            elif self._egos.share and sumo.vehicle.getVehicleClass(name) == PASSENGER:
+                self._cars_seen += 1
+                if time > self._start and drawn(self._seed, name) < self._egos.share:
+                    chosen.append(name)
+        return chosen
+
+    def check_seen(self, any_ego: bool, end: float) -> None:
+        """Check at the end of a run that everybody came who was expected.
+
+        Raises
+        ------
+        SimulationError
+            If a vehicle never departed, or no car ever came of which a share could be taken.
+        """
+        if self._wanted:
+            some = ", ".join(f'"{name}"' for name in self._some_departed) or "none"
+            raise SimulationError(
+                f'vehicle "{min(self._wanted)}" did not depart until {end:g} s; '
+                f"{self._departed_seen} vehicles did, for instance {some}"
+            )
+        if self._egos.share and not any_ego:
+            raise SimulationError(
+                f"no ego: {self._cars_seen} passenger cars departed until {end:g} s, of "
+                f"{self._departed_seen} vehicles; expected cars of which {self._egos.share:g} can be egos"
+            )
+
+
+def drawn(seed: int, name: str) -> float:
+    """Return a number in [0, 1) that depends on the seed and the vehicle alone, so on no controller."""
+    digest = hashlib.sha256(f"{seed}:{name}".encode()).digest()
+    return int.from_bytes(digest[:8], "big") / 2.0**64
+
+
+def _add_ego_type(sumo: Any) -> None:
+    types = sumo.vehicletype
+    types.copy("DEFAULT_VEHTYPE", EGO_TYPE)
+    types.setVehicleClass(EGO_TYPE, PASSENGER)
+    types.setLength(EGO_TYPE, 4.5)
+    types.setWidth(EGO_TYPE, 1.8)
+    types.setMinGap(EGO_TYPE, 2.5)
+    # The same wishes in every run: speed factors are drawn for everybody else.
+    types.setSpeedFactor(EGO_TYPE, 1.0)
+    types.setSpeedDeviation(EGO_TYPE, 0.0)

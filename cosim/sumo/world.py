@@ -1,0 +1,416 @@
+"""SUMO as a world that egos drive in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Command, Drive, EgoState, Perception, constant_command
+from cosim.errors import InputError
+from cosim.frames import heading_of, rear_axle_of
+from cosim.plant import Plant, body_of
+from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.sumo.connection import start
+from cosim.sumo.egos import EgoSources
+from cosim.sumo.network import Network, read_network
+from cosim.sumo.route import Route
+from cosim.sumo.sensing import Frame, perceive, visible_crossings, visible_signals
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
+from cosim.sumo.track import Track
+from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
+from sumo_scenarios.model import Scenario
+from sumo_scenarios.preparation import Prepared
+
+FloatArray = NDArray[np.float64]
+
+PLAN_INTERVAL = 0.1
+"""Controllers are asked at most this often [s]."""
+POSITION_TOLERANCE = 0.02
+"""SUMO differs from the plant by an intervention when it is further off than this [m]."""
+SPEED_TOLERANCE = 0.1
+"""The same for speeds [m/s]."""
+COAST = constant_command(0.0, 0.0)
+
+
+@dataclass(slots=True)
+class _Ego:
+    """A vehicle that is driven from here."""
+
+    name: str
+    plant: Plant
+    track: Track
+    executed: Executed
+    command: Command = COAST
+    elapsed: float = 0.0
+    """Since the command was given [s]."""
+    travelled: float = 0.0
+    intervention: bool = False
+    handed_back: bool = False
+    frame: Frame | None = None
+    """As last sensed."""
+
+
+class SumoWorld:
+    """A SUMO simulation with egos in it.
+
+    Parameters
+    ----------
+    scenario, prepared : what runs
+    seed : draws the egos of a share; SUMO's own seed is among the prepared options
+    drive : actuators of every ego
+    gui : show SUMO's window
+
+    Raises
+    ------
+    InputError
+        If SUMO cannot start, or an ego's route or type is not possible.
+    """
+
+    def __init__(
+        self, scenario: Scenario, prepared: Prepared, seed: int, drive: Drive | None = None, gui: bool = False
+    ) -> None:
+        self._network = read_network(prepared.net_file)
+        self._begin = prepared.begin_s
+        self._first = prepared.begin_s + scenario.warmup_s
+        self._end = prepared.begin_s + scenario.duration_s
+        self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
+        self._drive = Drive() if drive is None else drive
+        self._egos: dict[str, _Ego] = {}
+        self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
+        self._visited: set[tuple[int, int]] = set()
+        self._teleports = 0
+        self._any_ego = False
+        self._warm = False
+        self._connection = start(prepared.options, gui)
+        try:
+            self._sumo = self._connection.sumo
+            with self._connection.reporting("starting"):
+                self.step: float = self._sumo.simulation.getDeltaT()
+                self._time: float = self._sumo.simulation.getTime()
+                self._sources.check(self._sumo)
+            self._plan_every = max(1, math.floor(PLAN_INTERVAL / self.step + 1e-9))
+            self._steps = 0
+            self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
+            self._observer = Observer(self._sumo, self._network, self.step)
+            self._surroundings: Surroundings = self._observer.read((), {})
+        except BaseException:
+            self._connection.close()
+            raise
+
+    # The world's protocol -----------------------------------------------------------------------------
+
+    def sense(self) -> Sequence[Perception] | None:
+        """Return one perception for each ego that is to plan now; ``None`` when the run is over."""
+        if not self._warm:
+            self._warm_up()
+        if self._over():
+            self._sources.check_seen(self._any_ego, self._time)
+            return None
+        if self._steps % self._plan_every:
+            return ()
+        with self._connection.reporting(f"sensing at {self._time:.2f} s"):
+            lights: dict[str, str] = {}
+            return [self._perceive(ego, lights) for ego in self._egos.values()]
+
+    def act(self, name: str, command: Command) -> None:
+        """Set what the ego tries to do from now on."""
+        ego = self._egos[name]
+        ego.command, ego.elapsed = command, 0.0
+        if command.hand_back == ego.handed_back:
+            return
+        with self._connection.reporting(f"changing the driver of {name} at {self._time:.2f} s"):
+            if command.hand_back:
+                self._actuation.release(name)
+            else:
+                self._actuation.take_over(name)
+        ego.handed_back = command.hand_back
+
+    def advance(self) -> None:
+        """Move everything by one step."""
+        with self._connection.reporting(f"stepping from {self._time:.2f} s"):
+            self._sources.insert(self._sumo, self._time)
+            for ego in self._egos.values():
+                if not ego.handed_back:
+                    plant = ego.plant
+                    plant.follow(ego.command, ego.elapsed, self.step)
+                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed)
+                    self._connection.pending = True
+                ego.elapsed += self.step
+            self._step()
+            self._drop_gone()
+            for ego in self._egos.values():
+                self._follow_up(ego)
+            self._remove_arrived()
+            self._take_over_departed()
+            self._observe()
+        self._steps += 1
+
+    def snapshot(self) -> Snapshot:
+        """Return the truth after the last step."""
+        persons, cars = self._surroundings.persons, self._surroundings.cars
+        others = [row for row, name in enumerate(cars.names) if name not in self._egos]
+        return Snapshot(
+            self._time,
+            tuple(self._truth(ego) for ego in self._egos.values()),
+            PersonsTruth(
+                persons.names,
+                persons.position[:, 0],
+                persons.position[:, 1],
+                persons.velocity[:, 0],
+                persons.velocity[:, 1],
+                np.full(len(persons.names), PEDESTRIAN_RADIUS),
+                persons.edge,
+                persons.crossing,
+                persons.phase,
+                persons.kind,
+            ),
+            VehiclesTruth(
+                tuple(cars.names[row] for row in others),
+                cars.front[others, 0],
+                cars.front[others, 1],
+                cars.heading[others],
+                cars.speed[others],
+                cars.length[others],
+                cars.width[others],
+                tuple(cars.lane[row] for row in others),
+                tuple(cars.kind[row] for row in others),
+            ),
+            self._teleports,
+        )
+
+    def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
+        """Convert points of that ego's route frame, as last sensed, to world coordinates."""
+        frame = self._egos[name].frame
+        if frame is None:
+            raise InputError(f'ego "{name}" has sensed nothing yet')
+        return frame.to_world(along, across)
+
+    def map_areas(self) -> Sequence[MapArea]:
+        """Return lanes, crossings and walking areas near where the egos have been."""
+        return areas_near(self._network, self._visited)
+
+    def close(self) -> None:
+        """End the simulation."""
+        self._connection.close()
+
+    @property
+    def end_time(self) -> float:
+        """Simulated time at which the run ends at the latest [s]."""
+        return self._end
+
+    @property
+    def network(self) -> Network:
+        """The network driven in."""
+        return self._network
+
+    # Steps --------------------------------------------------------------------------------------------
+
+    def _warm_up(self) -> None:
+        """Let the demand fill the road before the first ego comes."""
+        self._warm = True
+        with self._connection.reporting("warming up"):
+            while self._time < self._first - 1e-9:
+                self._step()
+                self._take_over_departed()
+                if self._egos:
+                    self._observe()
+                    break
+
+    def _step(self) -> None:
+        self._sumo.simulationStep()
+        self._connection.pending = False
+        self._time = self._sumo.simulation.getTime()
+
+    def _over(self) -> bool:
+        if self._time >= self._end - 1e-9:
+            return True
+        if self._egos:
+            return False
+        return self._sources.ends or self._sumo.simulation.getMinExpectedNumber() == 0
+
+    def _drop_gone(self) -> None:
+        """Forget egos that SUMO has taken off the road."""
+        if not self._egos:
+            return
+        simulation = self._sumo.simulation
+        arrived = set(simulation.getArrivedIDList())
+        teleporting = set(simulation.getStartingTeleportIDList())
+        for name in [name for name in self._egos if name in arrived or name in teleporting]:
+            if name in teleporting or self._egos[name].track.remaining > 50.0:
+                self._teleports += 1
+            if name not in arrived:
+                self._remove(name)
+            self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        self._actuation.forget(name)
+        del self._egos[name]
+
+    def _follow_up(self, ego: _Ego) -> None:
+        """Compare what SUMO made of the step with the plant, and find the ego's place on its route."""
+        plant = ego.plant
+        before = plant.front
+        if ego.handed_back:
+            ego.executed = self._seen(ego.name)
+            speed = ego.executed.speed
+            heading = heading_of(self._sumo.vehicle.getAngle(ego.name))
+            before_speed = plant.speed
+            plant.adopt(ego.executed.x, ego.executed.y, heading, speed, (speed - before_speed) / self.step)
+            ego.travelled += speed * self.step
+            ego.intervention = False
+        else:
+            ego.executed = self._actuation.executed(ego.name)
+            off = math.dist(before, (ego.executed.x, ego.executed.y))
+            slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
+            ego.intervention = off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
+            ego.travelled += plant.speed * self.step
+        ego.track.update(*plant.front)
+        self._visited.add((round(plant.x / 20.0), round(plant.y / 20.0)))
+
+    def _seen(self, name: str) -> Executed:
+        vehicle = self._sumo.vehicle
+        x, y = vehicle.getPosition(name)
+        return Executed(x, y, vehicle.getSpeed(name), vehicle.getLaneID(name))
+
+    def _remove_arrived(self) -> None:
+        """Take egos off the road at the end of their routes: a moved vehicle never arrives."""
+        for name in [name for name, ego in self._egos.items() if ego.track.arrived]:
+            self._remove(name)
+            self._forget(name)
+
+    def _remove(self, name: str) -> None:
+        # A step with a subscription around a vehicle that has been removed fails.
+        self._observer.leave(name)
+        self._sumo.vehicle.remove(name)
+        self._connection.pending = True
+
+    def _take_over_departed(self) -> None:
+        departed = self._sumo.simulation.getDepartedIDList()
+        if not departed:
+            return
+        for name in self._sources.choose(self._sumo, departed, self._time):
+            self._take_over(name)
+
+    def _take_over(self, name: str) -> None:
+        vehicle = self._sumo.vehicle
+        kind = vehicle.getVehicleClass(name)
+        edges = tuple(vehicle.getRoute(name))
+        key = (edges, kind)
+        if key not in self._routes:
+            self._routes[key] = Route(self._network, edges, kind)
+        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
+        seen = self._seen(name)
+        heading = heading_of(vehicle.getAngle(name))
+        rear = rear_axle_of(seen.x, seen.y, heading, body.front)
+        plant = Plant(body, self._drive, *rear, heading, seen.speed)
+        track = Track(self._routes[key], vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
+        track.update(seen.x, seen.y)
+        track.number = 0
+        self._actuation.take_over(name)
+        self._observer.follow(name)
+        self._egos[name] = _Ego(name, plant, track, seen)
+        self._any_ego = True
+
+    def _observe(self) -> None:
+        known = {
+            ego.name: KnownState(*ego.plant.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
+            for ego in self._egos.values()
+        }
+        self._surroundings = self._observer.read(tuple(self._egos), known)
+
+    # Sensing ------------------------------------------------------------------------------------------
+
+    def _perceive(self, ego: _Ego, lights: dict[str, str]) -> Perception:
+        plant = ego.plant
+        frame = ego.frame = Frame(plant, ego.track)
+        path = frame.path
+        names = {path.signals[i].name for i in visible_signals(frame)}
+        names |= {c.source.signal for c in visible_crossings(frame) if c.source.signal}
+        for name in names - lights.keys():
+            lights[name] = self._sumo.trafficlight.getRedYellowGreenState(name)
+        state = EgoState(
+            ego.name,
+            self._time,
+            plant.x,
+            plant.y,
+            plant.heading,
+            frame.across,
+            frame.heading_error,
+            plant.speed,
+            plant.acceleration,
+            plant.steering,
+            plant.body,
+            plant.drive,
+            self._plan_every * self.step,
+        )
+        return perceive(state, frame, ego.track, self._surroundings, lights, ())
+
+    def _truth(self, ego: _Ego) -> EgoTruth:
+        plant, track = ego.plant, ego.track
+        entry = 0
+        if len(ego.command.times) > 1:
+            # The part of the command that was carried out in the last step.
+            began = ego.elapsed - self.step + 1e-9
+            entry = max(0, int(np.searchsorted(ego.command.times, began, side="right")) - 1)
+        x, y = plant.front
+        piece = track.path.piece_at(track.along)
+        return EgoTruth(
+            ego.name,
+            plant.body,
+            x,
+            y,
+            plant.heading,
+            plant.speed,
+            plant.acceleration,
+            plant.steering,
+            piece.lane.edge,
+            ego.executed.lane,
+            ego.travelled,
+            piece.lane.speed,
+            float(ego.command.acceleration[entry]),
+            float(ego.command.steering[entry]),
+            ego.executed.x,
+            ego.executed.y,
+            ego.executed.speed,
+            ego.intervention,
+            ego.handed_back,
+        )
+
+
+def areas_near(network: Network, cells: set[tuple[int, int]], reach: float = 80.0) -> list[MapArea]:
+    """Return everything near cells of 20 m that egos have been in.
+
+    Parameters
+    ----------
+    network
+    cells : world positions divided by 20 m, rounded
+    reach : [m]
+    """
+    if not cells:
+        return []
+    places = 20.0 * np.array(sorted(cells), dtype=np.float64)
+
+    def near(shape: FloatArray) -> bool:
+        low, high = shape.min(axis=0) - reach, shape.max(axis=0) + reach
+        return bool(((places >= low) & (places <= high)).all(axis=1).any())
+
+    lanes = [
+        MapArea(lane.name, "lane", lane.width, lane.shape)
+        for lane in network.lanes.values()
+        if near(lane.shape)
+    ]
+    crossings = [
+        MapArea(crossing.name, "crossing", crossing.width, crossing.axis, crossing.kind.value)
+        for crossing in network.crossings.values()
+        if near(crossing.axis)
+    ]
+    walking_areas = [
+        MapArea(area.name, "walkingarea", 0.0, area.outline)
+        for area in network.walking_areas.values()
+        if near(area.outline)
+    ]
+    return [*lanes, *crossings, *walking_areas]
