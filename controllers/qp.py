@@ -178,8 +178,8 @@ class _Workspace:
         self._solver = None
 
     def solve(self, problem: qpsolvers.Problem, warm: FloatArray | None) -> qpsolvers.Solution:
-        self._dense[: self._rows] = problem.G
-        P_data = problem.P[self._P_at]
+        self._dense[: self._rows] = np.asarray(problem.G)
+        P_data = np.asarray(problem.P)[self._P_at]
         A_data = self._dense[self._A_at]
         self._upper[: self._rows] = problem.h
         self._lower[self._rows :] = problem.lb
