@@ -31,7 +31,7 @@ class BrakingRule:
 
     Notes
     -----
-    Dead time, linear ramp and full braking f · g are those of the comparison system of [Paper002]_.
+    Dead time, linear ramp and full braking f · g are those of the comparison system of [Wu2023]_.
     """
 
     friction: float = 0.8
@@ -111,20 +111,22 @@ class EmergencyBraking:
         names = (*perception.pedestrians.names, *perception.vehicles.names)
         times = np.concatenate([people[0], cars[0]])
         closing = speed - np.maximum(np.concatenate([people[1], cars[1]]), 0.0)
-        rule, ego = self.rule, perception.ego
-        late = ego.drive.drive_lag + ego.plan_interval
+        drive = perception.ego.drive
+        # If it is not triggered now, it is one plan later, by then faster if the ego is speeding up.
+        late = drive.drive_lag + perception.ego.plan_interval
+        gained = max(perception.ego.acceleration, 0.0) * late
         urgent = [
-            bool(np.isfinite(time))
-            and (
-                time <= within
-                or u * time
-                <= stopping_distance(u, rule.full(ego.drive), rule.dead_time + late, rule.ramp)
-                + rule.stop_margin
-            )
+            bool(np.isfinite(time)) and (time <= within or u * time <= self._needed(u + gained, late, drive))
             for time, u in zip(times, np.maximum(closing, 0.0), strict=True)
         ]
         first = np.where(urgent, times, np.inf)
         return names[int(np.argmin(first))] if any(urgent) else ""
+
+    def _needed(self, speed: float, late: float, drive: Drive) -> float:
+        """Return how far away the contact has to be to trigger later [m]."""
+        rule = self.rule
+        stops = stopping_distance(speed, rule.full(drive), rule.dead_time + late, rule.ramp)
+        return stops + rule.stop_margin
 
 
 def _people(perception: Perception, speed: float, rule: BrakingRule) -> tuple[FloatArray, FloatArray]:

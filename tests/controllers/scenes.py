@@ -66,11 +66,12 @@ def ego(
     time: float = 0.0,
     acceleration: float = 0.0,
     steering: float = 0.0,
+    limits: Drive | None = None,
 ) -> EgoState:
     """Return a default car."""
     return EgoState(
         "ego", time, 0.0, across, heading_error, across, heading_error, speed, acceleration, steering,
-        Body(), Drive(), plan_interval,
+        Body(), limits or Drive(), plan_interval,
     )  # fmt: skip
 
 

@@ -1,0 +1,94 @@
+"""Signals and vehicles whose path crosses the ego's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from controllers.interface import JunctionFoe, Perception, Signal, SignalState
+from controllers.right_of_way import PATIENCE, RightOfWay, StopPlace, must_stop, travel_time
+from tests.controllers.scenes import ego, perception
+
+
+def _foe(distance: float, speed: float, must_yield: bool = True) -> JunctionFoe:
+    """Return a foe before a conflict 5 m long, at 26 m for the ego, whose stop line is at 20 m."""
+    return JunctionFoe("foe", 26.0, 31.0, 20.0, distance, distance + 5.0, speed, must_yield)
+
+
+def _stops(seen: Perception) -> list[StopPlace]:
+    return RightOfWay(1.8).stops(seen)
+
+
+@pytest.mark.parametrize(
+    ("state", "line", "stops"),
+    [
+        (SignalState.GREEN, 40.0, False),
+        (SignalState.RED, 40.0, True),
+        (SignalState.RED, 9.0, False),
+        (SignalState.RED, -5.0, False),
+        (SignalState.AMBER, 40.0, True),
+        (SignalState.AMBER, 20.0, False),
+    ],
+)
+def test_a_light_is_stopped_at_where_that_is_possible(state: SignalState, line: float, stops: bool) -> None:
+    assert must_stop(Signal("tl", line, state), ego(12.0)) is stops
+
+
+def test_a_standing_car_a_little_over_the_line_stays_at_red() -> None:
+    assert must_stop(Signal("tl", 3.0, SignalState.RED), ego(0.0))
+
+
+def test_a_foe_that_arrives_with_the_ego_is_yielded_to_at_the_stop_line() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(25.0, 10.0)])) == [StopPlace("foe", 20.0)]
+
+
+def test_a_foe_that_must_yield_itself_is_not_yielded_to() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(25.0, 10.0, must_yield=False)])) == []
+
+
+def test_a_foe_that_comes_much_later_is_not_waited_for() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(120.0, 10.0)])) == []
+
+
+def test_a_foe_that_has_left_is_not_waited_for() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(-11.0, 10.0)])) == []
+
+
+def test_a_foe_that_leaves_before_the_ego_enters_is_not_waited_for() -> None:
+    assert _stops(perception(ego(2.0), foes=[_foe(-2.0, 10.0)])) == []
+
+
+def test_a_foe_that_stands_in_the_conflict_is_never_driven_into() -> None:
+    standing = replace(_foe(-1.0, 0.0), must_yield=False)
+    assert _stops(perception(ego(8.0), foes=[standing])) == [StopPlace("foe", 20.0)]
+
+
+def test_past_the_stop_line_the_conflict_itself_is_kept_free() -> None:
+    seen = perception(ego(3.0), foes=[replace(_foe(12.0, 10.0), stop_line=1.0, entry=9.0, exit=14.0)])
+    assert _stops(seen) == [StopPlace("foe", 8.0)]
+
+
+def test_an_ego_in_the_conflict_clears_it() -> None:
+    seen = perception(ego(3.0), foes=[replace(_foe(12.0, 10.0), stop_line=-5.0, entry=2.0, exit=8.0)])
+    assert _stops(seen) == []
+
+
+def test_an_ego_that_cannot_stop_any_more_drives_on() -> None:
+    seen = perception(ego(13.0), foes=[replace(_foe(20.0, 10.0), stop_line=5.0, entry=8.0, exit=13.0)])
+    assert _stops(seen) == []
+
+
+def test_a_foe_that_keeps_standing_is_waited_for_with_patience_only() -> None:
+    rule = RightOfWay(1.8)
+    standing = _foe(6.0, 0.0)
+    assert rule.stops(perception(ego(0.0, time=0.0), foes=[standing])) != []
+    assert rule.stops(perception(ego(0.0, time=PATIENCE - 0.1), foes=[standing])) != []
+    assert rule.stops(perception(ego(0.0, time=PATIENCE), foes=[standing])) == []
+    assert rule.stops(perception(ego(0.0, time=PATIENCE + 0.1), foes=[_foe(6.0, 1.0)])) != []
+
+
+def test_travel_time_speeds_up_and_then_keeps_the_limit() -> None:
+    # 4 s from 0 to 8 m/s take 16 m, the other 16 m take 2 s.
+    assert travel_time(32.0, 0.0, 2.0, 8.0) == pytest.approx(6.0)
+    assert travel_time(-1.0, 5.0, 2.0, 8.0) == 0.0
