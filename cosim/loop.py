@@ -72,9 +72,11 @@ def run(
         When a controller fails or commands something that is not a finite number.
     """
     times = LoopTimes() if times is None else times
-    started = perf_counter()
+    # The first sensing is not counted: a world may warm up in it.
+    started: float | None = None
     while (perceptions := world.sense()) is not None:
-        times.world += perf_counter() - started
+        if started is not None:
+            times.world += perf_counter() - started
         for perception in perceptions:
             name = perception.ego.name
             driver = _driver(drivers, perception)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import subprocess
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
@@ -34,7 +34,7 @@ class Inputs:
     """``None``: until the scenario ends."""
     actuation: str
     files: Mapping[str, str]
-    """Name to SHA-256 of what SUMO reads."""
+    """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
 
     def config_id(self) -> str:
         """Return the identity of everything but the seed: the controller's name and a hash."""
@@ -94,21 +94,6 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "n_teleports": 0,
         "recording_schema_version": schema_version,
     }
-
-
-def hash_files(paths: Iterable[Path]) -> dict[str, str]:
-    """Return each file's name and the SHA-256 of its content.
-
-    Two files of one name are told apart by as many parent folders as that takes.
-    """
-    paths = sorted(set(paths))
-    named: dict[str, str] = {}
-    for path in paths:
-        depth = 1
-        while sum(other.parts[-depth:] == path.parts[-depth:] for other in paths) > 1:
-            depth += 1
-        named["/".join(path.parts[-depth:])] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return named
 
 
 @cache

@@ -1,0 +1,86 @@
+"""The command ``cosim``: arguments in, one line per error and an exit code out.
+
+Exit codes: 0 all good; 2 usage or bad input, found before the first step; 3 a run that went wrong after it;
+1 is left to criteria that fail.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+
+from cosim.commands import analyse, conformance, listing
+from cosim.commands import run as run_command
+from cosim.errors import InputError, SimulationError
+
+# The ancestor of everything that typer raises about bad usage; it has no public name of its own.
+UsageProblem: Any = typer.BadParameter.__mro__[2]
+
+app = typer.Typer(
+    name="cosim",
+    help="Drive controllers through pedestrian crossings in SUMO traffic, and report how safe they were.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+app.command("run")(run_command.run)
+app.command("analyse")(analyse.analyse)
+app.command("conformance")(conformance.conformance)
+app.command("list")(listing.show)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from cosim.provenance import versions
+
+        typer.echo(", ".join(f"{name} {version}" for name, version in versions().items()))
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show versions and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    # Before NumPy is loaded: several BLAS threads make small problems slower, not faster.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    try:
+        code = app(arguments, prog_name="cosim", standalone_mode=False)
+        return int(code or 0)
+    except UsageProblem as error:
+        return _tell(error.format_message(), 2, arguments)
+    except InputError as error:
+        return _tell(str(error), 2, arguments)
+    except SimulationError as error:
+        return _tell(str(error), 3, arguments)
+    except (KeyboardInterrupt, typer.Abort):
+        return _tell("interrupted", 130, arguments)
+    except Exception as error:  # noqa: BLE001  the last resort: one line instead of a traceback
+        what = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
+        return _tell(what, 3, arguments)
+
+
+def _tell(text: str, code: int, arguments: Sequence[str]) -> int:
+    if "--debug" in arguments:
+        traceback.print_exc()
+    print("cosim: " + " ".join(text.split()), file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

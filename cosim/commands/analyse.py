@@ -1,0 +1,59 @@
+"""``cosim analyse``: the CSV files again, from recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from cosim.commands.options import Debug
+
+
+def analyse(
+    folders: Annotated[list[Path], typer.Argument(metavar="RUN_DIR…", help="Folders of recorded runs.")],
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Set a threshold of the analysis; repeatable."),
+    ] = None,
+    debug: Debug = False,
+) -> int:
+    """Make encounters.csv and runs.csv again from recorded runs, without simulating.
+
+    \b
+    Examples:
+      cosim analyse runs/midblock_zebra-vo_mpc-1-1
+      cosim analyse runs/* --set severity_ttc_serious_s=1.2
+
+    \b
+    Exit codes: 0 all good, 2 a folder or a threshold is wrong (the other folders are analysed).
+    """
+    from analysis.errors import AnalysisError
+    from analysis.thresholds import with_settings
+    from cosim.errors import InputError
+    from cosim.execution import analyse_run
+    from cosim.summary import read_row, run_table
+
+    try:
+        thresholds = with_settings(settings or [])
+    except AnalysisError as error:
+        raise InputError(f"--set {error}") from error
+    console = Console(highlight=False)
+    failed: list[Path] = []
+    for folder in folders:
+        try:
+            analyse_run(folder, thresholds)
+        except AnalysisError as error:
+            failed.append(folder)
+            typer.echo(f"cosim: {error}", err=True)
+            continue
+        console.print(f"{folder}/encounters.csv, {folder}/runs.csv", soft_wrap=True)
+        if len(folders) == 1:
+            console.print(run_table(read_row(folder)))
+    if len(folders) > 1 and failed:
+        typer.echo(
+            f"cosim: {len(failed)} of {len(folders)} folders not analysed: {', '.join(map(str, failed))}",
+            err=True,
+        )
+    return 2 if failed else 0

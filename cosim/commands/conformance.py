@@ -1,0 +1,54 @@
+"""``cosim conformance``: what is true of the coupling with the SUMO that is installed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from cosim.commands.options import Debug
+
+
+def conformance(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[CASE]…", help="Cases to run.", show_default="all")
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
+    only_list: Annotated[bool, typer.Option("--list", help="Say which cases exist, run none.")] = False,
+    debug: Debug = False,
+) -> int:
+    """Check the coupling against the installed SUMO; every case has a control that must fail.
+
+    \b
+    Examples:
+      cosim conformance
+      cosim conformance --jobs 2
+      cosim conformance --list
+
+    \b
+    Exit codes: 0 all as expected, 1 a case or a control is not, 2 unknown case.
+    """
+    from cosim.conformance import suite
+    from cosim.provenance import versions
+
+    console = Console(highlight=False)
+    chosen = suite.named(names) if names else suite.cases()
+    if only_list:
+        table = Table(box=None, show_header=False, pad_edge=False)
+        for case in chosen:
+            table.add_row(case.key, case.name)
+        console.print(table)
+        return 0
+    results = suite.run(chosen, jobs, lambda result: typer.echo(f"{result.case.key} done", err=True))
+    table = Table(title=f"Conformance with SUMO {versions().get('libsumo', '?')}", title_justify="left")
+    for heading in suite.TABLE_HEADINGS:
+        table.add_column(heading, overflow="fold")
+    for row in suite.table_rows(results):
+        table.add_row(*row)
+    console.print(table)
+    failed = [each.case.key for each in results if not (each.passed and each.control_failed_as_it_must)]
+    if failed:
+        typer.echo(f"cosim: not as expected: {', '.join(failed)}", err=True)
+    return 1 if failed else 0

@@ -1,0 +1,87 @@
+"""``cosim run``: one scenario, one controller, one seed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from cosim.commands.options import Debug, Out, Settings
+from cosim.request import RunRequest, parse_settings
+
+
+def run(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="A scenario's name or folder, or a SUMO configuration.")
+    ],
+    controller: Annotated[str, typer.Option(metavar="NAME", help="Who drives the ego.")] = "vo_mpc",
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 1,
+    out: Out = None,
+    settings: Settings = None,
+    duration_s: Annotated[
+        float | None,
+        typer.Option("--duration-s", metavar="S", help="Simulated time.", show_default="as the scenario"),
+    ] = None,
+    actuation: Annotated[
+        str | None,
+        typer.Option(metavar="hybrid|move", help="How the ego is moved.", show_default="as the scenario"),
+    ] = None,
+    ego_route: Annotated[
+        str | None, typer.Option(metavar='"E1 E2 …"', help="Insert one ego that drives these edges.")
+    ] = None,
+    ego_vehicle: Annotated[
+        str | None, typer.Option(metavar="ID", help="Take over this vehicle of the demand.")
+    ] = None,
+    ego_share: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Take over this share of the passenger cars.")
+    ] = None,
+    gui: Annotated[bool, typer.Option("--gui", help="Show the run in sumo-gui.")] = False,
+    debug: Debug = False,
+) -> int:
+    """Drive an ego through a scenario and report how safe it was.
+
+    \b
+    Examples:
+      cosim run midblock_zebra
+      cosim run midblock_unmarked --controller aeb --seed 7 --out results/aeb-7
+      cosim run midblock_zebra --set pedestrians_per_hour=600 --set vehicles_per_hour=1000
+      cosim run town.sumocfg --ego-route "e1 e2 e3" --duration-s 600
+      cosim run town.sumocfg --ego-share 0.1 --controller vo_mpc
+      cosim run town.sumocfg --ego-vehicle car.12 --gui
+
+    \b
+    Exit codes: 0 good, 2 bad input, 3 the run went wrong after its first step.
+    """
+    from cosim.commands.progress import shown_progress
+    from cosim.execution import execute
+    from cosim.summary import run_table
+
+    request = RunRequest(
+        scenario=scenario,
+        controller=controller,
+        seed=seed,
+        settings=parse_settings(settings or []),
+        duration_s=duration_s,
+        actuation=actuation,
+        ego_route=tuple((ego_route or "").split()),
+        ego_vehicle=ego_vehicle,
+        ego_share=ego_share,
+        gui=gui,
+        out=out,
+    )
+    with shown_progress() as progress:
+        outcome = execute(request, progress)
+    console = Console(highlight=False)
+    if outcome.row is not None:
+        console.print(run_table(outcome.row, [("control over SUMO's step", _ratio(outcome.description))]))
+    console.print(f"\nfiles: {outcome.folder}", soft_wrap=True)
+    if outcome.invalid_reason:
+        typer.echo(f"cosim: the run is not valid: {outcome.invalid_reason}", err=True)
+        return 3
+    return 0
+
+
+def _ratio(description: dict[str, Any]) -> str:
+    control, world = description["wall_control_s"], description["wall_world_s"]
+    return f"{control / world:.2f}" if world else "–"

@@ -1,0 +1,48 @@
+"""A run and its numbers: simulate, then analyse what was recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from analysis.errors import AnalysisError
+from cosim.errors import SimulationError
+from cosim.request import RunRequest
+from cosim.run import Progress, RunResult, run
+from cosim.summary import Row, read_row
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a user gets from one run."""
+
+    folder: Path
+    description: dict[str, Any]
+    """The content of ``run.json``."""
+    row: Row | None
+    """The run's row of ``runs.csv``; ``None`` when too little was recorded to analyse."""
+    invalid_reason: str
+    """Empty for a valid run."""
+
+
+def execute(request: RunRequest, progress: Progress = lambda time, end: None) -> Outcome:
+    """Simulate one run, analyse it, and return its numbers.
+
+    A run that went wrong after its first step is analysed as far as it was recorded.
+
+    Raises
+    ------
+    InputError
+        For anything wrong that is found before the first step.
+    """
+    result: RunResult = run(request, progress)
+    row: Row | None = None
+    try:
+        analyse_run(result.folder)
+        row = read_row(result.folder)
+    except (AnalysisError, OSError) as error:
+        if result.valid:
+            raise SimulationError(f"{result.folder} could not be analysed: {error}") from error
+        # An early end may leave nothing to analyse; what went wrong before is what the user is told.
+    return Outcome(result.folder, result.description, row, result.invalid_reason)

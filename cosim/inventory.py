@@ -1,0 +1,49 @@
+"""What exists: scenarios, controllers and metrics, each with its first line and its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from analysis import metric_catalog
+from controllers import catalog
+from sumo_scenarios import library
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One thing that exists."""
+
+    name: str
+    description: str
+    parameters: tuple[str, ...] = ()
+    """``name=default``, as ``--set`` takes them."""
+
+
+def scenarios() -> list[Entry]:
+    """Return the built-in scenarios."""
+    found = [library.load(name) for name in library.names()]
+    return [Entry(each.name, each.description, library.parameter_names(each)) for each in found]
+
+
+def controllers() -> list[Entry]:
+    """Return the controllers of this project and of installed plug-ins."""
+    return [
+        Entry(name, catalog.describe(name), tuple(f"{k}={v}" for k, v in catalog.parameters(name).items()))
+        for name in catalog.names()
+    ]
+
+
+def metrics() -> list[Entry]:
+    """Return the metrics of encounters and of runs, with unit and direction."""
+    return [
+        Entry(
+            metric.name,
+            f"{metric.text.partition(chr(10))[0]} [{metric.unit}; {_direction(metric.worse)}; "
+            f"per {metric.scope}]",
+        )
+        for metric in metric_catalog.find_metrics()
+    ]
+
+
+def _direction(worse: str) -> str:
+    return f"{worse} is worse" if worse in ("higher", "lower") else "neither direction is worse"

@@ -1,0 +1,57 @@
+"""Where a run's files go; what is there already is never mixed with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cosim.errors import InputError
+
+DEFAULT_PARENT = Path("runs")
+
+
+def check(out: Path | None) -> None:
+    """Refuse a folder that cannot take a new run, before anything expensive happens.
+
+    Raises
+    ------
+    InputError
+        When ``out`` is a file or a folder with something in it.
+    """
+    if out is None:
+        return
+    try:
+        if out.is_dir():
+            if any(out.iterdir()):
+                raise InputError(f"--out {out}: an empty or new folder expected, this one has files in it")
+        elif out.exists():
+            raise InputError(f"--out {out}: a folder expected, this is a file")
+    except OSError as error:
+        raise InputError(f"--out {out}: {error.strerror}") from error
+
+
+def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
+    """Make the run's folder: ``out``, or the first free ``runs/<scenario>-<controller>-<seed>-<n>``."""
+    check(out)
+    try:
+        if out is not None:
+            out.mkdir(parents=True, exist_ok=True)
+            return out
+        DEFAULT_PARENT.mkdir(exist_ok=True)
+        number = 1
+        while True:
+            folder = DEFAULT_PARENT / f"{scenario}-{controller}-{seed}-{number}"
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                number += 1
+            else:
+                return folder
+    except OSError as error:
+        raise InputError(f"cannot make the folder {out or DEFAULT_PARENT}: {error.strerror}") from error
+
+
+def discard(folder: Path) -> None:
+    """Remove the folder of a run that never made a step, with the files this tool has put there."""
+    for path in folder.iterdir():
+        path.unlink()
+    folder.rmdir()

@@ -1,0 +1,72 @@
+"""What a user asks for: one run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cosim.errors import InputError
+
+ACTUATIONS = ("hybrid", "move")
+
+
+@dataclass(frozen=True, slots=True)
+class RunRequest:
+    """One scenario, one controller, one seed."""
+
+    scenario: str
+    """Name of a scenario, a scenario's folder, or a SUMO configuration."""
+    controller: str = "vo_mpc"
+    seed: int = 1
+    settings: Mapping[str, str] = field(default_factory=dict)
+    """Scenario or controller parameters as texts, by name."""
+    duration_s: float | None = None
+    actuation: str | None = None
+    """``None``: as the scenario says."""
+    ego_route: tuple[str, ...] = ()
+    """Edges of an ego of our own."""
+    ego_vehicle: str | None = None
+    """Vehicle of the demand to take over."""
+    ego_share: float | None = None
+    """Share of the passenger cars to take over."""
+    gui: bool = False
+    out: Path | None = None
+
+    def __post_init__(self) -> None:
+        chosen = [
+            flag
+            for flag, given in (
+                ("--ego-route", bool(self.ego_route)),
+                ("--ego-vehicle", self.ego_vehicle is not None),
+                ("--ego-share", self.ego_share is not None),
+            )
+            if given
+        ]
+        if len(chosen) > 1:
+            raise InputError(f"{' and '.join(chosen)} exclude each other; give one of them")
+        if self.ego_share is not None and not 0.0 < self.ego_share <= 1.0:
+            raise InputError(f"--ego-share: a share above 0 and at most 1 expected, got {self.ego_share:g}")
+        if self.duration_s is not None and not 0.0 < self.duration_s < float("inf"):
+            raise InputError(f"--duration-s: a number of seconds above 0 expected, got {self.duration_s:g}")
+        if self.actuation is not None and self.actuation not in ACTUATIONS:
+            raise InputError(f"--actuation: {' or '.join(ACTUATIONS)} expected, got {self.actuation!r}")
+        if not 0 <= self.seed < 2**31:
+            raise InputError(f"--seed: a whole number from 0 to {2**31 - 1} expected, got {self.seed}")
+
+
+def parse_settings(texts: Iterable[str]) -> dict[str, str]:
+    """Return the names and values of ``key=value`` texts; the last one of a name counts.
+
+    Examples
+    --------
+    >>> parse_settings(["pedestrians_per_hour=600", "horizon=20"])
+    {'pedestrians_per_hour': '600', 'horizon': '20'}
+    """
+    settings: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--set {text!r}: key=value expected, for instance pedestrians_per_hour=600")
+        settings[key.strip().replace("-", "_")] = value.strip()
+    return settings

@@ -1,0 +1,133 @@
+"""One run: from a request to a folder with a recording and the numbers of its analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from analysis.recording import SCHEMA_VERSION
+from cosim import compose, loop, output, provenance
+from cosim.compose import Composition
+from cosim.errors import CosimError, InputError, SimulationError
+from cosim.loop import LoopTimes
+from cosim.recorder import Recorder, write_json
+from cosim.request import RunRequest
+
+Progress = Callable[[float, float | None], None]
+"""Called with the simulated time and the time at which the run ends, if that is known [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What came out of a run."""
+
+    folder: Path
+    description: dict[str, Any]
+    """The content of ``run.json``."""
+
+    @property
+    def valid(self) -> bool:
+        """Whether the run went on to its end undisturbed."""
+        return bool(self.description["valid"])
+
+    @property
+    def invalid_reason(self) -> str:
+        """Why it is not valid, in one line; empty for a valid run."""
+        return str(self.description["invalid_reason"] or "")
+
+
+def run(request: RunRequest, progress: Progress = lambda time, end: None) -> RunResult:
+    """Simulate and record; bad input raises, a failure after the first step is part of the result.
+
+    Raises
+    ------
+    InputError
+        For anything wrong that is found before the first step; no folder is left behind.
+    """
+    output.check(request.out)
+    composition = compose.compose(request)
+    try:
+        inputs = composition.inputs
+        folder = output.create(request.out, inputs.scenario, inputs.controller, inputs.seed)
+        try:
+            return _simulate(composition, folder, progress)
+        except InputError:
+            output.discard(folder)
+            raise
+    finally:
+        composition.close()
+
+
+def _simulate(composition: Composition, folder: Path, progress: Progress) -> RunResult:
+    description = provenance.describe(composition.inputs, SCHEMA_VERSION)
+    write_json(folder / "run.json", description)
+    times = LoopTimes()
+    started = perf_counter()
+    recorder = Recorder(folder)
+    reason: str | None = None
+    defect: Exception | None = None
+    try:
+        with recorder:
+            _drive(composition, recorder, times, progress)
+    except CosimError as error:
+        reason = str(error)
+        if not recorder.ego_names:
+            # Nothing was driven, so nothing was recorded: what was asked for is not possible.
+            raise InputError(reason) from error
+    except OSError as error:
+        reason = f"the recording could not be written: {error.strerror or error}"
+    except KeyboardInterrupt:
+        reason = "interrupted by the user"
+    except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
+        reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
+    if reason is None and recorder.teleports:
+        reason = f"SUMO teleported {recorder.teleports} egos"
+    if reason is None and not recorder.ego_names:
+        raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
+    _finish(description, recorder, times, perf_counter() - started, reason)
+    _write_description(folder, description)
+    if defect is not None:
+        raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
+    return RunResult(folder, description)
+
+
+def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
+    world, end = composition.world, composition.end_time
+    try:
+        loop.run(world, composition.drivers, recorder, times, lambda time: progress(time, end))
+    except BaseException:
+        # What failed is told; the map is drawn where a broken simulation still allows it.
+        with suppress(CosimError, OSError):
+            recorder.write_map(world.map_areas())
+        raise
+    recorder.write_map(world.map_areas())
+
+
+def _finish(
+    description: dict[str, Any], recorder: Recorder, times: LoopTimes, wall_s: float, reason: str | None
+) -> None:
+    duration_s = 0.0
+    if recorder.first_time is not None and recorder.last_time is not None:
+        duration_s = recorder.last_time - recorder.first_time + float(description["step_s"])
+    description.update(
+        wall_s=round(wall_s, 3),
+        wall_control_s=round(times.control, 3),
+        wall_world_s=round(times.world, 3),
+        duration_s=round(duration_s, 6),
+        n_steps=times.steps,
+        n_egos=len(recorder.ego_names),
+        n_teleports=recorder.teleports,
+        valid=reason is None,
+        invalid_reason=reason,
+    )
+
+
+def _write_description(folder: Path, description: dict[str, Any]) -> None:
+    try:
+        write_json(folder / "run.json", description)
+    except OSError as error:
+        raise SimulationError(f"{folder / 'run.json'} could not be written: {error.strerror}") from error

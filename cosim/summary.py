@@ -1,0 +1,95 @@
+"""The numbers of runs as short tables; they come from the CSV files and from nowhere else."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.table import Table
+
+from cosim.errors import SimulationError
+
+Row = Mapping[str, str]
+
+# Label, column of runs.csv, format; a column that an analysis does not write is left out.
+_LINES = (
+    ("egos", "ego_count", "{:.0f}"),
+    ("encounters", "n_encounters", "{:.0f}"),
+    ("contacts", "n_collisions", "{:.0f}"),
+    ("minimum distance [m]", "min_dist_m", "{:.2f}"),
+    ("minimum TTC [s]", "min_ttc_s", "{:.2f}"),
+    ("encounters with TTC < 1.5 s", "n_ttc_lt_1p5", "{:.0f}"),
+    ("minimum PET [s]", "min_pet_s", "{:.2f}"),
+    ("largest deceleration [m/s²]", "max_decel_mps2", "{:.2f}"),
+    ("95th percentile of jerk [m/s³]", "p95_abs_jerk_mps3", "{:.2f}"),
+    ("delay against free flow [s]", "ego_time_loss_s", "{:.1f}"),
+    ("steps keeping straight", "n_straight", "{:.0f}"),
+    ("steps changing lane", "n_lane_change", "{:.0f}"),
+    ("steps autonomous", "n_autonomous", "{:.0f}"),
+    ("overlaps with vehicles", "n_vehicle_overlaps", "{:.0f}"),
+    ("interventions by SUMO", "n_interventions", "{:.0f}"),
+    ("unsolved steps", "n_solver_fail", "{:.0f}"),
+    ("control step, median [ms]", "compute_p50_ms", "{:.2f}"),
+    ("control step, 99th percentile [ms]", "compute_p99_ms", "{:.2f}"),
+)
+
+
+def read_row(folder: Path) -> Row:
+    """Return the single row of ``runs.csv`` in a run's folder."""
+    path = folder / "runs.csv"
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        raise SimulationError(f"{path} cannot be read: {error.strerror}") from error
+    if len(rows) != 1:
+        raise SimulationError(f"{path}: one row expected, found {len(rows)}")
+    return rows[0]
+
+
+def run_table(row: Row, extra: Sequence[tuple[str, str]] = ()) -> Table:
+    """Return one run's numbers, one per line."""
+    table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_column()
+    table.add_column(justify="right")
+    for label, column, layout in _LINES:
+        if column in row:
+            table.add_row(label, _shown(row[column], layout))
+    for label, text in extra:
+        table.add_row(label, text)
+    return table
+
+
+def comparison_table(
+    rows: Mapping[str, Row], title: str, extra: Mapping[str, Sequence[str]] | None = None
+) -> Table:
+    """Return the numbers of several runs side by side, one column per run.
+
+    ``extra`` holds further lines, one text per run.
+    """
+    table = Table(title=title, title_justify="left", pad_edge=False)
+    table.add_column("")
+    for name in rows:
+        table.add_column(name, justify="right")
+    for label, column, layout in _LINES:
+        if any(column in row for row in rows.values()):
+            table.add_row(label, *(_shown(row.get(column, ""), layout) for row in rows.values()))
+    for label, texts in (extra or {}).items():
+        table.add_row(label, *texts)
+    return table
+
+
+def number(row: Row, column: str) -> float | None:
+    """Return a value of the row; ``None`` where it is undefined or the column does not exist."""
+    text = row.get(column, "")
+    return float(text) if text else None
+
+
+def _shown(text: str, layout: str) -> str:
+    if text == "":
+        return "–"
+    try:
+        return layout.format(float(text))
+    except ValueError:
+        return text

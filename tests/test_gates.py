@@ -1,0 +1,129 @@
+"""Every gate of ``make check`` and ``make test`` can fail."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios")
+
+# File to write, and the contract of pyproject.toml that it breaks.
+VIOLATIONS = {
+    "nobody knows cosim": ("controllers/intruder.py", "import cosim.errors\n"),
+    "only cosim.sumo talks to SUMO": ("cosim/intruder.py", "import libsumo\n"),
+    "load no SUMO": ("cosim/world.py", "import traci\n"),
+    "name the SUMO world": ("cosim/second_intruder.py", "import cosim.sumo.first\n"),
+    "name the catalogue": ("cosim/third_intruder.py", "import controllers.catalog\n"),
+    "reached through the catalogue": ("cosim/compose.py", "import controllers.strategies.first\n"),
+    "controllers are independent": (
+        "controllers/strategies/second.py",
+        "import controllers.strategies.first\n",
+    ),
+    "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
+}
+CLEAN = (
+    "cosim/errors.py",
+    "cosim/loop.py",
+    "cosim/recorder.py",
+    "cosim/provenance.py",
+    "cosim/compose.py",
+    "cosim/inventory.py",
+    "cosim/world.py",
+    "cosim/conformance/__init__.py",
+    "cosim/sumo/first.py",
+    "controllers/catalog.py",
+    "controllers/strategies/first.py",
+    "controllers/strategies/second.py",
+    "analysis/metrics/first.py",
+    "analysis/metrics/second.py",
+)
+
+
+def skeleton(folder: Path) -> Path:
+    """Return a small project with the walls of this one."""
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in CLEAN:
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("")
+        for parent in path.relative_to(folder).parents[:-1]:
+            (folder / parent / "__init__.py").touch()
+    (folder / "sumo_scenarios").mkdir()
+    (folder / "sumo_scenarios/__init__.py").touch()
+    return folder
+
+
+def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [Path(sys.executable).parent / "lint-imports", "--no-cache"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(folder), "COLUMNS": "200"},
+    )
+
+
+def test_the_walls_hold_in_a_clean_project_and_each_of_them_can_break(tmp_path: Path) -> None:
+    project = skeleton(tmp_path)
+    clean = lint_imports(project)
+    assert clean.returncode == 0, clean.stdout + clean.stderr
+    for name, text in VIOLATIONS.values():
+        (project / name).write_text(text)
+    broken = lint_imports(project)
+    assert broken.returncode != 0
+    for words in VIOLATIONS:
+        assert re.search(rf"{words}.* BROKEN", broken.stdout), f"{words}\n{broken.stdout}"
+
+
+def test_every_wall_has_a_violation_that_breaks_it() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    names = [contract["name"] for contract in settings["tool"]["importlinter"]["contracts"]]
+    assert len(names) == len(VIOLATIONS)
+    assert all(any(words in name for words in VIOLATIONS) for name in names)
+
+
+@pytest.mark.parametrize("path", [path for name in PACKAGES for path in (ROOT / name).rglob("__init__.py")])
+def test_a_package_holds_a_docstring_and_nothing_else(path: Path) -> None:
+    body = ast.parse(path.read_text()).body
+    assert len(body) == 1, f"{path.relative_to(ROOT)} should hold a docstring only"
+    assert isinstance(body[0], ast.Expr)
+    assert isinstance(body[0].value, ast.Constant)
+
+
+def test_ruff_refuses_an_unused_import_and_a_bad_layout(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.py"
+    bad.write_text("import os\nx = [1,2]\n")
+    settings = str(ROOT / "pyproject.toml")
+    ruff = str(Path(sys.executable).parent / "ruff")
+    for arguments in (["check"], ["format", "--check"]):
+        command = [ruff, *arguments, "--no-cache", "--config", settings, str(bad)]
+        assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+
+
+def test_mypy_refuses_a_function_without_types(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.py"
+    bad.write_text("def double(x):\n    return 2 * x\n")
+    command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "pyproject.toml"), str(bad)]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "no-untyped-def" in result.stdout
+
+
+def test_pytest_treats_a_warning_as_an_error(tmp_path: Path) -> None:
+    bad = tmp_path / "test_bad.py"
+    bad.write_text("import warnings\n\n\ndef test_warns():\n    warnings.warn('old', stacklevel=1)\n")
+    options = ["-c", str(ROOT / "pyproject.toml"), "--rootdir", str(tmp_path), "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", "-q", *options, str(bad)]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "UserWarning: old" in result.stdout
