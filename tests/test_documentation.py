@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 import re
+import shlex
+import types
 from pathlib import Path
 
 import pytest
+import typer.main
+
+from analysis.thresholds import with_settings
+from controllers import catalog
+from controllers.interface import Controller
+from cosim.cli import app
+from cosim.commands import analyse, conformance, listing, run
+from cosim.request import parse_settings
+from sumo_scenarios import library
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = [
@@ -37,3 +48,55 @@ def test_links_between_the_texts_lead_somewhere(name: str) -> None:
     page = ROOT / name
     for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
         assert (page.parent / target).exists(), f"{name} links to {target}, which does not exist"
+
+
+def commands() -> list[str]:
+    """Return every command line that a text or a help page shows."""
+    pages = [(ROOT / name).read_text() for name in PAGES]
+    helps = [
+        function.__doc__ or ""
+        for function in (run.run, analyse.analyse, conformance.conformance, listing.show)
+    ]
+    lines = [line.strip() for text in (*pages, *helps) for line in text.splitlines()]
+    return sorted({line for line in lines if line.startswith("cosim ")})
+
+
+@pytest.mark.parametrize("line", commands())
+def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None:
+    name, *arguments = shlex.split(line)[1:]
+    group = typer.main.get_command(app)
+    with group.make_context("cosim", [name, *arguments]) as context:
+        assert isinstance(group, typer.main.TyperGroup)
+        command = group.get_command(context, name)
+        assert command is not None, f"there is no command {name!r}"
+        with command.make_context(name, arguments, parent=context) as given:
+            values = given.params
+    settings = values.get("settings") or []
+    if name == "analyse":
+        with_settings(settings)
+    if name == "run":
+        texts = parse_settings(settings)
+        assert values["controller"] in catalog.names()
+        if values["scenario"].endswith(".sumocfg"):
+            assert any(values[key] for key in ("ego_route", "ego_vehicle", "ego_share"))
+        else:
+            _, leftover = library.with_parameters(library.load(values["scenario"]), texts)
+            catalog.parse(values["controller"], leftover)
+
+
+def test_make_targets_that_the_texts_name_exist() -> None:
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    for page in PAGES:
+        named = re.findall(r"^make ([a-z-]+)|`make ([a-z-]+)`", (ROOT / page).read_text(), re.MULTILINE)
+        for target in (first or second for first, second in named):
+            assert target in targets, f"{page} names make {target}"
+
+
+def test_the_controller_in_the_contributing_text_works() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    (source,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    module = types.ModuleType("steady")
+    exec(compile(source, "CONTRIBUTING.md", "exec"), module.__dict__)
+    controller: Controller = module.__dict__["build"](acceleration=0.5)
+    assert callable(controller.decide)
+    assert callable(controller.plan)

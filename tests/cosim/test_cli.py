@@ -86,7 +86,7 @@ def test_an_unknown_parameter_is_answered_by_those_of_scenario_and_controller(
         ("step_s=2", "at most 1"),
         ("step_s=0.01", "0.05"),
         ("actuation=teleport", "hybrid"),
-        ("solver=", "solver"),
+        ("steps=many", "whole number"),
         ("pedestrians_per_hour", "key=value"),
     ],
 )
