@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import Neighbour, Vehicles
+from controllers.interface import Neighbour, NeighbourGaps, Vehicles
 
 FloatArray = NDArray[np.float64]
 
@@ -19,9 +19,6 @@ ONCOMING = math.radians(135.0)
 """Vehicles turned further than this come towards the ego; they are never neighbours."""
 CROSSWISE = math.radians(45.0)
 """Vehicles turned further than this stand or drive across; they are ahead, but beside nobody."""
-
-CentreLine = Callable[[FloatArray], FloatArray]
-"""Across coordinate of a lane's centre at along coordinates [m]; nan where the lane is not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +33,23 @@ class Extents:
     """Not oncoming."""
     aligned: NDArray[np.bool_]
     """Driving along the road."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaneLine:
+    """Where a lane is in the route frame."""
+
+    width: float
+    along: FloatArray | None = None
+    """Along coordinates [m]; ``None`` for the reference lane itself."""
+    centre: FloatArray | None = None
+    """Across coordinates of the lane's centre there; nan where the lane is not [m]."""
+
+    def centre_at(self, along: FloatArray) -> FloatArray:
+        """Return the across coordinate of the lane's centre [m]; nan where the lane is not."""
+        if self.along is None or self.centre is None:
+            return np.zeros_like(along)
+        return np.interp(along, self.along, self.centre, left=np.nan, right=np.nan)
 
 
 def extents(vehicles: Vehicles, back_along: FloatArray, back_across: FloatArray) -> Extents:
@@ -60,51 +74,48 @@ def extents(vehicles: Vehicles, back_along: FloatArray, back_across: FloatArray)
     )
 
 
-def neighbours(
-    vehicles: Vehicles,
-    covered: Extents,
-    centre_line: CentreLine,
-    width: float,
-    ego: tuple[float, float],
-    own_lane: bool,
-) -> tuple[Neighbour | None, Neighbour | None]:
-    """Return the nearest vehicles ahead and behind in one lane.
+def neighbour_gaps(
+    vehicles: Vehicles, covered: Extents, lanes: Mapping[int, LaneLine], ego: tuple[float, float]
+) -> NeighbourGaps:
+    """Return the nearest vehicles ahead and behind in the ego's lane and beside it.
 
     A vehicle counts where its body reaches into the lane, so one on a lane line counts in both lanes. It
     is ahead if its middle is ahead of the ego's middle; the gap is between bumpers, and negative while
-    the two overlap.
+    the two overlap. Vehicles that stand or drive across the path count as ahead, in the ego's lane only.
 
     Parameters
     ----------
     vehicles, covered
-    centre_line, width : the lane [m]
+    lanes : 0 for the ego's lane, 1 for the one left of it, −1 for the one right of it
     ego : along coordinates of the ego's rear and front bumper [m]
-    own_lane : whether vehicles across the path count, as they do for the lane the ego is in
     """
     if not len(vehicles):
-        return None, None
+        return NeighbourGaps()
     middle = 0.5 * (covered.rear + covered.front)
-    centre = centre_line(middle)
-    with np.errstate(invalid="ignore"):
-        reach = np.minimum(covered.left, centre + 0.5 * width) - np.maximum(
-            covered.right, centre - 0.5 * width
-        )
-        inside = reach > TOLERANCE
-    inside &= covered.usable if own_lane else covered.aligned
     is_ahead = middle > 0.5 * (ego[0] + ego[1])
-    ahead = np.where(inside & is_ahead, covered.rear - ego[1], np.inf)
-    # Behind, a vehicle that crosses has gone or will turn; it is none of the ego's concern.
-    behind = np.where(inside & ~is_ahead & covered.aligned, ego[0] - covered.front, np.inf)
-    return _nearest(vehicles, ahead), _nearest(vehicles, behind)
+    to_ahead, to_behind = covered.rear - ego[1], ego[0] - covered.front
+    found: dict[int, tuple[Neighbour | None, Neighbour | None]] = {}
+    for side, lane in lanes.items():
+        centre = lane.centre_at(middle)
+        reach = np.minimum(covered.left, centre + 0.5 * lane.width)
+        reach -= np.maximum(covered.right, centre - 0.5 * lane.width)
+        inside = (reach > TOLERANCE) & (covered.usable if side == 0 else covered.aligned)
+        found[side] = (
+            _nearest(vehicles, np.where(inside & is_ahead, to_ahead, np.inf)),
+            _nearest(vehicles, np.where(inside & ~is_ahead & covered.aligned, to_behind, np.inf)),
+        )
+    nobody = (None, None)
+    return NeighbourGaps(*found.get(0, nobody), *found.get(1, nobody), *found.get(-1, nobody))
 
 
 def _nearest(vehicles: Vehicles, gaps: FloatArray) -> Neighbour | None:
-    row = int(np.argmin(gaps))
-    if not math.isfinite(gaps[row]):
+    row = int(gaps.argmin())
+    gap = float(gaps[row])
+    if not math.isfinite(gap):
         return None
     return Neighbour(
         vehicles.names[row],
-        float(gaps[row]),
+        gap,
         float(vehicles.along_speed[row]),
         float(vehicles.acceleration[row]),
         float(vehicles.length[row]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from controllers.interface import (
     EgoState,
     JunctionFoe,
     Lane,
-    NeighbourGaps,
     Pedestrians,
     Perception,
     RoadAhead,
@@ -23,16 +23,17 @@ from controllers.interface import (
 )
 from cosim.frames import wrapped
 from cosim.plant import Plant
-from cosim.sumo.gaps import CentreLine, extents, neighbours
-from cosim.sumo.route import VIEW, LanePath, PathCrossing
+from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
+from cosim.sumo.route import VIEW, LanePath, PathCrossing, PathSignal
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.track import Track
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 CURVATURE_STEP = 1.0
 """[m]"""
-CURVATURE_SAMPLES = 151
+_CURVATURE_GRID = CURVATURE_STEP * np.arange(151)
 PASSED_LINE = 2.0
 """A stop line further behind the front bumper than this is forgotten [m]."""
 
@@ -46,31 +47,67 @@ _STATES = {
 
 
 class Frame:
-    """One ego's route frame at one instant: a path, and where its origin is on it."""
+    """One ego's route frame at one instant, and everybody near it seen in it.
 
-    def __init__(self, plant: Plant, track: Track) -> None:
+    Parameters
+    ----------
+    plant, track : the ego
+    near : (n, 2) positions to be seen in the frame [m]
+    """
+
+    def __init__(self, plant: Plant, track: Track, near: FloatArray) -> None:
         self.path: LanePath = track.path
-        body, heading = plant.body, plant.heading
-        forward = np.array([math.cos(heading), math.sin(heading)])
-        rear = np.array([plant.x, plant.y])
-        points = np.stack([rear, rear + body.front * forward, rear - body.rear_overhang * forward])
-        along, across, path_heading = self.path.curve.project(points)
+        body, x, y = plant.body, plant.x, plant.y
+        east, north = math.cos(plant.heading), math.sin(plant.heading)
+        own = np.array(
+            [
+                [x, y],
+                [x + body.front * east, y + body.front * north],
+                [x - body.rear_overhang * east, y - body.rear_overhang * north],
+            ]
+        )
+        along, across, heading = self.path.curve.project(np.concatenate([own, near]))
         self.origin = float(along[0])
         """Along coordinate of the rear axle on the path [m]."""
         self.across = float(across[0])
-        self.heading_error = wrapped(heading - float(path_heading[0]))
+        self.heading_error = wrapped(plant.heading - float(heading[0]))
         self.front = float(along[1]) - self.origin
         """Along coordinate of the front bumper [m]."""
         self.back = float(along[2]) - self.origin
+        self.near = (along[3:] - self.origin, across[3:], heading[3:])
+        """Along and across coordinates of everybody [m], and the path's heading there [rad]."""
 
     def to_world(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return world coordinates (n, 2) [m]."""
         return self.path.curve.at(np.asarray(along) + self.origin, np.asarray(across))
 
 
+@dataclass(frozen=True, slots=True)
+class View:
+    """What is near one ego, and its frame."""
+
+    frame: Frame
+    persons: IntArray
+    """Rows of the surroundings' persons."""
+    cars: IntArray
+    """Rows of its cars. ``frame.near`` has their front bumpers, their rear bumpers, then the persons."""
+
+
+def look(name: str, plant: Plant, track: Track, surroundings: Surroundings) -> View:
+    """Return an ego's frame with everybody near it."""
+    persons, cars = surroundings.persons_near[name], surroundings.cars_near[name]
+    front, heading = surroundings.cars.front[cars], surroundings.cars.heading[cars]
+    length = surroundings.cars.length[cars]
+    back = np.empty_like(front)
+    back[:, 0] = front[:, 0] - length * np.cos(heading)
+    back[:, 1] = front[:, 1] - length * np.sin(heading)
+    near = np.concatenate([front, back, surroundings.persons.position[persons]])
+    return View(Frame(plant, track, near), persons, cars)
+
+
 def perceive(
     ego_state: EgoState,
-    frame: Frame,
+    view: View,
     track: Track,
     surroundings: Surroundings,
     lights: Mapping[str, str],
@@ -80,18 +117,18 @@ def perceive(
 
     Parameters
     ----------
-    ego_state, frame, track : the ego
+    ego_state, view, track : the ego
     surroundings : everything near any ego
     lights : states of the traffic lights over its path, by name
     foes : vehicles whose ways cross its own
     """
+    frame = view.frame
     crossings = visible_crossings(frame)
-    vehicles, back_along, back_across = _vehicles(ego_state.name, frame, surroundings)
-    road, centre_lines = _road(frame, track, crossings, lights, foes)
-    gaps = _gaps(frame, road, centre_lines, vehicles, back_along, back_across)
-    return Perception(
-        ego_state, _pedestrians(ego_state.name, frame, surroundings, crossings), vehicles, gaps, road
-    )
+    vehicles, back_along, back_across = _vehicles(view, surroundings)
+    road, lanes = _road(frame, track, crossings, lights, foes)
+    covered = extents(vehicles, back_along, back_across)
+    gaps = neighbour_gaps(vehicles, covered, lanes, (frame.back, frame.front))
+    return Perception(ego_state, _pedestrians(view, surroundings, crossings), vehicles, gaps, road)
 
 
 def visible_crossings(frame: Frame) -> list[PathCrossing]:
@@ -100,74 +137,68 @@ def visible_crossings(frame: Frame) -> list[PathCrossing]:
     return [c for c in frame.path.crossings if c.exit > behind and c.entry < ahead]
 
 
-def visible_signals(frame: Frame) -> list[int]:
-    """Return the indices of the path's signals that the ego has not passed."""
+def visible_signals(frame: Frame) -> list[PathSignal]:
+    """Return the path's signals that the ego has not passed."""
     low, high = frame.origin + frame.front - PASSED_LINE, frame.origin + VIEW
-    return [i for i, signal in enumerate(frame.path.signals) if low <= signal.stop_line < high]
+    return [signal for signal in frame.path.signals if low <= signal.stop_line < high]
 
 
-def _pedestrians(
-    ego: str, frame: Frame, surroundings: Surroundings, crossings: Sequence[PathCrossing]
-) -> Pedestrians:
-    rows = surroundings.persons_near[ego]
+def _pedestrians(view: View, surroundings: Surroundings, crossings: Sequence[PathCrossing]) -> Pedestrians:
+    rows, frame = view.persons, view.frame
     persons = surroundings.persons
-    count = len(rows)
+    first = 2 * len(view.cars)
+    along, across, heading = (values[first:] for values in frame.near)
     position, velocity = persons.position[rows], persons.velocity[rows]
-    along, across, heading = frame.path.curve.project(position)
     cosine, sine = np.cos(heading), np.sin(heading)
     along_speed = velocity[:, 0] * cosine + velocity[:, 1] * sine
     across_speed = velocity[:, 1] * cosine - velocity[:, 0] * sine
-    index_of = {crossing.source.name: index for index, crossing in enumerate(crossings)}
-    named = [persons.crossing[row] for row in rows]
-    crossing = np.array([index_of.get(name, -1) for name in named], dtype=np.int64)
-    walked = np.array([persons.edge[row] for row in rows]) == np.array(named)
-    for index in np.unique(crossing[crossing >= 0]):
+    crossing = np.full(len(rows), -1, dtype=np.int64)
+    if crossings and len(rows):
+        index_of = {crossing.source.name: index for index, crossing in enumerate(crossings)}
+        crossing[:] = [index_of.get(persons.crossing[row], -1) for row in rows.tolist()]
+    for index in set(crossing.tolist()) - {-1}:
         place = crossings[index]
         members = crossing == index
         forward = np.array([math.cos(place.heading), math.sin(place.heading)])
         leftward = np.array([-forward[1], forward[0]])
         relative = position[members] - place.origin
-        along[members] = place.middle + relative @ forward
+        along[members] = place.middle - frame.origin + relative @ forward
         across[members] = relative @ leftward
         along_speed[members] = velocity[members] @ forward
         across_speed[members] = velocity[members] @ leftward
+    on_crossing = persons.on_crossing[rows]
     concerned = crossing >= 0
     return Pedestrians(
-        tuple(persons.names[row] for row in rows),
-        along - frame.origin,
+        tuple(persons.names[row] for row in rows.tolist()),
+        along,
         across,
         along_speed,
         across_speed,
-        np.full(count, PEDESTRIAN_RADIUS),
+        np.full(len(rows), PEDESTRIAN_RADIUS),
         crossing,
-        concerned & walked if count else np.zeros(0, dtype=np.bool_),
-        concerned & ~walked if count else np.zeros(0, dtype=np.bool_),
+        concerned & on_crossing,
+        concerned & ~on_crossing,
     )
 
 
-def _vehicles(ego: str, frame: Frame, surroundings: Surroundings) -> tuple[Vehicles, FloatArray, FloatArray]:
-    """Return the vehicles, and where their rear bumpers' centres are."""
-    rows = surroundings.cars_near[ego]
-    cars = surroundings.cars
-    front, heading, length = cars.front[rows], cars.heading[rows], cars.length[rows]
-    back = front - length[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
-    along, across, path_heading = frame.path.curve.project(np.concatenate([front, back]))
+def _vehicles(view: View, surroundings: Surroundings) -> tuple[Vehicles, FloatArray, FloatArray]:
+    """Return the vehicles, and along and across coordinates of their rear bumpers' centres."""
+    rows, cars = view.cars, surroundings.cars
     count = len(rows)
-    along -= frame.origin
+    along, across, path_heading = (values[: 2 * count] for values in view.frame.near)
     at_front = path_heading[:count]
     velocity = cars.velocity[rows]
     cosine, sine = np.cos(at_front), np.sin(at_front)
-    error = heading - at_front
-    error = math.pi - np.mod(math.pi - error, 2.0 * math.pi)
+    error = math.pi - np.mod(math.pi - (cars.heading[rows] - at_front), 2.0 * math.pi)
     vehicles = Vehicles(
-        tuple(cars.names[row] for row in rows),
+        tuple(cars.names[row] for row in rows.tolist()),
         along[:count],
         0.5 * (across[:count] + across[count:]),
         velocity[:, 0] * cosine + velocity[:, 1] * sine,
         velocity[:, 1] * cosine - velocity[:, 0] * sine,
         cars.acceleration[rows],
         error,
-        length,
+        cars.length[rows],
         cars.width[rows],
     )
     return vehicles, along[count:], across[count:]
@@ -179,31 +210,35 @@ def _road(
     crossings: Sequence[PathCrossing],
     lights: Mapping[str, str],
     foes: Sequence[JunctionFoe],
-) -> tuple[RoadAhead, dict[int, tuple[CentreLine, float]]]:
-    """Return the road, and centre line and width of each of its lanes by number."""
+) -> tuple[RoadAhead, dict[int, LaneLine]]:
+    """Return the road, and the lines of its lanes: 0 for the ego's, 1 for the one left of it, −1 right."""
     path, origin = frame.path, frame.origin
     route, step = track.route, track.step
     own_width = path.piece_at(origin).lane.width
     lanes = [Lane(track.number, 0.0, own_width, _leads(route.reach(step, track.index) - origin))]
-    lines: dict[int, tuple[CentreLine, float]] = {
-        track.number: (lambda along: np.zeros_like(along), own_width)
-    }
-    for index, other in track.beside():
-        offset = _at(path, path.beside(other), origin)
-        if math.isnan(offset):
-            continue
-        side = 1 if offset > 0.0 else -1
-        width = other.piece_at(origin).lane.width
-        leads = _leads(route.reach(step, index) - origin)
-        lanes.append(Lane(track.number + side, offset, width, leads))
-        lines[track.number + side] = (_centre_line(path, other, origin), width)
+    lines = {0: LaneLine(own_width)}
+    right, left = -0.5 * own_width, 0.5 * own_width
+    for direction in (-1, 1):
+        index = track.index
+        while route.usable(step, index := index + direction):
+            other = route.path(step, index)
+            offsets = path.beside(other)
+            offset = float(np.interp(origin, path.curve.along, offsets))
+            if math.isnan(offset):
+                break
+            width = other.piece_at(origin).lane.width
+            right, left = min(right, offset - 0.5 * width), max(left, offset + 0.5 * width)
+            if index == track.index + direction:
+                side = 1 if offset > 0.0 else -1
+                leads = _leads(route.reach(step, index) - origin)
+                lanes.append(Lane(track.number + side, offset, width, leads))
+                lines[side] = LaneLine(width, path.curve.along - origin, offsets)
     lanes.sort(key=lambda lane: lane.number)
-    right, left = _edges(path, track, origin, own_width)
     starts, limits = path.limits
     first = max(int(np.searchsorted(starts, origin, side="right")) - 1, 0)
     limit_along = starts[first:] - origin
     limit_along[0] = min(limit_along[0], 0.0)
-    grid = origin + CURVATURE_STEP * np.arange(CURVATURE_SAMPLES)
+    grid = origin + _CURVATURE_GRID
     road = RoadAhead(
         lanes=tuple(lanes),
         reference=track.number,
@@ -216,7 +251,7 @@ def _road(
         crossings=tuple(_crossing(crossing, origin, lights) for crossing in crossings),
         signals=tuple(
             Signal(signal.name, signal.stop_line - origin, _state(lights, signal.name, signal.index))
-            for signal in (path.signals[i] for i in visible_signals(frame))
+            for signal in visible_signals(frame)
         ),
         foes=tuple(foes),
         route_end=path.chain_end - origin if path.leads_to_end else math.inf,
@@ -226,35 +261,6 @@ def _road(
 
 def _leads(distance: float) -> float:
     return distance if distance < VIEW else math.inf
-
-
-def _at(path: LanePath, values: FloatArray, along: float) -> float:
-    return float(np.interp(along, path.curve.along, values))
-
-
-def _centre_line(path: LanePath, other: LanePath, origin: float) -> CentreLine:
-    offsets = path.beside(other)
-
-    def centre(along: FloatArray) -> FloatArray:
-        return np.interp(along + origin, path.curve.along, offsets, left=np.nan, right=np.nan)
-
-    return centre
-
-
-def _edges(path: LanePath, track: Track, origin: float, own_width: float) -> tuple[float, float]:
-    """Return the right and left end of the lanes side by side that the ego may use."""
-    right, left = -0.5 * own_width, 0.5 * own_width
-    for direction in (-1, 1):
-        index = track.index + direction
-        while track.route.usable(track.step, index):
-            other = track.route.path(track.step, index)
-            offset = _at(path, path.beside(other), origin)
-            if math.isnan(offset):
-                break
-            half = 0.5 * other.piece_at(origin).lane.width
-            right, left = min(right, offset - half), max(left, offset + half)
-            index += direction
-    return right, left
 
 
 def _crossing(crossing: PathCrossing, origin: float, lights: Mapping[str, str]) -> Crossing:
@@ -277,23 +283,3 @@ def _crossing(crossing: PathCrossing, origin: float, lights: Mapping[str, str]) 
 
 def _state(lights: Mapping[str, str], name: str, index: int) -> SignalState:
     return _STATES.get(lights[name][index], SignalState.GREEN)
-
-
-def _gaps(
-    frame: Frame,
-    road: RoadAhead,
-    lines: Mapping[int, tuple[CentreLine, float]],
-    vehicles: Vehicles,
-    back_along: FloatArray,
-    back_across: FloatArray,
-) -> NeighbourGaps:
-    covered = extents(vehicles, back_along, back_across)
-    ego = (frame.back, frame.front)
-    pairs = []
-    for side in (0, 1, -1):
-        line = lines.get(road.reference + side)
-        pairs.append(
-            (None, None) if line is None else neighbours(vehicles, covered, *line, ego, own_lane=side == 0)
-        )
-    (ahead, behind), (left_ahead, left_behind), (right_ahead, right_behind) = pairs
-    return NeighbourGaps(ahead, behind, left_ahead, left_behind, right_ahead, right_behind)

@@ -37,6 +37,7 @@ class Persons:
     edge: tuple[str, ...]
     crossing: tuple[str, ...]
     """Crossing walked on or next; empty for none."""
+    on_crossing: NDArray[np.bool_]
     phase: tuple[str, ...]
     kind: tuple[str, ...]
 
@@ -194,7 +195,16 @@ class Observer:
             phases.append(phase.value)
             kinds.append(kind)
         self._last_persons = places
-        return Persons(names, position, velocity, tuple(edges), tuple(crossings), tuple(phases), tuple(kinds))
+        return Persons(
+            names,
+            position,
+            velocity,
+            tuple(edges),
+            tuple(crossings),
+            np.array([phase == PedestrianPhase.CROSSING for phase in phases], dtype=np.bool_),
+            tuple(phases),
+            tuple(kinds),
+        )
 
     def _walked(self, name: str, place: tuple[float, float]) -> tuple[float, float]:
         """Return the velocity of the last step.

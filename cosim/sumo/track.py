@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from cosim.sumo.route import LanePath, Route
 
 HYSTERESIS = 0.15
@@ -33,8 +31,6 @@ class Track:
         self.along = 0.0
         """Of the front bumper, on `path` [m]."""
         self.across = 0.0
-        self.lost = False
-        """Whether the vehicle has left the lanes that its route can use."""
 
     @property
     def path(self) -> LanePath:
@@ -55,22 +51,17 @@ class Track:
 
     def update(self, front_x: float, front_y: float) -> None:
         """Find the front bumper [m] again after it has moved a little."""
-        front = np.array([[front_x, front_y]])
-        self._locate(front)
+        self._locate(front_x, front_y, self.along)
         while self.along >= self.path.next_start:
             onward = self.route.next_lane(self.step, self.index)
             if onward is None:
                 break
+            guess = self.along - self.path.next_start
             self.step, self.index = self.step + 1, onward
-            self._locate(front)
+            self._locate(front_x, front_y, guess)
         for _ in range(len(self.route.network.edges[self.route.edges[self.step]])):
-            if not self._change(front):
+            if not self._change(front_x, front_y):
                 break
-
-    def place(self, step: int, index: int, front_x: float, front_y: float) -> None:
-        """Begin anew on a lane that somebody else found."""
-        self.step, self.index = step, index
-        self.update(front_x, front_y)
 
     def beside(self) -> list[tuple[int, LanePath]]:
         """Return the neighbouring lanes and their indices; at most two, those of its edge that it may use."""
@@ -80,22 +71,18 @@ class Track:
             if self.route.usable(self.step, index)
         ]
 
-    def _locate(self, front: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> None:
-        along, across, _ = self.path.curve.project(front)
-        self.along, self.across = float(along[0]), float(across[0])
-        self.lost = abs(self.across) > 10.0
+    def _locate(self, x: float, y: float, guess: float) -> None:
+        self.along, self.across = self.path.curve.place_near(x, y, guess)
 
-    def _change(self, front: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> bool:
+    def _change(self, x: float, y: float) -> bool:
         """Take the neighbouring lane if the front bumper is in it."""
-        path = self.path
-        if abs(self.across) <= 0.5 * path.piece_at(self.along).lane.width + HYSTERESIS:
+        if abs(self.across) <= 0.5 * self.path.piece_at(self.along).lane.width + HYSTERESIS:
             return False
         for index, other in self.beside():
-            along, across, _ = other.curve.project(front)
-            if float(along[0]) > other.chain_end or abs(float(across[0])) >= abs(self.across):
+            along, across = other.curve.place_near(x, y, self.along)
+            if along > other.chain_end or abs(across) >= abs(self.across):
                 continue
             self.number += 1 if self.across > 0.0 else -1
-            self.index = index
-            self._locate(front)
+            self.index, self.along, self.across = index, along, across
             return True
         return False

@@ -18,7 +18,7 @@ from cosim.sumo.connection import start
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
-from cosim.sumo.sensing import Frame, perceive, visible_crossings, visible_signals
+from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
@@ -326,9 +326,9 @@ class SumoWorld:
 
     def _perceive(self, ego: _Ego, lights: dict[str, str]) -> Perception:
         plant = ego.plant
-        frame = ego.frame = Frame(plant, ego.track)
-        path = frame.path
-        names = {path.signals[i].name for i in visible_signals(frame)}
+        view = look(ego.name, plant, ego.track, self._surroundings)
+        frame = ego.frame = view.frame
+        names = {signal.name for signal in visible_signals(frame)}
         names |= {c.source.signal for c in visible_crossings(frame) if c.source.signal}
         for name in names - lights.keys():
             lights[name] = self._sumo.trafficlight.getRedYellowGreenState(name)
@@ -347,7 +347,7 @@ class SumoWorld:
             plant.drive,
             self._plan_every * self.step,
         )
-        return perceive(state, frame, ego.track, self._surroundings, lights, ())
+        return perceive(state, view, ego.track, self._surroundings, lights, ())
 
     def _truth(self, ego: _Ego) -> EgoTruth:
         plant, track = ego.plant, ego.track
