@@ -8,6 +8,7 @@ import types
 from pathlib import Path
 
 import pytest
+import typer.core
 import typer.main
 
 from analysis.thresholds import with_settings
@@ -66,7 +67,7 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
     name, *arguments = shlex.split(line)[1:]
     group = typer.main.get_command(app)
     with group.make_context("cosim", [name, *arguments]) as context:
-        assert isinstance(group, typer.main.TyperGroup)
+        assert isinstance(group, typer.core.TyperGroup)
         command = group.get_command(context, name)
         assert command is not None, f"there is no command {name!r}"
         with command.make_context(name, arguments, parent=context) as given:

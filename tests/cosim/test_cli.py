@@ -46,7 +46,8 @@ def network(folder: Path, permissions: str = "") -> Path:
     (folder / "e.edg.xml").write_text(f"<edges>{edges}</edges>")
     import sumo
 
-    command = [Path(sumo.SUMO_HOME) / "bin" / "netconvert", "-n", "n.nod.xml", "-e", "e.edg.xml"]
+    netconvert = str(Path(sumo.SUMO_HOME) / "bin" / "netconvert")
+    command = [netconvert, "-n", "n.nod.xml", "-e", "e.edg.xml"]
     subprocess.run([*command, "-o", "n.net.xml"], cwd=folder, check=True, capture_output=True)
     return configuration(folder)
 
