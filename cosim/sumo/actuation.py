@@ -8,13 +8,13 @@ every step. What each of them does to neighbours and pedestrians is measured in 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, NamedTuple
 
 from cosim.errors import SimulationError
 from cosim.frames import degrees_of
-from cosim.sumo.lanes import Lanes, LaneShape
+from cosim.sumo.lanes import Lanes, LaneShape, Place
 
 OBEY_SPEED = 32
 """Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
@@ -73,8 +73,8 @@ class _Ego:
     aim: tuple[float, float] | None = None
     """Where the front bumper has to be after the step under way."""
     asked_speed: float = 0.0
-    moves: int = field(default=0)
-    routes_restored: int = field(default=0)
+    moves: int = 0
+    routes_restored: int = 0
 
 
 class Actuation:
@@ -85,12 +85,26 @@ class Actuation:
     connection : the ``libsumo`` module, or a ``traci`` connection
     step : length of a simulation step [s]
     method : `Method`
+    dither : see `DITHER`; only the conformance suite has a reason to change it [m]
+
+    Raises
+    ------
+    SimulationError
+        If hybrid actuation is asked for without SUMO's sublane model.
     """
 
-    def __init__(self, connection: Any, step: float, method: Method = Method.HYBRID) -> None:
+    def __init__(
+        self, connection: Any, step: float, method: Method = Method.HYBRID, dither: float = DITHER
+    ) -> None:
+        if method is Method.HYBRID and float(connection.simulation.getOption("lateral-resolution")) <= 0.0:
+            raise SimulationError(
+                "hybrid actuation needs SUMO's sublane model: lateral-resolution 0.4 m or a similar value, "
+                "found 0; without it choose actuation move"
+            )
         self._connection = connection
         self._step = step
         self._method = method
+        self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
 
@@ -218,16 +232,40 @@ class Actuation:
         place = here.place(*aim)
         if not 0.0 <= place.along < here.shape_length or not self._paved(ego, here, place.across):
             return False
+        target = self._counted(ego, here, place, aim)
+        if target is None:
+            return False
+        position, across = target
         vehicle = self._connection.vehicle
-        asked = (place.along * here.scale - vehicle.getLanePosition(name)) / self._step
+        asked = (position - vehicle.getLanePosition(name)) / self._step
         if abs(asked - speed) > 0.1 * speed + 0.2:
             return False
         ego.asked_speed = max(0.0, asked)  # a negative speed would hand the vehicle back to SUMO's driver
-        shift = place.across - vehicle.getLateralLanePosition(name) + (DITHER if ego.moved else 0.0)
+        shift = across - vehicle.getLateralLanePosition(name) + (self._dither if ego.moved else 0.0)
         vehicle.setSpeed(name, ego.asked_speed)
         vehicle.changeSublane(name, shift)
         ego.moved = False
         return True
+
+    def _counted(
+        self, ego: _Ego, here: LaneShape, place: Place, aim: tuple[float, float]
+    ) -> tuple[float, float] | None:
+        """Return SUMO's lane position and lateral position [m] that put the vehicle at the aim.
+
+        Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
+        point of the road; so the aim is then seen from the next lane. ``None`` if the two disagree on
+        whether the edge is passed.
+        """
+        if abs(place.across) <= 0.5 * here.width:
+            return place.along * here.scale, place.across
+        side = 1 if place.across > 0.0 else -1
+        for lane in self._lanes.beside(here, ego.vehicle_class):
+            if lane.index == here.index + side:
+                there = lane.place(*aim)
+                across = there.across + side * 0.5 * (here.width + lane.width)
+                if abs(across) > 0.5 * here.width:
+                    return there.along * lane.scale, across
+        return None
 
     def _paved(self, ego: _Ego, here: LaneShape, across: float) -> bool:
         """Return whether the body is within this lane and the permitted ones beside it."""

@@ -54,6 +54,10 @@ class LaneShape:
         The first and the last piece of the shape are prolonged, so that a point beyond an end has its
         true distance beyond it.
         """
+        if self.shape_length == 0.0:
+            # Where two edges meet without a gap SUMO draws the lane between them as a point: it lies behind.
+            away = math.dist(self.points[0], (x, y))
+            return Place(away, away)
         best = math.inf
         found = Place(0.0, 0.0)
         last = len(self.points) - 2
