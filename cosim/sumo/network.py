@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -107,6 +107,17 @@ class WalkingArea:
     outline: FloatArray
 
 
+@dataclass(frozen=True, slots=True)
+class Requests:
+    """Right of way in a junction: who meets whom, and who yields."""
+
+    lanes: tuple[str, ...]
+    """The last internal lane of each way through the junction."""
+    response: tuple[str, ...]
+    """By way: a 1 for each other way that it yields to, the first one last."""
+    foes: tuple[str, ...]
+
+
 class Network:
     """A network read once; everything in it is fixed."""
 
@@ -117,6 +128,7 @@ class Network:
         connections: Mapping[str, tuple[Connection, ...]],
         crossings: Mapping[str, NetCrossing],
         walking_areas: Mapping[str, WalkingArea],
+        requests: Sequence[Requests] = (),
     ) -> None:
         self.lanes = lanes
         self.edges = edges
@@ -129,6 +141,16 @@ class Network:
         for group in connections.values():
             for connection in group:
                 incoming[connection.target].append(connection)
+        self._requests = {
+            lane: (index, group) for group in requests for index, lane in enumerate(group.lanes)
+        }
+        self.through: Mapping[str, Connection] = {
+            name: connection
+            for group in connections.values()
+            for connection in group
+            for name in connection.via
+        }
+        """By internal lane: the connection that it is part of."""
         self.incoming: Mapping[str, tuple[Connection, ...]] = {
             name: tuple(group) for name, group in incoming.items()
         }
@@ -152,6 +174,19 @@ class Network:
             connection
             for connection in self.connections.get(lane, ())
             if self.lanes[connection.target].edge == edge and self.passable(connection, vehicle_class)
+        ]
+
+    def foes(self, connection: Connection) -> list[tuple[Connection, bool]]:
+        """Return the connections that meet this one in its junction, and whether it has to yield to each."""
+        if not connection.via or connection.via[-1] not in self._requests:
+            return []
+        index, group = self._requests[connection.via[-1]]
+        response, foes = group.response[index], group.foes[index]
+        # The rightmost character belongs to the first lane.
+        return [
+            (self.through[lane], response[-1 - other] == "1")
+            for other, lane in enumerate(group.lanes)
+            if foes[-1 - other] == "1" and lane in self.through
         ]
 
     def passable(self, connection: Connection, vehicle_class: str) -> bool:
@@ -233,6 +268,7 @@ class _Reader:
         self.crossing_edges: dict[str, frozenset[str]] = {}
         self.walking_areas: dict[str, WalkingArea] = {}
         self.links: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
+        self.requests: list[Requests] = []
         self.entries: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
 
     def take(self, element: ElementTree.Element) -> None:
@@ -240,6 +276,15 @@ class _Reader:
             self._edge(element)
         elif element.tag == "connection":
             self._connection(element)
+        elif element.tag == "junction" and not element.attrib["id"].startswith(":"):
+            self._junction(element)
+
+    def _junction(self, element: ElementTree.Element) -> None:
+        lanes = tuple(element.get("intLanes", "").split())
+        rows = sorted(element.iter("request"), key=lambda row: int(row.attrib["index"]))
+        if rows and len(rows) == len(lanes):
+            response = tuple(row.attrib["response"] for row in rows)
+            self.requests.append(Requests(lanes, response, tuple(row.attrib["foes"] for row in rows)))
 
     def _edge(self, element: ElementTree.Element) -> None:
         function = element.get("function", "")
@@ -330,4 +375,4 @@ class _Reader:
         }
         crossings = {name: self._crossing(name) for name in self.crossing_edges}
         lanes = {name: lane for name, lane in self.lanes.items() if lane.edge in self.edges}
-        return Network(lanes, self.edges, connections, crossings, self.walking_areas)
+        return Network(lanes, self.edges, connections, crossings, self.walking_areas, self.requests)

@@ -65,6 +65,16 @@ class PathSignal:
 
 
 @dataclass(frozen=True, slots=True)
+class PathJunction:
+    """Where a path goes through a junction."""
+
+    connection: Connection
+    start: float
+    """End of the lane before it; also the stop line [m]."""
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """The part of a path that one lane makes."""
 
@@ -103,6 +113,7 @@ class LanePath:
         self._limits = self._speed_limits()
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
+        self.junctions: tuple[PathJunction, ...] = ()
         self._offsets: dict[int, FloatArray] = {}
 
     @property
@@ -144,7 +155,7 @@ class LanePath:
         return np.array(starts), np.array(limits)
 
     def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
-        """Find the crossings and signals along the path."""
+        """Find the crossings, signals and junctions along the path."""
         ends = [piece.end for piece in self.pieces if not piece.lane.internal]
         found = [self._meeting(crossing, ends) for crossing in crossings]
         self.crossings = tuple(sorted((c for c in found if c is not None), key=lambda c: c.entry))
@@ -153,6 +164,11 @@ class LanePath:
             PathSignal(connection.signal, connection.signal_index, end_of[connection.source])
             for connection in connections
             if connection.signal and connection.source in end_of
+        )
+        self.junctions = tuple(
+            PathJunction(connection, end_of[connection.source], end_of[connection.via[-1]])
+            for connection in connections
+            if connection.via and connection.source in end_of
         )
 
     def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:

@@ -16,6 +16,7 @@ from cosim.plant import Plant, body_of
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
 from cosim.sumo.egos import EgoSources
+from cosim.sumo.foes import FoeFinder, near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
 from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
@@ -96,6 +97,7 @@ class SumoWorld:
             self._steps = 0
             self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
+            self._foes = FoeFinder(self._sumo, self._network)
             self._surroundings: Surroundings = self._observer.read((), {})
         except BaseException:
             self._connection.close()
@@ -330,6 +332,7 @@ class SumoWorld:
         frame = ego.frame = view.frame
         names = {signal.name for signal in visible_signals(frame)}
         names |= {c.source.signal for c in visible_crossings(frame) if c.source.signal}
+        names |= {junction.connection.signal for junction in near(view) if junction.connection.signal}
         for name in names - lights.keys():
             lights[name] = self._sumo.trafficlight.getRedYellowGreenState(name)
         state = EgoState(
@@ -347,7 +350,8 @@ class SumoWorld:
             plant.drive,
             self._plan_every * self.step,
         )
-        return perceive(state, view, ego.track, self._surroundings, lights, ())
+        foes = self._foes.find(view, self._surroundings, lights)
+        return perceive(state, view, ego.track, self._surroundings, lights, foes)
 
     def _truth(self, ego: _Ego) -> EgoTruth:
         plant, track = ego.plant, ego.track

@@ -1,0 +1,209 @@
+"""Vehicles whose ways cross or join an ego's own inside a junction ahead.
+
+SUMO's own list (``vehicle.getJunctionFoes``) stayed empty for a left turn against oncoming traffic in
+1.28, so they are found from the network: which ways meet is in the junction's right-of-way table, where
+they meet is geometry, and who comes along a way follows from lanes and routes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from controllers.interface import JunctionFoe
+from cosim.sumo.network import Connection, Network
+from cosim.sumo.route import PathJunction
+from cosim.sumo.sensing import View
+from cosim.sumo.surroundings import Surroundings
+
+FloatArray = NDArray[np.float64]
+
+NEAR = 60.0
+"""Junctions that begin further ahead of the front bumper are not looked at [m]."""
+FOE_RANGE = 80.0
+"""Vehicles further away from the conflict are no foes yet [m]."""
+CLEARANCE = 2.0
+"""Ways nearer to each other than this are in conflict: a car's width and 0.2 m [m]."""
+SAMPLE = 0.5
+"""[m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Where two ways through a junction are too near to each other; distances from where each begins."""
+
+    foe: Connection
+    must_yield: bool
+    entry: float
+    exit: float
+    foe_entry: float
+    foe_exit: float
+
+
+class FoeFinder:
+    """Finds junction foes; keeps geometry and the vehicles' next ways.
+
+    Parameters
+    ----------
+    sumo : module or connection
+    network
+    """
+
+    def __init__(self, sumo: Any, network: Network) -> None:
+        self._sumo = sumo
+        self._network = network
+        self._conflicts: dict[str, tuple[Conflict, ...]] = {}
+        self._ways: dict[str, tuple[str, tuple[tuple[str, float], ...]]] = {}
+
+    def find(self, view: View, surroundings: Surroundings, lights: Mapping[str, str]) -> list[JunctionFoe]:
+        """Return the foes of one ego, nearest conflict first.
+
+        Parameters
+        ----------
+        view : the ego's
+        surroundings : everything near any ego
+        lights : states of the traffic lights of the junctions in `near`, by name
+        """
+        found: list[JunctionFoe] = []
+        for junction in near(view):
+            conflicts: dict[str, list[Conflict]] = {}
+            for conflict in self._conflicts_of(junction.connection):
+                conflicts.setdefault(conflict.foe.via[-1], []).append(conflict)
+            if conflicts:
+                found += self._coming(view, surroundings, junction, conflicts, lights)
+        return sorted(found, key=lambda foe: (foe.entry, foe.name))
+
+    def _coming(
+        self,
+        view: View,
+        surroundings: Surroundings,
+        junction: PathJunction,
+        conflicts: Mapping[str, Sequence[Conflict]],
+        lights: Mapping[str, str],
+    ) -> list[JunctionFoe]:
+        cars = surroundings.cars
+        start = junction.start - view.frame.origin
+        own = junction.connection
+        has_priority = bool(own.signal) and lights[own.signal][own.signal_index] == "G"
+        found = []
+        for row in view.cars.tolist():
+            position, length = float(cars.lane_position[row]), float(cars.length[row])
+            for way, offset in self._ways_of(cars.names[row], cars.lane[row]):
+                for conflict in conflicts.get(way, ()):
+                    before = offset - position
+                    foe_entry, foe_exit = before + conflict.foe_entry, before + conflict.foe_exit
+                    gone = foe_exit + length < 0.0
+                    if gone or foe_entry > FOE_RANGE or (before > 0.0 and _stopped(conflict.foe, lights)):
+                        continue
+                    found.append(
+                        JunctionFoe(
+                            cars.names[row],
+                            start + conflict.entry,
+                            start + conflict.exit,
+                            start,
+                            foe_entry,
+                            foe_exit,
+                            float(cars.speed[row]),
+                            conflict.must_yield and not has_priority,
+                        )
+                    )
+        return found
+
+    def _ways_of(self, name: str, lane: str) -> tuple[tuple[str, float], ...]:
+        """Return the ways through junctions that a vehicle on a lane takes next.
+
+        Each is named by its last internal lane, and has its distance from the beginning of the present lane;
+        negative when the vehicle is on the way's second part.
+        """
+        known = self._ways.get(name)
+        if known is None or known[0] != lane:
+            known = self._ways[name] = (lane, tuple(self._next_ways(name, lane)))
+        return known[1]
+
+    def _next_ways(self, name: str, lane: str) -> list[tuple[str, float]]:
+        network = self._network
+        ways: list[tuple[str, float]] = []
+        if lane not in network.lanes:
+            return ways
+        vehicle = self._sumo.vehicle
+        route: Sequence[str] = vehicle.getRoute(name)
+        index = max(vehicle.getRouteIndex(name), 0)
+        gone = 0.0
+        here = network.lanes[lane]
+        through = network.through.get(lane)
+        if through is not None:
+            before = sum(network.lanes[part].length for part in through.via[: through.via.index(lane)])
+            ways.append((through.via[-1], -before))
+            gone = sum(network.lanes[part].length for part in through.via) - before
+            here = network.lanes[through.target]
+            index += 1  # inside a junction the route still stands at the edge before it
+        for following in route[index + 1 :]:
+            gone += here.length
+            onward = self._onward(here.edge, here.index, following)
+            if onward is None or gone > FOE_RANGE + here.length:
+                break
+            if onward.via:
+                ways.append((onward.via[-1], gone))
+                gone += sum(network.lanes[part].length for part in onward.via)
+            here = network.lanes[onward.target]
+        return ways
+
+    def _onward(self, edge: str, index: int, following: str) -> Connection | None:
+        """Return the connection to the next edge, from this lane or the nearest one that has it."""
+        network = self._network
+        found = [
+            connection
+            for lane in network.edges.get(edge, ())
+            for connection in network.connections.get(lane, ())
+            if network.lanes[connection.target].edge == following
+        ]
+        return min(found, key=lambda c: abs(network.lanes[c.source].index - index), default=None)
+
+    def _conflicts_of(self, connection: Connection) -> tuple[Conflict, ...]:
+        key = connection.via[-1]
+        if key not in self._conflicts:
+            found = [
+                self._conflict(connection, foe, yields) for foe, yields in self._network.foes(connection)
+            ]
+            self._conflicts[key] = tuple(conflict for conflict in found if conflict is not None)
+        return self._conflicts[key]
+
+    def _conflict(self, connection: Connection, foe: Connection, must_yield: bool) -> Conflict | None:
+        own, other = self._sampled(connection), self._sampled(foe)
+        close = cdist(own, other) < CLEARANCE
+        if not close.any():
+            return None
+        own_hits, other_hits = np.flatnonzero(close.any(axis=1)), np.flatnonzero(close.any(axis=0))
+        return Conflict(
+            foe,
+            must_yield,
+            SAMPLE * float(own_hits[0]),
+            SAMPLE * float(own_hits[-1]),
+            SAMPLE * float(other_hits[0]),
+            SAMPLE * float(other_hits[-1]),
+        )
+
+    def _sampled(self, connection: Connection) -> FloatArray:
+        shapes = [self._network.lanes[name].shape for name in connection.via]
+        line = np.concatenate(shapes)
+        stations = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+        grid = np.arange(0.0, stations[-1] + SAMPLE, SAMPLE)
+        return np.column_stack([np.interp(grid, stations, line[:, axis]) for axis in (0, 1)])
+
+
+def near(view: View) -> list[PathJunction]:
+    """Return the junctions that the ego is in or comes to soon."""
+    frame = view.frame
+    low, high = frame.origin + frame.back, frame.origin + frame.front + NEAR
+    return [junction for junction in frame.path.junctions if junction.end > low and junction.start < high]
+
+
+def _stopped(connection: Connection, lights: Mapping[str, str]) -> bool:
+    """Return whether a red light holds back whoever comes along that way."""
+    light = lights.get(connection.signal, "") if connection.signal else ""
+    return bool(light) and light[connection.signal_index] in "ru"
