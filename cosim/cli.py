@@ -24,7 +24,6 @@ UsageProblem: Any = typer.BadParameter.__mro__[2]
 app = typer.Typer(
     name="cosim",
     help="Drive controllers through pedestrian crossings in SUMO traffic, and report how safe they were.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -55,7 +54,7 @@ def _options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
-    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     # Before NumPy is loaded: several BLAS threads make small problems slower, not faster.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")

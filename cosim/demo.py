@@ -17,15 +17,14 @@ BASELINE = "sumo"
 
 def main(seed: int = 1) -> int:
     """Run the controllers, print the comparison and where the files are."""
-    from rich.console import Console
-
+    from cosim.commands import terminal
     from cosim.commands.progress import shown_progress
     from cosim.errors import CosimError
     from cosim.execution import Outcome, execute
     from cosim.request import RunRequest
     from cosim.summary import comparison_table
 
-    console = Console(highlight=False)
+    console = terminal.console()
     outcomes: dict[str, Outcome] = {}
     for controller in CONTROLLERS:
         console.print(f"cosim run {SCENARIO} --controller {controller} --seed {seed}")

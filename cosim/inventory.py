@@ -28,9 +28,15 @@ def scenarios() -> list[Entry]:
 def controllers() -> list[Entry]:
     """Return the controllers of this project and of installed plug-ins."""
     return [
-        Entry(name, catalog.describe(name), tuple(f"{k}={v}" for k, v in catalog.parameters(name).items()))
+        Entry(name, catalog.describe(name), tuple(map(_setting, catalog.parameters(name).items())))
         for name in catalog.names()
     ]
+
+
+def _setting(item: tuple[str, object]) -> str:
+    key, value = item
+    text = str(value)
+    return f"{key}={text.lower() if value is None or isinstance(value, bool) else text}"
 
 
 def metrics() -> list[Entry]:

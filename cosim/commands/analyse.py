@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
+from cosim.commands import terminal
 from cosim.commands.options import Debug
 
 
@@ -39,7 +39,7 @@ def analyse(
         thresholds = with_settings(settings or [])
     except AnalysisError as error:
         raise InputError(f"--set {error}") from error
-    console = Console(highlight=False)
+    console = terminal.console()
     failed: list[Path] = []
     for folder in folders:
         try:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from cosim.commands import terminal
 from cosim.commands.options import Debug
 
 
@@ -33,7 +33,7 @@ def conformance(
     from cosim.conformance import suite
     from cosim.provenance import versions
 
-    console = Console(highlight=False)
+    console = terminal.console()
     chosen = suite.named(names) if names else suite.cases()
     if only_list:
         table = Table(box=None, show_header=False, pad_edge=False)

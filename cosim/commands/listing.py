@@ -6,9 +6,9 @@ from enum import StrEnum
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from cosim.commands import terminal
 from cosim.commands.options import Debug
 
 
@@ -44,5 +44,5 @@ def show(
         table.add_row(entry.name, entry.description)
         if entry.parameters:
             table.add_row("", "--set " + "  ".join(entry.parameters), style="dim")
-    Console(highlight=False).print(table)
+    terminal.console().print(table)
     return 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
+from cosim.commands import terminal
 from cosim.commands.options import Debug, Out, Settings
 from cosim.request import RunRequest, parse_settings
 
@@ -72,7 +72,7 @@ def run(
     )
     with shown_progress() as progress:
         outcome = execute(request, progress)
-    console = Console(highlight=False)
+    console = terminal.console()
     if outcome.row is not None:
         console.print(run_table(outcome.row, [("control over SUMO's step", _ratio(outcome.description))]))
     console.print(f"\nfiles: {outcome.folder}", soft_wrap=True)

@@ -1,0 +1,15 @@
+"""Where tables are printed."""
+
+from __future__ import annotations
+
+import sys
+
+from rich.console import Console
+
+LOG_WIDTH = 110
+
+
+def console() -> Console:
+    """Return a console on the standard output that prints texts as they are, units in brackets too."""
+    width = None if sys.stdout.isatty() else LOG_WIDTH
+    return Console(highlight=False, markup=False, width=width)
