@@ -96,4 +96,3 @@ TIMING = pa.schema(
         ("compute_ms", _f),  # decide and plan
     ]
 )
-

@@ -1,0 +1,15 @@
+"""What can be wrong with a recorded run."""
+
+from __future__ import annotations
+
+
+class AnalysisError(ValueError):
+    """Bad input to an analysis; its text is one line for the user."""
+
+
+class RecordingError(AnalysisError):
+    """A recorded run that cannot be analysed; names file, column and row where there is one."""
+
+
+class ThresholdError(AnalysisError):
+    """A threshold that does not exist or whose value cannot be read."""

@@ -1,0 +1,51 @@
+"""Contact of the ego's rectangle with the pedestrian's disc while the ego moves.
+
+From the recorded geometry alone, exact between samples; touches of one pair closer than
+contact_separation_s are one collision. A pedestrian who walks into a standing ego (at or below
+standing_speed_mps) is listed as contact_standing and is no collision.
+
+Undefined: never; time and side are empty without a collision.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "higher"
+SOURCE = "own definition; exact geometry in analysis/geometry.py"
+
+
+def compute(case: Case) -> Values:
+    """Return whether, when and where there was a collision."""
+    count = len(case)
+    number, standing = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.bool_)
+    time = np.full(count, np.nan)
+    side: list[str | None] = [None] * count
+    for contact in reversed(case.contacts):
+        i = contact.encounter
+        if contact.standing:
+            standing[i] = True
+            continue
+        number[i] += 1
+        time[i] = contact.time
+        one = case.encounters[i]
+        side[i] = contact.side(0.5 * one.ego.length, 0.5 * one.ego.width)
+    return {
+        "collision": number > 0,
+        "n_collisions": number,
+        "t_collision_s": time,
+        "impact_side": side,
+        "contact_standing": standing,
+    }
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count collisions and contacts with a standing ego."""
+    return {
+        "n_collisions": int(np.sum(columns["n_collisions"])),
+        "n_contacts_standing": int(np.sum(columns["contact_standing"])),
+    }

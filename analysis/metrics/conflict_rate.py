@@ -1,0 +1,29 @@
+"""Conflicts per vehicle-kilometre and per 1000 pedestrians.
+
+A conflict is an encounter of severity serious, severe or collision; the way is that of all egos, the
+pedestrians are all that were in some encounter.
+
+Undefined: empty without way, or without pedestrians.
+"""
+
+from __future__ import annotations
+
+from analysis.case import Case, Values
+from analysis.severity_scale import severity_levels
+
+SCOPE = "run"
+UNIT = "1/km"
+WORSE = "higher"
+SOURCE = "own definition"
+
+
+def compute(case: Case) -> Values:
+    """Return both rates."""
+    conflicts = sum(level in ("serious", "severe", "collision") for level in severity_levels(case))
+    kilometres = float(case.steps.distance.sum()) / 1000.0
+    persons = len({one.person.name for one in case.encounters})
+    return {
+        "n_conflicts": conflicts,
+        "conflicts_per_veh_km": conflicts / kilometres if kilometres > 0.0 else None,
+        "conflicts_per_1000_ped": 1000.0 * conflicts / persons if persons else None,
+    }

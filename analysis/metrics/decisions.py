@@ -1,0 +1,34 @@
+"""How often each decision rule was taken.
+
+Number of plans made under STRAIGHT, LANE CHANGE and AUTONOMOUS.
+
+Undefined: never; all 0 for controllers without these rules.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "Eqs. (26)-(31) of [VelocityObstacleMPC]"
+
+_RULES = ("straight", "lane_change", "autonomous")
+
+
+def compute(case: Case) -> Values:
+    """Return the number of plans under each rule."""
+    rule = case.run.egos.texts["rule"]
+    return {
+        f"n_{name}": np.array([int(rule.equal(name)[rows].sum()) for rows in case.ego_rows], dtype=np.int64)
+        for name in _RULES
+    }
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Return the numbers of the run."""
+    rule = case.run.egos.texts["rule"]
+    return {f"n_{name}": int(rule.equal(name).sum()) for name in _RULES}

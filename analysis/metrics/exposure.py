@@ -1,0 +1,28 @@
+"""How much was driven and met: the denominators of all rates.
+
+Egos, their way and time, pedestrians in some encounter, encounters, and passages (an ego over a crossing with
+at least one encounter).
+
+Undefined: never.
+"""
+
+from __future__ import annotations
+
+from analysis.case import Case, Values
+
+SCOPE = "run"
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "own definition"
+
+
+def compute(case: Case) -> Values:
+    """Return the denominators."""
+    return {
+        "ego_count": len({track.name for track in case.egos}),
+        "ego_dist_km": float(case.steps.distance.sum()) / 1000.0,
+        "ego_time_h": float(case.steps.duration.sum()) / 3600.0,
+        "ped_count": len({one.person.name for one in case.encounters}),
+        "n_encounters": len(case),
+        "n_passages": len({one.passage_id for one in case.encounters if one.traversal is not None}),
+    }

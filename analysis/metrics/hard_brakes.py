@@ -1,0 +1,27 @@
+"""Hard braking manoeuvres: stretches of steps with the ego braking harder than hard_brake_mps2.
+
+Counted over all egos and the whole run, one for each uninterrupted stretch.
+
+Undefined: never.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "run"
+UNIT = "1"
+WORSE = "higher"
+SOURCE = "own definition; the limit is METRICS.md's everyday bound"
+
+
+def compute(case: Case) -> Values:
+    """Return the number of hard braking manoeuvres."""
+    count = 0
+    for track in case.egos:
+        rows = track.rows[:: case.grid.factor]
+        hard = case.steps.deceleration[rows] > case.thresholds.hard_brake_mps2
+        count += int((hard & ~np.concatenate([[False], hard[:-1]])).sum())
+    return {"n_hard_brake": count}

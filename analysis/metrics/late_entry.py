@@ -1,0 +1,31 @@
+"""Whether the pedestrian entered inside the ego's comfort stopping distance.
+
+1 where, at the instant he steps on the crossing, the way to the conflict area is less than
+v^2 / (2 a) with comfort_deceleration_mps2.
+
+Undefined: as preventable_r157.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+from analysis.moments import entries
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "own definition"
+
+
+def compute(case: Case) -> Values:
+    """Return 1, 0, or nan where it is undefined."""
+    seen = entries(case)
+    needed = seen.ego_speed**2 / (2.0 * case.thresholds.comfort_deceleration_mps2)
+    return {"late_entry": np.where(np.isnan(seen.time), np.nan, seen.distance < needed)}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count late entries."""
+    return {"n_late_entries": int(np.nansum(columns["late_entry"]))}

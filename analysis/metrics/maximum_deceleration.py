@@ -1,0 +1,28 @@
+"""Largest deceleration of the ego, until it has left the conflict area.
+
+From the recorded (realised) acceleration; positive while braking.
+
+Undefined: never; 0 without braking.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "m/s^2"
+WORSE = "higher"
+SOURCE = "[SSAM2008] (MaxD)"
+
+
+def compute(case: Case) -> Values:
+    """Return the largest deceleration."""
+    braking = case.steps.deceleration
+    return {"ego_max_decel_mps2": np.array([braking[rows].max(initial=0.0) for rows in case.ego_rows])}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Return the largest deceleration of all steps of the run."""
+    return {"max_decel_mps2": case.steps.deceleration.max(initial=0.0)}

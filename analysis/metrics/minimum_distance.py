@@ -1,0 +1,30 @@
+"""Smallest distance between the surfaces of ego and pedestrian.
+
+The distance from the rectangle to the disc, 0 at contact, exact between samples: between two samples
+the disc moves straight in the frame of the rectangle. Counted over the whole encounter, standing ego
+and waiting pedestrian included (see `clearance` for the rest).
+
+Undefined: never.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "m"
+WORSE = "lower"
+SOURCE = "own definition; exact geometry in analysis/geometry.py"
+
+
+def compute(case: Case) -> Values:
+    """Return the smallest distance and when it was."""
+    return {"min_dist_m": case.approach.distance, "t_min_dist_s": case.approach.time}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Return the smallest distance of the run."""
+    distance = np.asarray(columns["min_dist_m"])
+    return {"min_dist_m": distance.min() if len(distance) else None}

@@ -1,0 +1,42 @@
+"""Modified DRAC (MDRAC): DRAC after a reaction time.
+
+As deceleration_to_avoid_collision with d − v PRT and T − PRT in place of d and T (movement along the
+ego: closing speed / (2 (TTC − PRT))); PRT is mdrac_reaction_s and stands beside the value.
+
+Undefined: empty with mdrac_status `unavoidable_at_PRT` where the ego is at the area before it reacts,
+`not_entered`, `collision`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+from analysis.required import drac
+
+SCOPE = "encounter"
+UNIT = "m/s^2"
+WORSE = "higher"
+SOURCE = "[SUMO-SSM]"
+
+
+def compute(case: Case) -> Values:
+    """Return the largest MDRAC, the reaction time and the status."""
+    reaction = case.thresholds.mdrac_reaction_s
+    high, _ = case.samples.largest(drac(case, reaction))
+    bounded = np.where(np.isposinf(high), "unavoidable_at_PRT", "ok")
+    status = np.where(case.entered, bounded, "not_entered")
+    for contact in case.collisions():
+        status[contact.encounter] = "collision"
+    return {
+        "mdrac_max_mps2": np.where(status == "ok", np.maximum(high, 0.0), np.nan),
+        "mdrac_prt_s": np.full(len(case), reaction),
+        "mdrac_status": status,
+    }
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count encounters that needed more than 3.4 m/s^2, the unavoidable ones and collisions included."""
+    status = np.asarray(columns["mdrac_status"])
+    beyond = np.isin(status, ("unavoidable_at_PRT", "collision"))
+    return {"n_mdrac_gt_3p4": int((beyond | (np.asarray(columns["mdrac_max_mps2"]) > 3.4)).sum())}

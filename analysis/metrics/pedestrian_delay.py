@@ -1,0 +1,59 @@
+"""Delay of the pedestrian: waiting at the kerb and slowing down on the crossing.
+
+The integral of (1 − v / v_free) over the time waiting for and on the crossing, where v < v_free; v_free
+is the free_walking_percentile of his own recorded speeds while walking. The run's mean counts each
+person once for each crossing, and its level of service follows it: A below 5 s, B below 10, C below
+20, D below 30, E below 45, else F.
+
+Undefined: empty for a person who is not seen to leave the crossing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+from analysis.moments import crossing_stay, phase_samples
+
+SCOPE = "encounter"
+UNIT = "s"
+WORSE = "higher"
+SOURCE = "[HCM2010]; measured, not its formula"
+
+_LEVELS = ((5.0, "A"), (10.0, "B"), (20.0, "C"), (30.0, "D"), (45.0, "E"), (np.inf, "F"))
+
+
+def compute(case: Case) -> Values:
+    """Return the delay."""
+    delay = np.full(len(case), np.nan)
+    standing = case.thresholds.pedestrian_standing_speed_mps
+    for i, one in enumerate(case.encounters):
+        stay = crossing_stay(case, one)
+        speed = one.person.speed
+        if stay is None or stay[1] + 1 >= len(speed) or not (speed > standing).any():
+            continue
+        free = float(np.percentile(speed[speed > standing], case.thresholds.free_walking_percentile))
+        inside = phase_samples(case, one, "waiting", "crossing")[: stay[1] + 1]
+        time = case.grid.time[one.person.first : one.person.first + stay[1] + 2]
+        lost = np.maximum(1.0 - speed[: stay[1] + 1] / free, 0.0)
+        delay[i] = float((np.diff(time) * lost)[inside].sum())
+    return {"ped_delay_s": delay}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Return mean and 95th percentile over persons and crossings, and the level of service."""
+    values = np.asarray(columns["ped_delay_s"])
+    once: dict[tuple[str, str], float] = {}
+    for one, value in zip(case.encounters, values.tolist(), strict=True):
+        if value == value:
+            once[(one.person.name, one.crossing_id)] = value
+    if not once:
+        return {"n_ped_delay_defined": 0}
+    known = np.array(list(once.values()))
+    mean = float(known.mean())
+    return {
+        "n_ped_delay_defined": len(known),
+        "ped_delay_mean_s": mean,
+        "ped_delay_p95_s": np.percentile(known, 95.0),
+        "ped_los_hcm2010": next(level for limit, level in _LEVELS if mean < limit),
+    }

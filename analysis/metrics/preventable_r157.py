@@ -1,0 +1,32 @@
+"""Whether a competent and careful driver could have stopped in time.
+
+1 where the time to the conflict area at constant speed, at the instant the pedestrian steps on the
+crossing (away from crossings: at the encounter's beginning), is at least that driver's stopping
+distance over speed: reaction r157_reaction_s, braking that rises to r157_deceleration_mps2 within
+r157_ramp_s. Independent of what the controller did.
+
+Undefined: empty without a conflict area, and where the ego was in it before. What sensors could see is
+not considered yet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+from analysis.moments import entries, stopping_distance
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "[R157], reference driver, after a transcription"
+
+
+def compute(case: Case) -> Values:
+    """Return 1, 0, or nan where it is undefined."""
+    seen = entries(case)
+    limits = case.thresholds
+    needed = stopping_distance(
+        seen.ego_speed, limits.r157_reaction_s, limits.r157_deceleration_mps2, limits.r157_ramp_s
+    )
+    return {"preventable_r157": np.where(np.isnan(seen.time), np.nan, seen.distance >= needed)}

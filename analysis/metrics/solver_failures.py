@@ -1,0 +1,37 @@
+"""Plans that were not the wanted one, because the problem was not solved.
+
+A controller then uses its declared fallback. controller_status of an encounter: `ok`, `timeout` where
+the name of a fallback says so, else `infeasible`.
+
+Undefined: never; 0 for controllers that solve nothing.
+"""
+
+from __future__ import annotations
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "higher"
+SOURCE = "own definition"
+
+
+def compute(case: Case) -> Values:
+    """Return the status of each encounter."""
+    failed = case.run.egos.flags["planned"] & ~case.run.egos.flags["solved"]
+    names = case.run.egos.texts["plan_status"]
+    status = []
+    for rows in case.ego_rows:
+        bad = rows[failed[rows]]
+        late = any("time" in names.at(int(row)) for row in bad)
+        status.append("ok" if len(bad) == 0 else "timeout" if late else "infeasible")
+    return {"controller_status": status}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count plans, and those that were not solved."""
+    planned = case.run.egos.flags["planned"]
+    return {
+        "n_plans": int(planned.sum()),
+        "n_solver_fail": int((planned & ~case.run.egos.flags["solved"]).sum()),
+    }

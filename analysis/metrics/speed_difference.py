@@ -1,0 +1,28 @@
+"""DeltaS: the length of the velocity of one user relative to the other at the smallest TTC.
+
+At first contact after a collision.
+
+Undefined: empty without a collision course.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "m/s"
+WORSE = "higher"
+SOURCE = "[SSAM2008]"
+
+
+def compute(case: Case) -> Values:
+    """Return the relative speed."""
+    samples = case.samples
+    low, at = samples.smallest(samples.ttc)
+    relative = np.hypot(samples.relative_x_speed, samples.y_speed)
+    value = np.where(np.isfinite(low), relative[at] if len(at) else low, np.nan)
+    for contact in reversed(case.collisions()):
+        value[contact.encounter] = contact.relative_speed
+    return {"delta_s_mps": value}

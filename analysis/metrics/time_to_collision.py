@@ -1,0 +1,57 @@
+"""Exact time to collision in two dimensions.
+
+TTC is the smallest t >= 0 at which the ego's rectangle and the pedestrian's disc touch if both keep
+their velocity; the smallest one of the encounter is reported, with its time and both speeds then.
+
+Undefined: empty with ttc_status `no_collision_course` where the two would never touch, `not_entered`
+for a person who never was on the crossing nor in the ego's path. 0 with status `collision` after a
+contact. Steps with a standing ego, or with the person still at the kerb, do not count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "s"
+WORSE = "lower"
+SOURCE = "[Hayward1972]; closed form for rectangle and disc: own derivation, see analysis/geometry.py"
+
+
+def compute(case: Case) -> Values:
+    """Return the smallest TTC, when it was, its status, and the speeds then."""
+    low, at = case.samples.smallest(case.samples.ttc)
+    status = np.where(np.isfinite(low), "ok", np.where(case.entered, "no_collision_course", "not_entered"))
+    time = case.samples.time[np.minimum(at, max(len(case.samples) - 1, 0))]
+    ego_speed = case.samples.ego_speed[at] if len(at) else time
+    person_speed = case.samples.person_speed[at] if len(at) else time
+    found = np.isfinite(low)
+    time, ego_speed, person_speed = (
+        np.where(found, values, np.nan) for values in (time, ego_speed, person_speed)
+    )
+    for contact in reversed(case.collisions()):
+        i = contact.encounter
+        low[i], time[i], ego_speed[i], status[i] = 0.0, contact.time, contact.ego_speed, "collision"
+    return {
+        "min_ttc_s": low,
+        "t_min_ttc_s": time,
+        "ttc_status": status,
+        "ego_speed_at_min_ttc_mps": ego_speed,
+        "ped_speed_at_min_ttc_mps": person_speed,
+    }
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count encounters below the limits; percentiles are those of the defined values."""
+    ttc = np.asarray(columns["min_ttc_s"])
+    known = ttc[np.isfinite(ttc)]
+    return {
+        "n_ttc_defined": len(known),
+        "n_ttc_lt_1p0": int((ttc < 1.0).sum()),
+        "n_ttc_lt_1p5": int((ttc < 1.5).sum()),
+        "n_ttc_lt_3p0": int((ttc < 3.0).sum()),
+        "min_ttc_s": known.min() if len(known) else None,
+        "p05_min_ttc_s": np.percentile(known, 5.0) if len(known) else None,
+    }

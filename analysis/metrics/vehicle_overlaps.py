@@ -1,0 +1,24 @@
+"""Overlaps of an ego's rectangle with other vehicles.
+
+Each is listed in vehicle_overlaps.csv. The ego closed it if, in the step that closed the last gap, its
+own motion along the separating axis closed at least as much as the other's, and more than nothing.
+
+Undefined: never.
+"""
+
+from __future__ import annotations
+
+from analysis.case import Case, Values
+
+SCOPE = "run"
+UNIT = "1"
+WORSE = "higher"
+SOURCE = "own definition; separating-axis theorem"
+
+
+def compute(case: Case) -> Values:
+    """Return the number of overlaps, and of those that the ego closed."""
+    return {
+        "n_vehicle_overlaps": len(case.overlaps),
+        "n_vehicle_overlaps_ego_closed": sum(one.closed_by == "ego" for one in case.overlaps),
+    }

@@ -1,0 +1,119 @@
+"""Every threshold, radius and curve of an analysis, in one frozen object that is echoed in config.json."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields, replace
+
+from analysis.errors import ThresholdError
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """What the numbers of a report depend on besides the recording.
+
+    Thresholds that are part of a column's name (1.0, 1.5, 3.0, 5.0 s; 3.4 m/s^2) are not among them.
+    """
+
+    encounter_range_m: float = 45.0
+    """Both users are within this distance of their conflict area, or of each other."""
+    visit_pairing_s: float = 60.0
+    """Visits to one conflict area further apart in time are not one encounter."""
+    substep_s: float = 0.05
+    """Motion is resampled to at most this step before the exact check between samples."""
+    ego_rear_overhang_m: float = 0.95
+    """Rear bumper to rear axle: the axle does not slip, so that its path is the one interpolated."""
+    longitudinal_angle_deg: float = 30.0
+    """Directions closer than this (or to opposite directions) are a longitudinal conflict."""
+    turning_angle_deg: float = 30.0
+    """An ego that turns by more than this before or inside the conflict area is turning."""
+    standing_speed_mps: float = 0.1
+    """An ego at or below it stands: it is no hazard, and a touch is not a collision."""
+    moving_speed_mps: float = 0.5
+    """Clearance and k are taken only while the ego is faster."""
+    pedestrian_standing_speed_mps: float = 0.3
+    contact_separation_s: float = 2.0
+    """Contacts of one pair closer in time are one collision."""
+    severity_ttc_severe_s: float = 1.0
+    severity_ttc_serious_s: float = 1.5
+    severity_ttc_slight_s: float = 3.0
+    severity_pet_severe_s: float = 1.0
+    severity_pet_serious_s: float = 1.5
+    severity_pet_slight_s: float = 3.0
+    max_speed_ttc_s: float = 1.5
+    """max_speed_mps is taken while TTC is at most this."""
+    mdrac_reaction_s: float = 1.0
+    evasive_deceleration_mps2: float = 1.0
+    """The ego's evasive action begins where it brakes harder."""
+    hard_brake_mps2: float = 4.0
+    comfort_deceleration_mps2: float = 3.0
+    jerk_window_s: float = 0.2
+    yield_reaction_s: float = 1.0
+    yield_deceleration_mps2: float = 3.05
+    slack_m: float = 0.05
+    lane_change_hold_s: float = 2.0
+    """A lane change is completed when the new lane is kept for this long."""
+    stopped_on_crossing_s: float = 1.0
+    deadlock_s: float = 60.0
+    deadlock_signal_s: float = 180.0
+    """The same near a crossing with signals, where a red phase may last."""
+    deadlock_free_gap_m: float = 15.0
+    deadlock_signal_range_m: float = 40.0
+    r157_reaction_s: float = 0.75
+    r157_deceleration_mps2: float = 7.59
+    r157_ramp_s: float = 0.6
+    ego_mass_kg: float = 1500.0
+    pedestrian_mass_kg: float = 75.0
+    hood_leading_edge_cm: float = 75.0
+    free_walking_percentile: float = 95.0
+    """A person's free speed is this percentile of his recorded speeds while walking."""
+
+    def as_dict(self) -> dict[str, float]:
+        """Return name -> value in the order of declaration."""
+        return asdict(self)
+
+
+def names() -> tuple[str, ...]:
+    """Return the names that ``--set`` accepts."""
+    return tuple(field.name for field in fields(Thresholds))
+
+
+def with_settings(settings: Iterable[str], start: Thresholds | None = None) -> Thresholds:
+    """Return the thresholds changed by texts of the form ``name=value``.
+
+    Raises
+    ------
+    ThresholdError
+        For a text without ``=``, an unknown name, or a value that is not a non-negative finite number.
+
+    Examples
+    --------
+    >>> with_settings(["severity_ttc_serious_s=1.2"]).severity_ttc_serious_s
+    1.2
+    """
+    changes: dict[str, float] = {}
+    for text in settings:
+        name, equals, value = text.partition("=")
+        name = name.strip()
+        if not equals:
+            raise ThresholdError(f"threshold {text!r}: name=value expected")
+        if name not in names():
+            near = difflib.get_close_matches(name, names(), n=3) or list(names())
+            raise ThresholdError(f"no threshold is called {name!r}; there are {', '.join(near)}")
+        changes[name] = _number(name, value.strip())
+    changed = replace(start or Thresholds(), **changes)
+    if changed.substep_s <= 0.0:
+        raise ThresholdError("threshold substep_s must be above 0")
+    return changed
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise ThresholdError(f"threshold {name}: a number expected, got {text!r}") from None
+    if not math.isfinite(number) or number < 0.0:
+        raise ThresholdError(f"threshold {name}: a finite number of at least 0 expected, got {text!r}")
+    return number

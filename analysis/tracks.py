@@ -1,0 +1,229 @@
+"""Paths of egos, persons and vehicles on one fine time grid.
+
+Recorded instants are refined by an integer factor so that samples are at most ``substep_s`` apart. An
+object that is out of the recording for an instant, or that jumps, continues as a new track.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.geometry import BoolArray, FloatArray
+from analysis.run import Columns, RecordedRun
+from analysis.thresholds import Thresholds
+
+IntArray = NDArray[np.int64]
+
+_JUMP_M = 2.0
+_PERSON_SPEED_MPS = 12.0
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """The fine time grid of a run."""
+
+    factor: int
+    """Fine samples per recorded step."""
+    time: FloatArray
+    """[s]; sample ``k * factor`` is recorded instant k."""
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """One uninterrupted path; arrays over consecutive samples of the fine grid."""
+
+    name: str
+    kind: str
+    """SUMO type id; empty for an ego."""
+    first: int
+    """Fine index of the first sample."""
+    rows: IntArray
+    """Row of the recorded table at or before each sample."""
+    x: FloatArray
+    """Centre of the body [m]."""
+    y: FloatArray
+    heading: FloatArray
+    """Unwrapped [rad]; nan for a person."""
+    x_speed: FloatArray
+    y_speed: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    """Recorded acceleration of an ego [m/s^2]; nan for others."""
+    length: float
+    width: float
+
+    @property
+    def last(self) -> int:
+        """Fine index of the last sample."""
+        return self.first + len(self.x) - 1
+
+
+def make_grid(run: RecordedRun, thresholds: Thresholds) -> Grid:
+    """Return the fine grid of a run."""
+    factor = max(1, math.ceil(run.step_s / thresholds.substep_s - 1e-9))
+    return Grid(factor, _refine(run.times, factor))
+
+
+def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Track]:
+    """Return the egos' tracks: cubic Hermite in the rear axle's position and velocity, linear heading.
+
+    Notes
+    -----
+    The cubic is replaced by the straight line in a step where it would run backwards (its end slopes
+    exceed three times the mean slope), which happens when a vehicle stops within the step.
+    """
+    tracks = []
+    rows = run.egos
+    for name, index in _by_name(rows, "ego_id"):
+        number = {key: values[index] for key, values in rows.numbers.items()}
+        for piece in _pieces(
+            run, number["time_s"], number["front_x_m"], number["front_y_m"], number["speed_mps"]
+        ):
+            length, width = float(number["length_m"][piece][0]), float(number["width_m"][piece][0])
+            heading = np.unwrap(number["heading_rad"][piece])
+            speed = number["speed_mps"][piece]
+            time = number["time_s"][piece]
+            lever = length - thresholds.ego_rear_overhang_m
+            axle_x = number["front_x_m"][piece] - lever * np.cos(heading)
+            axle_y = number["front_y_m"][piece] - lever * np.sin(heading)
+            fine_heading = _refine(heading, grid.factor)
+            fine_speed = _refine(speed, grid.factor)
+            ahead = 0.5 * length - thresholds.ego_rear_overhang_m
+            cubic = _runs_forward(time, axle_x, axle_y, heading, speed)
+            axle = [
+                _hermite(time, values, slope, cubic, grid.factor)
+                for values, slope in (
+                    (axle_x, speed * np.cos(heading)),
+                    (axle_y, speed * np.sin(heading)),
+                )
+            ]
+            tracks.append(
+                Track(
+                    name=name,
+                    kind="",
+                    first=_step(run, time[0]) * grid.factor,
+                    rows=_row_of_sample(index[piece], grid.factor),
+                    x=axle[0] + ahead * np.cos(fine_heading),
+                    y=axle[1] + ahead * np.sin(fine_heading),
+                    heading=fine_heading,
+                    x_speed=fine_speed * np.cos(fine_heading),
+                    y_speed=fine_speed * np.sin(fine_heading),
+                    speed=fine_speed,
+                    acceleration=_refine(number["acceleration_mps2"][piece], grid.factor),
+                    length=length,
+                    width=width,
+                )
+            )
+    return tracks
+
+
+def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
+    """Return the tracks of all pedestrians or all vehicles, straight between recorded instants."""
+    rows = run.neighbours
+    chosen = np.flatnonzero(rows.texts["object_kind"].equal(kind))
+    tracks = []
+    for name, index in _by_name(rows, "object_id", chosen):
+        number = {key: values[index] for key, values in rows.numbers.items()}
+        speed = np.hypot(number["x_speed_mps"], number["y_speed_mps"])
+        reach = speed if kind == "vehicle" else np.full_like(speed, _PERSON_SPEED_MPS)
+        for piece in _pieces(run, number["time_s"], number["x_m"], number["y_m"], reach):
+            length, width = float(number["length_m"][piece][0]), float(number["width_m"][piece][0])
+            x, y = _refine(number["x_m"][piece], grid.factor), _refine(number["y_m"][piece], grid.factor)
+            if kind == "vehicle":
+                heading = _refine(np.unwrap(number["heading_rad"][piece]), grid.factor)
+                x = x - 0.5 * length * np.cos(heading)
+                y = y - 0.5 * length * np.sin(heading)
+            else:
+                heading = np.full_like(x, np.nan)
+            x_speed = _refine(number["x_speed_mps"][piece], grid.factor)
+            y_speed = _refine(number["y_speed_mps"][piece], grid.factor)
+            tracks.append(
+                Track(
+                    name=name,
+                    kind=rows.texts["object_type"].at(int(index[piece][0])),
+                    first=_step(run, number["time_s"][piece][0]) * grid.factor,
+                    rows=_row_of_sample(index[piece], grid.factor),
+                    x=x,
+                    y=y,
+                    heading=heading,
+                    x_speed=x_speed,
+                    y_speed=y_speed,
+                    speed=np.hypot(x_speed, y_speed),
+                    acceleration=np.full_like(x, np.nan),
+                    length=length,
+                    width=width,
+                )
+            )
+    return tracks
+
+
+def _by_name(rows: Columns, key: str, chosen: IntArray | None = None) -> Iterator[tuple[str, IntArray]]:
+    """Yield each name in alphabetical order with its rows, ascending in time."""
+    texts = rows.texts[key]
+    index = np.arange(len(rows)) if chosen is None else chosen
+    if len(index) == 0:
+        return
+    codes = texts.codes[index]
+    order = np.argsort(codes, kind="stable")
+    bounds = np.flatnonzero(np.diff(codes[order])) + 1
+    groups = [index[part] for part in np.split(order, bounds)]
+    yield from sorted((texts.at(int(group[0])), group) for group in groups)
+
+
+def _pieces(
+    run: RecordedRun, time: FloatArray, x: FloatArray, y: FloatArray, speed: FloatArray
+) -> list[slice]:
+    """Return the stretches without a missing instant and without a jump."""
+    step = np.searchsorted(run.times, np.round(time, 6))
+    reach = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time) + _JUMP_M
+    broken = (np.diff(step) != 1) | (np.hypot(np.diff(x), np.diff(y)) > reach)
+    ends = [0, *(np.flatnonzero(broken) + 1).tolist(), len(time)]
+    return [slice(a, b) for a, b in pairwise(ends)]
+
+
+def _step(run: RecordedRun, time: float) -> int:
+    return int(np.searchsorted(run.times, np.round(time, 6)))
+
+
+def _refine(values: FloatArray, factor: int) -> FloatArray:
+    """Return the values with ``factor − 1`` linearly interpolated ones between each two."""
+    if factor == 1 or len(values) < 2:
+        return values.astype(np.float64)
+    share = np.arange(factor) / factor
+    between = values[:-1, None] + np.diff(values)[:, None] * share
+    return np.append(between.ravel(), values[-1])
+
+
+def _row_of_sample(rows: IntArray, factor: int) -> IntArray:
+    return np.repeat(rows, factor)[: (len(rows) - 1) * factor + 1]
+
+
+def _runs_forward(
+    time: FloatArray, x: FloatArray, y: FloatArray, heading: FloatArray, speed: FloatArray
+) -> BoolArray:
+    if len(time) < 2:
+        return np.zeros(0, dtype=np.bool_)
+    middle = 0.5 * (heading[1:] + heading[:-1])
+    mean = (np.diff(x) * np.cos(middle) + np.diff(y) * np.sin(middle)) / np.diff(time)
+    return np.asarray((speed[:-1] <= 3.0 * mean) & (speed[1:] <= 3.0 * mean))
+
+
+def _hermite(
+    time: FloatArray, values: FloatArray, slopes: FloatArray, cubic: BoolArray, factor: int
+) -> FloatArray:
+    if factor == 1 or len(values) < 2:
+        return values.astype(np.float64)
+    s = (np.arange(factor) / factor)[None, :]
+    step = np.diff(time)[:, None]
+    start, change = values[:-1, None], np.diff(values)[:, None]
+    first = step * slopes[:-1, None] - change
+    second = change - step * slopes[1:, None]
+    bend = s * (1.0 - s) * (first * (1.0 - s) + second * s)
+    between = start + s * change + np.where(cubic[:, None], bend, 0.0)
+    return np.append(between.ravel(), values[-1])
