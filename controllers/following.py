@@ -17,6 +17,8 @@ from controllers.right_of_way import RightOfWay, StopPlace
 
 STEP = 0.05
 """Longest step of the prediction over a plan interval [s]."""
+STANDING = 0.1
+"""A leader slower than this is standing [m/s]."""
 LANE_END = "lane end"
 SPEED_LIMIT = "speed limit"
 BEND = "bend"
@@ -42,8 +44,10 @@ class DrivingStyle:
     """Distance kept to a stop line [m]."""
     stop_headway: float = 0.5
     """Time gap to a stop line [s]."""
-    room_to_change: float = 8.0
-    """Distance kept to the end of a lane that has to be left, so that there is room to steer out [m]."""
+    passing_gap: float = 1.0
+    """Gap to a standing leader whose lane is being left: the car swings out past him [m]."""
+    room_to_change: float = 10.0
+    """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +79,9 @@ class Following:
         self.style = style or DrivingStyle()
         self._right_of_way = RightOfWay(self.style.acceleration)
 
-    def follow(self, perception: Perception, target_lane: int, times: FloatArray) -> Longitudinal:
+    def follow(
+        self, perception: Perception, target_lane: int, times: FloatArray, *, leaving: bool = False
+    ) -> Longitudinal:
         """Return desired accelerations at the given times from now.
 
         Parameters
@@ -83,6 +89,7 @@ class Following:
         perception : what the ego knows
         target_lane : ``Lane.number`` to end in; its leader is followed as well as the own one
         times : instants from now, ascending from 0 [s]
+        leaving : the ego waits for a chance to leave its lane; then it keeps room to a standing leader
 
         Notes
         -----
@@ -91,11 +98,11 @@ class Following:
         ego, style = perception.ego, self.style
         stops = self._right_of_way.stops(perception)
         leaders = [
-            *_neighbours(perception, target_lane, style),
+            *_neighbours(perception, target_lane, style, leaving),
             *_standing(perception, target_lane, stops, style),
         ]
         places, speeds, names = speed_targets(perception.road, ego.body.front, style)
-        free = _limit_now(perception.road, ego.body.front)
+        free = limit_now(perception.road, ego.body.front)
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0
         because = ""
@@ -174,7 +181,7 @@ def speed_targets(
     )
 
 
-def _limit_now(road: RoadAhead, front: float) -> float:
+def limit_now(road: RoadAhead, front: float) -> float:
     """Return the speed limit at the front bumper [m/s]."""
     passed = np.flatnonzero(road.limit_along <= front)
     if len(passed):
@@ -219,7 +226,9 @@ def _towards(speed: float, allowed: float, end: float, style: DrivingStyle) -> f
     return max(along_curve, (end - speed) / 0.5)
 
 
-def _neighbours(perception: Perception, target_lane: int, style: DrivingStyle) -> list[_Leader]:
+def _neighbours(
+    perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
+) -> list[_Leader]:
     gaps, road = perception.gaps, perception.road
     ahead: list[Neighbour] = [gaps.ahead] if gaps.ahead is not None else []
     beside = None
@@ -230,8 +239,20 @@ def _neighbours(perception: Perception, target_lane: int, style: DrivingStyle) -
     # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
     if beside is not None and beside.gap > 0.0:
         ahead.append(beside)
+    own_gap = style.standstill_gap
+    if target_lane != road.reference:
+        own_gap = style.passing_gap
+    elif leaving and gaps.ahead is not None and gaps.ahead.speed < STANDING:
+        own_gap = style.room_to_change
     return [
-        _Leader(one.name, one.gap, max(one.speed, 0.0), one.acceleration, style.standstill_gap, style.headway)
+        _Leader(
+            one.name,
+            one.gap,
+            max(one.speed, 0.0),
+            one.acceleration,
+            own_gap if one is gaps.ahead else style.standstill_gap,
+            style.headway,
+        )
         for one in ahead
     ]
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.following import LANE_END
+from controllers.following import LANE_END, DrivingStyle
 from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception, RoadAhead
+from controllers.lane_incentive import IncentiveRule, better_lane
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,20 +52,34 @@ class RouteRule:
 
 
 class LaneChoice:
-    """Chooses the lane to be in; changes only because of the route. It remembers, so: one per ego."""
+    """Chooses the lane to be in, for the route or because it is better there. One per ego: it remembers."""
 
-    def __init__(self, gap_rule: GapRule | None = None, route_rule: RouteRule | None = None) -> None:
+    def __init__(
+        self,
+        gap_rule: GapRule | None = None,
+        route_rule: RouteRule | None = None,
+        incentive_rule: IncentiveRule | None = None,
+        style: DrivingStyle | None = None,
+    ) -> None:
         self._gap_rule = gap_rule or GapRule()
         self._route_rule = route_rule or RouteRule()
+        self._incentive_rule = incentive_rule or IncentiveRule()
+        self._style = style or DrivingStyle()
         self._target: int | None = None
+        self._because = ""
+        self._last_change = -np.inf
+        self.waiting = False
+        """Whether another lane is wanted that is not free."""
 
     def choose(self, perception: Perception) -> tuple[int, str]:
         """Return the ``Lane.number`` to end in, and because of what.
 
-        The reason is ``lane end`` where the route asks for a change, the name of a vehicle where one has
-        to be waited for or a change was given up for it, and empty where there is nothing to change.
+        The reason is ``lane end`` where the route asks for a change, the leader where he is to be got
+        away from, the name of a vehicle that blocks the change or for which it was given up, and empty
+        where there is nothing to change.
         """
         road = perception.road
+        self.waiting = False
         if self._target is None or road.lane(self._target) is None:
             self._target = road.reference
         if self._target != road.reference:
@@ -72,15 +87,26 @@ class LaneChoice:
             if threat is not None:
                 self._target = road.reference
                 return self._target, threat
-            return self._target, LANE_END
-        wanted = lane_for_route(perception, self._route_rule)
+            self._last_change = perception.ego.time
+            return self._target, self._because
+        wanted, because = self._wanted(perception)
         if wanted is None:
             return self._target, ""
         threat = blocker(perception, wanted, self._gap_rule)
         if threat is not None:
+            self.waiting = True
             return self._target, threat
-        self._target = wanted
-        return self._target, LANE_END
+        self._target, self._because, self._last_change = wanted, because, perception.ego.time
+        return self._target, because
+
+    def _wanted(self, perception: Perception) -> tuple[int | None, str]:
+        for_route = lane_for_route(perception, self._route_rule)
+        if for_route is not None:
+            return for_route, LANE_END
+        if perception.ego.time < self._last_change + self._incentive_rule.pause:
+            return None, ""
+        ahead = perception.gaps.ahead
+        return better_lane(perception, self._style, self._incentive_rule), ahead.name if ahead else ""
 
 
 def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int | None:

@@ -2,7 +2,8 @@
 
 Along: car-following that obeys leaders, signals, right of way, speed limits and bends, but yields to no
 pedestrian, not at a zebra either; emergency braking for pedestrians and vehicles that a constant-velocity
-prediction meets. Across: lane keeping, and lane changes that the route asks for.
+prediction meets. Across: lane keeping, and lane changes that the route asks for or that lead around
+slow and standing vehicles, into gaps that stay safe.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ class EmergencyBrakingDriver:
 
     def __init__(self, style: DrivingStyle, rule: BrakingRule) -> None:
         self._following = Following(style)
-        self._lanes = LaneChoice()
+        self._lanes = LaneChoice(style=style)
         self._brake = EmergencyBraking(rule)
         self._changing_to: int | None = None
 
@@ -30,7 +31,7 @@ class EmergencyBrakingDriver:
         threat = self._brake.watch(perception)
         target, reason = self._lanes.choose(perception)
         manoeuvre = self._manoeuvre(target, perception.road.reference)
-        if not threat and manoeuvre is Manoeuvre.KEEP and not reason:
+        if not threat and not reason:
             reason = self._following.follow(perception, target, np.zeros(1)).because
         return Decision(manoeuvre, target, because=threat or reason)
 
@@ -38,7 +39,9 @@ class EmergencyBrakingDriver:
         """Drive towards the target lane; the emergency brake has the last word along."""
         ego, road = perception.ego, perception.road
         times = lane_keeping.instants(ego)
-        wanted = self._following.follow(perception, decision.target_lane, times).acceleration
+        wanted = self._following.follow(
+            perception, decision.target_lane, times, leaving=self._lanes.waiting
+        ).acceleration
         acceleration = np.minimum(wanted, self._brake.accelerations(ego, times))
         lane = road.lane(decision.target_lane)
         angles = lane_keeping.steering(perception, lane.offset if lane else 0.0, acceleration)

@@ -9,7 +9,16 @@ from controllers import catalog
 from controllers.interface import EgoState, Manoeuvre, Perception, RoadAhead
 from controllers.lane_choice import LaneChoice, blocker, lane_for_route
 from tests.controllers.driving import drive
-from tests.controllers.scenes import FRONT, LANE_WIDTH, Car, ego, lanes_that_follow, perception, straight_road
+from tests.controllers.scenes import (
+    FRONT,
+    LANE_WIDTH,
+    Car,
+    ego,
+    lanes_that_follow,
+    perception,
+    straight_road,
+    zebra,
+)
 
 
 def _ending(lanes: int = 2, reference: int = 0, **distances: float) -> RoadAhead:
@@ -121,3 +130,41 @@ def test_a_driver_that_finds_no_gap_stops_before_the_lane_ends_and_goes_on_when_
     assert waiting[:, 1].max() + FRONT < 120.0
     assert rows[-1, 2] == pytest.approx(LANE_WIDTH, abs=0.1)
     assert rows[-1, 3] > 10.0
+
+
+@pytest.mark.parametrize("blocked_until", [0.0, 25.0])
+def test_the_aeb_driver_gets_around_a_standing_vehicle(blocked_until: float) -> None:
+    def scene(state: EgoState, travelled: float) -> Perception:
+        reference = int(state.across > 0.5 * LANE_WIDTH)
+        seen = ego(
+            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
+            state.acceleration, state.steering,
+        )  # fmt: skip
+        cars = [Car(124.5 - travelled, -reference * LANE_WIDTH, 0.0)]
+        if state.time < blocked_until:
+            cars.append(Car(2.0, (1 - reference) * LANE_WIDTH, state.speed))
+        return perception(seen, straight_road(2, reference), cars=cars)
+
+    rows = drive(catalog.build("aeb"), scene, 12.0, 45.0)
+    assert rows[-1, 1] > 160.0
+    beside = rows[(rows[:, 1] + FRONT > 120.0) & (rows[:, 1] - 0.95 < 124.5)]
+    # The bodies are 1.8 m wide each; the ego's corner moves with its heading, which is small by then.
+    assert beside[:, 2].min() > 1.8
+    assert rows[:, 4].min() > -5.0
+
+
+def test_a_car_in_an_equal_queue_keeps_its_lane() -> None:
+    queue = [Car(FRONT + 30.0, 0.0, 5.0), Car(FRONT + 30.0, LANE_WIDTH, 5.0)]
+    assert LaneChoice().choose(perception(ego(8.0), straight_road(2), cars=queue)) == (0, "")
+
+
+def test_no_change_for_a_better_lane_begins_before_a_crossing() -> None:
+    slow = [Car(FRONT + 30.0, 0.0, 5.0)]
+    assert LaneChoice().choose(perception(ego(8.0), straight_road(2), cars=slow))[0] == 1
+    near = perception(ego(8.0), straight_road(2), cars=slow, crossings=[zebra(30.0)])
+    assert LaneChoice().choose(near) == (0, "")
+
+
+def test_no_change_leads_into_a_lane_that_soon_leaves_the_route() -> None:
+    slow = [Car(FRONT + 30.0, 0.0, 5.0)]
+    assert LaneChoice().choose(perception(ego(8.0), _ending(lane1=100.0), cars=slow)) == (0, "")
