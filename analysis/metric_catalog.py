@@ -29,6 +29,10 @@ class Metric:
     """``higher``, ``lower`` or ``neither``."""
     source: str
     text: str
+    columns: tuple[str, ...]
+    """In encounters.csv."""
+    run_columns: tuple[str, ...]
+    """In runs.csv."""
     compute: Callable[[Case], Values]
     summarise: Callable[[Case, Values], Values] | None
 
@@ -47,6 +51,8 @@ def find_metrics() -> tuple[Metric, ...]:
                 worse=module.WORSE,
                 source=module.SOURCE,
                 text=(module.__doc__ or "").strip(),
+                columns=module.COLUMNS,
+                run_columns=module.RUN_COLUMNS,
                 compute=module.compute,
                 summarise=getattr(module, "summarise", None),
             )

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "own definition"
+COLUMNS = ("clearance_min_m",)
+RUN_COLUMNS = ("n_clearance_defined", "clearance_min_m", "clearance_p01_m", "clearance_p05_m")
 
 
 def compute(case: Case) -> Values:

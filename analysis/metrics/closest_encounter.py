@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "[CriticalityMetrics]"
+COLUMNS = ("dce_m", "ttce_s")
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

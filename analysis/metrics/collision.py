@@ -17,6 +17,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition; exact geometry in analysis/geometry.py"
+COLUMNS = ("collision", "n_collisions", "t_collision_s", "impact_side", "contact_standing")
+RUN_COLUMNS = ("n_collisions", "n_contacts_standing")
 
 
 def compute(case: Case) -> Values:

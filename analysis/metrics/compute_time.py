@@ -15,6 +15,8 @@ SCOPE = "run"
 UNIT = "ms"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("compute_p50_ms", "compute_p95_ms", "compute_p99_ms")
 
 
 def compute(case: Case) -> Values:

@@ -15,6 +15,8 @@ SCOPE = "run"
 UNIT = "1/km"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("n_conflicts", "conflicts_per_veh_km", "conflicts_per_1000_ped")
 
 
 def compute(case: Case) -> Values:

@@ -14,6 +14,8 @@ SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SwedishTCT2018]"
+COLUMNS = ("conflicting_speed_mps",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

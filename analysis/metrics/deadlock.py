@@ -18,6 +18,8 @@ SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("deadlock",)
 
 
 def compute(case: Case) -> Values:

@@ -21,6 +21,8 @@ SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM] for the middle branch; the others: own derivation, checked by brute force"
+COLUMNS = ("drac_max_mps2", "drac_status")
+RUN_COLUMNS = ("n_drac_gt_3p4",)
 
 
 def compute(case: Case) -> Values:

@@ -14,7 +14,9 @@ from analysis.case import Case, Values
 SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
-SOURCE = "Eqs. (26)-(31) of [VelocityObstacleMPC]"
+SOURCE = "Eqs. (26)-(31) of [VOMPC2019]"
+COLUMNS = ("n_straight", "n_lane_change", "n_autonomous")
+RUN_COLUMNS = ("n_straight", "n_lane_change", "n_autonomous")
 
 _RULES = ("straight", "lane_change", "autonomous")
 

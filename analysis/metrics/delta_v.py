@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008], with masses in place of areas"
+COLUMNS = ("delta_v_ped_mps",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

@@ -13,6 +13,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "neither"
 SOURCE = "[SSAM2003], chapter 7"
+COLUMNS = ("et_ego_s", "et_ped_s")
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

@@ -14,6 +14,8 @@ SCOPE = "run"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("ego_count", "ego_dist_km", "ego_time_h", "ped_count", "n_encounters", "n_passages")
 
 
 def compute(case: Case) -> Values:

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Allen1978] after [SSAM2003], chapter 7"
+COLUMNS = ("gap_time_s",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

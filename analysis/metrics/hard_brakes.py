@@ -14,7 +14,9 @@ from analysis.case import Case, Values
 SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
-SOURCE = "own definition; the limit is METRICS.md's everyday bound"
+SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("n_hard_brake",)
 
 
 def compute(case: Case) -> Values:

@@ -13,6 +13,8 @@ SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008]"
+COLUMNS = ("max_speed_mps",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

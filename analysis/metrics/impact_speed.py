@@ -13,6 +13,8 @@ SCOPE = "encounter"
 UNIT = "km/h"
 WORSE = "higher"
 SOURCE = "[R152], after a transcription"
+COLUMNS = ("impact_speed_kmh",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

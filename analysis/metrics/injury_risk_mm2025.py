@@ -17,6 +17,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "[MonfortMueller2025], coefficients after code that cites its Table 4"
+COLUMNS = ("p_mais3_mm2025",)
+RUN_COLUMNS = ()
 
 
 def risk(speed_kmh: float, leading_edge_cm: float) -> float:

@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "[RosenSander2009], coefficients as restated in later work"
+COLUMNS = ("p_fatal_rosen2009",)
+RUN_COLUMNS = ("sum_p_fatal_rosen2009",)
 
 
 def risk(speed_kmh: float) -> float:

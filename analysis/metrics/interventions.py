@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ("n_interventions",)
+RUN_COLUMNS = ("n_interventions",)
 
 
 def compute(case: Case) -> Values:

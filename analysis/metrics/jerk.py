@@ -16,7 +16,9 @@ from analysis.case import Case, Values
 SCOPE = "encounter"
 UNIT = "m/s^3"
 WORSE = "higher"
-SOURCE = "own definition; see CONTRACTS in docs/conventions.md"
+SOURCE = "own definition"
+COLUMNS = ("ego_max_abs_jerk_mps3",)
+RUN_COLUMNS = ("p95_abs_jerk_mps3",)
 
 
 def compute(case: Case) -> Values:

@@ -16,6 +16,8 @@ SCOPE = "run"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("n_lane_changes",)
 
 
 def compute(case: Case) -> Values:

@@ -17,6 +17,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
+COLUMNS = ("late_entry",)
+RUN_COLUMNS = ("n_late_entries",)
 
 
 def compute(case: Case) -> Values:

@@ -15,6 +15,8 @@ SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ("ego_max_lat_accel_mps2",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

@@ -15,6 +15,8 @@ SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SSAM2008] (MaxD)"
+COLUMNS = ("ego_max_decel_mps2",)
+RUN_COLUMNS = ("max_decel_mps2",)
 
 
 def compute(case: Case) -> Values:

@@ -11,6 +11,8 @@ SCOPE = "run"
 UNIT = "m/s"
 WORSE = "neither"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("ego_mean_speed_mps",)
 
 
 def compute(case: Case) -> Values:

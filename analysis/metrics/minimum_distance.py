@@ -17,6 +17,8 @@ SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "own definition; exact geometry in analysis/geometry.py"
+COLUMNS = ("min_dist_m", "t_min_dist_s")
+RUN_COLUMNS = ("min_dist_m",)
 
 
 def compute(case: Case) -> Values:

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM]"
+COLUMNS = ("mdrac_max_mps2", "mdrac_prt_s", "mdrac_status")
+RUN_COLUMNS = ("n_mdrac_gt_3p4",)
 
 
 def compute(case: Case) -> Values:

@@ -19,6 +19,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[HCM2010]; measured, not its formula"
+COLUMNS = ("ped_delay_s",)
+RUN_COLUMNS = ("n_ped_delay_defined", "ped_delay_mean_s", "ped_delay_p95_s", "ped_los_hcm2010")
 
 _LEVELS = ((5.0, "A"), (10.0, "B"), (20.0, "C"), (30.0, "D"), (45.0, "E"), (np.inf, "F"))
 

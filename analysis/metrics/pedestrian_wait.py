@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[HCM2010], waiting part of the delay"
+COLUMNS = ("ped_wait_s",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

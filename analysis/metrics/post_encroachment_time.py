@@ -19,6 +19,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Allen1978]; conflict area as in [SUMO-SSM]"
+COLUMNS = ("pet_area_s", "pet_status")
+RUN_COLUMNS = ("n_pet_defined", "n_pet_lt_1p0", "n_pet_lt_1p5", "n_pet_lt_3p0", "n_pet_lt_5p0", "min_pet_s")
 
 
 def compute(case: Case) -> Values:

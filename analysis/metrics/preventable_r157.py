@@ -20,6 +20,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "[R157], reference driver, after a transcription"
+COLUMNS = ("preventable_r157",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

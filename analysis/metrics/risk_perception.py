@@ -17,7 +17,9 @@ from analysis.moments import ride_of
 SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
-SOURCE = "Eq. (32) of [VelocityObstacleMPC]"
+SOURCE = "Eq. (32) of [VOMPC2019]"
+COLUMNS = ("k_mean_s",)
+RUN_COLUMNS = ("k_mean_s",)
 
 
 def compute(case: Case) -> Values:

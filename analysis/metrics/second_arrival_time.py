@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Laureshyn2010]; the formula is our reading of its text"
+COLUMNS = ("t2_min_s",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

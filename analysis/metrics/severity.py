@@ -17,6 +17,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "limits after [Hayward1972], [SSAM2008] and the review [CriticalityMetrics]"
+COLUMNS = ("severity",)
+RUN_COLUMNS = ("n_severity_none", "n_severity_slight", "n_severity_serious", "n_severity_severe")
 
 
 def compute(case: Case) -> Values:

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ("side_changes",)
+RUN_COLUMNS = ("side_changes",)
 
 _COUNT = re.compile(r"(behind|ahead):(\d+)")
 

@@ -13,6 +13,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ("slack_share",)
+RUN_COLUMNS = ("slack_share",)
 
 
 def compute(case: Case) -> Values:

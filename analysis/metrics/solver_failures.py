@@ -14,6 +14,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ("controller_status",)
+RUN_COLUMNS = ("n_plans", "n_solver_fail")
 
 
 def compute(case: Case) -> Values:

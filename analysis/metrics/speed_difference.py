@@ -15,6 +15,8 @@ SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008]"
+COLUMNS = ("delta_s_mps",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

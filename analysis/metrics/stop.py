@@ -15,6 +15,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
+COLUMNS = ("ego_stopped",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

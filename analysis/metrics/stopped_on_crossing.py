@@ -15,6 +15,8 @@ SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+COLUMNS = ()
+RUN_COLUMNS = ("n_stopped_on_crossing",)
 
 
 def compute(case: Case) -> Values:

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Laureshyn2010], with the conflict area in place of the point"
+COLUMNS = ("tadv_min_s",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

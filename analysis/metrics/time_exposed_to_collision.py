@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[MinderhoudBovy2001]"
+COLUMNS = ("tet_1p5_s", "tet_3p0_s")
+RUN_COLUMNS = ("tet_1p5_s",)
 
 
 def compute(case: Case) -> Values:

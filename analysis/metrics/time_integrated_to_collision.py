@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "s^2"
 WORSE = "higher"
 SOURCE = "[MinderhoudBovy2001]"
+COLUMNS = ("tit_1p5_s2", "tit_3p0_s2")
+RUN_COLUMNS = ("tit_1p5_s2",)
 
 
 def compute(case: Case) -> Values:

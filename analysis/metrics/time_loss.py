@@ -17,6 +17,8 @@ SCOPE = "run"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "as SUMO's timeLoss, with speed factor 1"
+COLUMNS = ()
+RUN_COLUMNS = ("ego_time_loss_s", "ego_delay_mean_s")
 
 
 def compute(case: Case) -> Values:

@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[SwedishTCT2018]; its severity curve is not used"
+COLUMNS = ("time_to_accident_s", "evasive_t_s", "evasive_status")
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

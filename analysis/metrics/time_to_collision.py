@@ -18,6 +18,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Hayward1972]; closed form for rectangle and disc: own derivation, see analysis/geometry.py"
+COLUMNS = ("min_ttc_s", "t_min_ttc_s", "ttc_status", "ego_speed_at_min_ttc_mps", "ped_speed_at_min_ttc_mps")
+RUN_COLUMNS = ("n_ttc_defined", "n_ttc_lt_1p0", "n_ttc_lt_1p5", "n_ttc_lt_3p0", "min_ttc_s", "p05_min_ttc_s")
 
 
 def compute(case: Case) -> Values:

@@ -16,6 +16,8 @@ SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Hayward1972]; [SUMO-SSM]"
+COLUMNS = ("min_ttc_1d_s",)
+RUN_COLUMNS = ()
 
 
 def compute(case: Case) -> Values:

@@ -14,6 +14,8 @@ SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition; separating-axis theorem"
+COLUMNS = ()
+RUN_COLUMNS = ("n_vehicle_overlaps", "n_vehicle_overlaps_ego_closed")
 
 
 def compute(case: Case) -> Values:

@@ -21,6 +21,8 @@ SCOPE = "encounter"
 UNIT = "1"
 WORSE = "lower"
 SOURCE = "[NCHRP562]; the reaction time and deceleration are assumed"
+COLUMNS = ("yielded",)
+RUN_COLUMNS = ("yields", "yieldable", "yield_rate")
 
 
 def compute(case: Case) -> Values:
