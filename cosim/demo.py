@@ -49,16 +49,16 @@ def _derived(rows: Mapping[str, Row]) -> dict[str, list[str]]:
     """Return the lines of the table that are made of several columns, one text per controller."""
     from cosim.summary import number
 
-    base = number(rows[BASELINE], "ego_time_loss_s") if BASELINE in rows else None
+    base = number(rows[BASELINE], "ego_delay_mean_s") if BASELINE in rows else None
     shares, differences = [], []
     for row in rows.values():
         encounters, near = number(row, "n_encounters"), number(row, "n_ttc_lt_1p5")
         shares.append("–" if not encounters or near is None else f"{100.0 * near / encounters:.1f} %")
-        delay = number(row, "ego_time_loss_s")
+        delay = number(row, "ego_delay_mean_s")
         differences.append("–" if delay is None or base is None else f"{delay - base:+.1f}")
     return {
         "share of encounters with TTC < 1.5 s": shares,
-        f"delay against {BASELINE}, same seed [s]": differences,
+        f"mean delay against {BASELINE}, same seed [s]": differences,
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -86,10 +87,10 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "actuation": inputs.actuation,
         "sensing": "perfect",
         "parameters": {
-            "scenario": dict(inputs.scenario_parameters),
-            "controller": dict(inputs.controller_parameters),
+            "scenario": _writable(inputs.scenario_parameters),
+            "controller": _writable(inputs.controller_parameters),
         },
-        "egos": dict(inputs.egos),
+        "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),
         "n_teleports": 0,
         "recording_schema_version": schema_version,
@@ -129,6 +130,14 @@ def git_sha() -> str | None:
     except (OSError, subprocess.SubprocessError):
         return None
     return answer.stdout.strip() or None
+
+
+def _writable(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values with infinite ones as the texts that ``--set`` takes; JSON has no such number."""
+    return {
+        key: str(value) if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in values.items()
+    }
 
 
 def _digest(content: Mapping[str, Any], length: int) -> str:

@@ -81,7 +81,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     except OSError as error:
         reason = f"the recording could not be written: {error.strerror or error}"
     except KeyboardInterrupt:
-        reason = "interrupted by the user"
+        reason = "interrupted"
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:

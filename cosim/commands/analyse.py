@@ -30,9 +30,9 @@ def analyse(
     Exit codes: 0 all good, 2 a folder or a threshold is wrong (the other folders are analysed).
     """
     from analysis.errors import AnalysisError
+    from analysis.report import analyse_run
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
-    from cosim.execution import analyse_run
     from cosim.summary import read_row, run_table
 
     try:

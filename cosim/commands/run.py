@@ -53,6 +53,7 @@ def run(
     \b
     Exit codes: 0 good, 2 bad input, 3 the run went wrong after its first step.
     """
+    from cosim.commands.interruption import termination_interrupts
     from cosim.commands.progress import shown_progress
     from cosim.execution import execute
     from cosim.summary import run_table
@@ -70,7 +71,7 @@ def run(
         gui=gui,
         out=out,
     )
-    with shown_progress() as progress:
+    with termination_interrupts(), shown_progress() as progress:
         outcome = execute(request, progress)
     console = terminal.console()
     if outcome.row is not None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from cosim.cli import main
@@ -201,6 +205,23 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
 
 
 @pytest.mark.sumo
+def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "cosim.cli", "run", "midblock_zebra", "--controller", "sumo"]
+    settings = ["--set", "warmup_s=1", "--duration-s", "100000", "--out", "out"]
+    process = subprocess.Popen([*command, *settings], stderr=subprocess.PIPE, env=source_environment())
+    part = tmp_path / "out" / "egos.parquet.part"
+    deadline = time.monotonic() + 60.0
+    while not (part.exists() and part.stat().st_size > 1000) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=60.0)
+    assert process.returncode == 3, errors
+    assert b"interrupted" in errors
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["invalid_reason"] == "interrupted"
+    assert pq.read_metadata(tmp_path / "out" / "egos.parquet").num_rows > 0
+
+
+@pytest.mark.sumo
 def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "cosim.cli", "run", "midblock_unmarked", "--controller", "vo_mpc"]
     for name in ("first", "second"):
@@ -213,8 +234,16 @@ def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
         first, second = ((tmp_path / folder / name).read_bytes() for folder in ("first", "second"))
         if name not in ("timing.parquet", "run.json", "runs.csv"):
             assert first == second, f"{name} differs"
+    assert lasting(tmp_path / "first" / "runs.csv") == lasting(tmp_path / "second" / "runs.csv")
     runs = [json.loads((tmp_path / folder / "run.json").read_text()) for folder in ("first", "second")]
     assert runs[0]["run_id"] == runs[1]["run_id"]
+
+
+def lasting(path: Path) -> dict[str, str]:
+    """Return the single row of a CSV file without its wall-clock columns."""
+    with path.open(encoding="utf-8", newline="") as file:
+        (row,) = csv.DictReader(file)
+    return {key: value for key, value in row.items() if not key.startswith(("wall_", "compute_"))}
 
 
 def source_environment() -> dict[str, str]:

@@ -53,6 +53,11 @@ def test_a_runs_identity_is_the_same_every_time_and_wherever_its_files_are() -> 
     assert moved.run_id() == INPUTS.run_id() == dataclasses.replace(INPUTS).run_id()
 
 
+def test_an_infinite_parameter_is_written_as_the_text_that_sets_it() -> None:
+    infinite = dataclasses.replace(INPUTS, controller_parameters={"truncation_s": float("inf")})
+    assert provenance.describe(infinite, "1")["parameters"]["controller"] == {"truncation_s": "inf"}
+
+
 def test_versions_are_part_of_a_runs_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     before = INPUTS.run_id()
     monkeypatch.setattr(provenance, "versions", lambda: {"libsumo": "1.0"})
