@@ -8,7 +8,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -38,13 +38,11 @@ class Connection:
         if not self._open:
             return
         self._open = False
-        try:
+        # A simulation that is broken already has told the user so; here it only has to go.
+        with suppress(*self.errors):
             if self.pending:
                 self.sumo.simulationStep()
-        except self.errors:
-            # The simulation is broken already, and that is what the user is told.
-            self.pending = False
-        finally:
+        with suppress(*self.errors):
             self.sumo.close()
 
     @property

@@ -313,8 +313,8 @@ class Route:
             lanes += [(part, at - 1) for part in added] + [(self.lane(at, lane), at)]
             beyond += sum(part.shape_length for part in added) + self.lane(at, lane).shape_length
             leads_to_end = False
-        before, entering = self._before(step, index)
-        polyline, origin, pieces = _joined([(part, step - 1) for part in before], lanes)
+        before, entering, shift = self._before(step, index)
+        polyline, origin, pieces = _joined([(part, step - 1) for part in before], lanes, shift)
         path = LanePath(polyline, origin, pieces, leads_to_end, step)
         edges = {part.edge for part, _ in lanes if not part.internal}
         edges |= {part.edge for part in before if not part.internal}
@@ -322,12 +322,24 @@ class Route:
         path.meet(crossings, [*entering, *connections])
         return path
 
-    def _before(self, step: int, index: int) -> tuple[list[NetLane], list[Connection]]:
-        """Return the lanes that lead to a lane, in driving order, and the connections between them."""
+    def _before(self, step: int, index: int) -> tuple[list[NetLane], list[Connection], FloatArray]:
+        """Return the lanes that lead to a lane, in driving order, and the connections between them.
+
+        A lane that begins on this edge has none: then they are those of the nearest lane beside it that
+        has, and the third value says how far they have to be shifted.
+        """
         lanes: list[NetLane] = []
         connections: list[Connection] = []
         gone, at, lane = 0.0, step, index
         connection = self._backward(at, lane)
+        shift = np.zeros(2)
+        if connection is None:
+            usable = self.network.allowed_lanes(self.edges[step], self.vehicle_class)
+            for other in sorted(usable, key=lambda other: abs(other - index)):
+                connection = self._backward(step, other)
+                if connection is not None:
+                    shift = self.lane(step, index).shape[0] - self.lane(step, other).shape[0]
+                    break
         while connection is not None and gone < BEHIND:
             source = self.network.lanes[connection.source]
             added = [source, *(self.network.lanes[name] for name in connection.via)]
@@ -338,15 +350,16 @@ class Route:
             if at < 0:
                 break
             connection = self._backward(at, lane)
-        return lanes, connections
+        return lanes, connections, shift
 
 
 def _joined(
-    before: Sequence[tuple[NetLane, int]], ahead: Sequence[tuple[NetLane, int]]
+    before: Sequence[tuple[NetLane, int]], ahead: Sequence[tuple[NetLane, int]], shift: FloatArray
 ) -> tuple[FloatArray, float, list[Piece]]:
     """Return one polyline over all lanes, the station of its first point, and where each lane lies.
 
-    Station 0 is where the first lane of ``ahead`` begins. Gaps between lanes are bridged straight.
+    Station 0 is where the first lane of ``ahead`` begins; those before are shifted. Gaps between lanes are
+    bridged straight.
     """
     points: list[FloatArray] = []
     spans: list[tuple[NetLane, int, float, float]] = []
@@ -355,7 +368,7 @@ def _joined(
     for number, (lane, step) in enumerate(everything):
         if number == len(before):
             origin = length
-        shape = lane.shape
+        shape = lane.shape + shift if number < len(before) else lane.shape
         if points:
             jump = float(np.hypot(*(shape[0] - points[-1][-1])))
             if jump < 0.05:

@@ -272,7 +272,7 @@ class Observer:
         )
 
 
-MAX_WALKING_SPEED = 5.0
+MAX_WALKING_SPEED = 3.0
 """Faster persons were put elsewhere by SUMO [m/s]."""
 MAX_SIDEWAYS_SPEED = 3.0
 """A position that changed by this much more than speed and heading explain was a jump [m/s]."""

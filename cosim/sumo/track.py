@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from cosim.sumo.route import LanePath, Route
 
 HYSTERESIS = 0.15
@@ -44,10 +42,9 @@ class Track:
         return path.leads_to_end and self.along >= path.chain_end - REMOVAL
 
     @property
-    def remaining(self) -> float:
-        """Distance to the route's end [m]; inf beyond the path."""
-        path = self.path
-        return path.chain_end - self.along if path.leads_to_end else math.inf
+    def on_last_edge(self) -> bool:
+        """Whether the route's last edge is reached."""
+        return self.step == len(self.route.edges) - 1
 
     def update(self, front_x: float, front_y: float) -> None:
         """Find the front bumper [m] again after it has moved a little."""
@@ -62,6 +59,9 @@ class Track:
         for _ in range(len(self.route.network.edges[self.route.edges[self.step]])):
             if not self._change(front_x, front_y):
                 break
+        path = self.path
+        if self.along > path.chain_end and not path.leads_to_end:
+            self._rejoin(front_x, front_y)
 
     def beside(self) -> list[tuple[int, LanePath]]:
         """Return the neighbouring lanes and their indices; at most two, those of its edge that it may use."""
@@ -86,3 +86,17 @@ class Track:
             self.index, self.along, self.across = index, along, across
             return True
         return False
+
+    def _rejoin(self, x: float, y: float) -> None:
+        """Take the nearest lane that leads on: the one so far ended without a way along the route."""
+        best = None
+        for index in self.route.network.allowed_lanes(self.route.edges[self.step], self.route.vehicle_class):
+            path = self.route.path(self.step, index)
+            along, across = path.curve.place_near(x, y, self.along)
+            if along <= path.chain_end and (best is None or abs(across) < abs(best[2])):
+                best = (index, along, across)
+        if best is not None:
+            # Lanes are counted from right to left, or the other way round where traffic keeps left.
+            to_the_left = best[2] < self.across
+            self.number += abs(best[0] - self.index) * (1 if to_the_left else -1)
+            self.index, self.along, self.across = best

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +94,7 @@ class SumoWorld:
                 self.step: float = self._sumo.simulation.getDeltaT()
                 self._time: float = self._sumo.simulation.getTime()
                 self._sources.check(self._sumo)
-            self._plan_every = max(1, math.floor(PLAN_INTERVAL / self.step + 1e-9))
+            self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
@@ -242,7 +243,7 @@ class SumoWorld:
         arrived = set(simulation.getArrivedIDList())
         teleporting = set(simulation.getStartingTeleportIDList())
         for name in [name for name in self._egos if name in arrived or name in teleporting]:
-            if name in teleporting or self._egos[name].track.remaining > 50.0:
+            if name in teleporting or not self._egos[name].track.on_last_edge:
                 self._teleports += 1
             if name not in arrived:
                 self._remove(name)
@@ -312,6 +313,7 @@ class SumoWorld:
         track = Track(self._routes[key], vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
         track.update(seen.x, seen.y)
         track.number = 0
+        _free(self._sumo, name)
         self._actuation.take_over(name)
         self._observer.follow(name)
         self._egos[name] = _Ego(name, plant, track, seen)
@@ -383,6 +385,15 @@ class SumoWorld:
             ego.intervention,
             ego.handed_back,
         )
+
+
+def _free(sumo: Any, name: str) -> None:
+    """Take away what SUMO would make a vehicle do apart from driving its route: stops and rerouting."""
+    vehicle = sumo.vehicle
+    for _ in vehicle.getStops(name):
+        vehicle.replaceStop(name, 0, "")
+    if vehicle.getParameter(name, "has.rerouting.device") == "true":
+        vehicle.setParameter(name, "device.rerouting.period", "0")
 
 
 def areas_near(network: Network, cells: set[tuple[int, int]], reach: float = 80.0) -> list[MapArea]:
