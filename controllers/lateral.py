@@ -126,13 +126,7 @@ class LateralProgram:
         start = np.array([task.across, task.heading_error, task.steering, task.command])
         maps = self.horizon.maps(task.speed, task.curvature, start)
         free, gain = maps.free, maps.gain
-        follow = self.wheelbase * task.curvature
-        # Lateral acceleration beyond the lane's own, as a weight on the steering angle.
-        steering_weight = w.steering + w.lateral_acceleration * (task.speed**2 / self.wheelbase) ** 2
-        weights = np.stack(
-            [np.full(n, w.across) * self.dt, np.full(n, w.heading) * self.dt, steering_weight * self.dt]
-        )
-        errors = np.stack([free[ACROSS] - task.target, free[HEADING], free[STEERING] - follow])
+        weights, errors = self._tracking(free, task)
         stacked = gain[:3].reshape(3 * n, n)
         weighted = stacked * weights.reshape(-1, 1)
         p.P[:n, :n] = 2.0 * (stacked.T @ weighted)
@@ -168,6 +162,22 @@ class LateralProgram:
             slack=float(max(solution.z[n], 0.0)),
             inputs=solution.z,
         )
+
+    def constant_cost(self, free: FloatArray, task: SteeringTask) -> float:
+        """Return the part of the objective that no input changes, which the program leaves out."""
+        weights, errors = self._tracking(free, task)
+        return float((weights * errors**2).sum())
+
+    def _tracking(self, free: FloatArray, task: SteeringTask) -> tuple[FloatArray, FloatArray]:
+        """Return weights and errors of offset, heading and steering without input, shape (3, N) each."""
+        n, w = self.steps, self.weights
+        follow = self.wheelbase * task.curvature
+        # Lateral acceleration beyond the lane's own, as a weight on the steering angle.
+        steering_weight = w.steering + w.lateral_acceleration * (task.speed**2 / self.wheelbase) ** 2
+        weights = np.stack(
+            [np.full(n, w.across) * self.dt, np.full(n, w.heading) * self.dt, steering_weight * self.dt]
+        )
+        return weights, np.stack([free[ACROSS] - task.target, free[HEADING], free[STEERING] - follow])
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)

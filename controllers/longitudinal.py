@@ -166,13 +166,14 @@ class LongitudinalProgram:
             speed=np.maximum(states[SPEED], 0.0),
             acceleration=states[ACCELERATION],
             command=states[COMMAND],
-            cost=solution.cost + self._constant_cost(free, task),
+            cost=solution.cost + self.constant_cost(free, task),
             slack=float(max(slack[self.SLACK_UPPER], slack[self.SLACK_LOWER], 0.0)),
             emergency=float(max(slack[self.EMERGENCY], 0.0)),
             inputs=solution.z,
         )
 
-    def _constant_cost(self, free: FloatArray, task: SpeedTask) -> float:
+    def constant_cost(self, free: FloatArray, task: SpeedTask) -> float:
+        """Return the part of the objective that no input changes, which the program leaves out."""
         w = self.weights
         return float(
             self.dt

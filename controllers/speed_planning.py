@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from controllers import passing, road_profile, traffic
 from controllers.interface import Lane, Perception
+from controllers.lateral import SteeringPlan
 from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.plan_memory import PlanMemory
 from controllers.right_of_way import RightOfWay, StopPlace
@@ -47,6 +48,8 @@ class Chosen:
     behind: int
     because: str
     """Who bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nobody."""
+    steering: SteeringPlan | None = None
+    """Where speed and steering were planned together."""
 
 
 @dataclass(slots=True)
@@ -94,13 +97,24 @@ class SpeedPlanner:
         best: Chosen | None = None
         best_cost = np.inf
         for behind in self._candidates(perception, conflicts, task):
-            plan = self._solve(self._bounded(perception, task, conflicts, behind))
+            plan, steering = self._solve_class(perception, lane, task, conflicts, behind)
             # A change of mind has to be worth it.
             cost = plan.cost / (s.hysteresis if self._flips(conflicts, behind) else 1.0)
             if plan.found and (best is None or cost < best_cost):
                 who = because or (conflicts.names[0] if len(conflicts) else "")
-                best, best_cost = Chosen(plan, conflicts, behind, who), cost
+                best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
         return best or Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
+
+    def _solve_class(
+        self,
+        perception: Perception,
+        lane: Lane | None,
+        task: SpeedTask,
+        conflicts: passing.Conflicts,
+        behind: int,
+    ) -> tuple[SpeedPlan, SteeringPlan | None]:
+        """Return the plan for one passing class, with its steering where that was planned too."""
+        return self._solve(self._bounded(perception, task, conflicts, behind)), None
 
     def _solve(self, task: SpeedTask) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
@@ -165,7 +179,7 @@ class SpeedPlanner:
         times, limits = self.memory.times, self.program.limits
         positions, expected = self.memory.expected(ego)
         rear, rest, leader = self._vehicles(perception, lane, leaving_for)
-        line, stop = self._line(perception, lane, float(rest.min()))
+        line, stop = self._line(perception, lane, rest)
         short = front + s.standstill_gap + limits.headway * ego.speed - float(rear[0])
         task = SpeedTask(
             speed=ego.speed,
@@ -199,10 +213,11 @@ class SpeedPlanner:
         rest = np.minimum(np.where(left, np.inf, now.rest), then.rest)
         return rear, rest, then.name or (now.name if leaving_for > 0.0 else "")
 
-    def _line(self, perception: Perception, lane: Lane | None, rest: float) -> tuple[float, str]:
+    def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
         """Return the place the front bumper must not pass now, and why; inf for none."""
         places = [(stop.along, stop.name) for stop in self._stops]
-        places.append(road_profile.keep_clear_line(perception, rest, self.settings.standstill_gap))
+        gap = self.settings.standstill_gap
+        places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
         if lane is not None:
             places.append((lane.follows_route_for, "lane end"))
         nearest, name = min(places)

@@ -30,7 +30,9 @@ class Cone(StrEnum):
     """IVO while the old velocity is already on the wanted side, VO otherwise."""
 
 
-def tangent(px: FloatArray, py: FloatArray, radius: float, side: FloatArray) -> tuple[FloatArray, FloatArray]:
+def tangent(
+    px: FloatArray, py: FloatArray, radius: float | FloatArray, side: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the tangent ray from the origin to discs, rotated to ``side`` (+1 left, −1 right).
 
     ``ray = (p_x c - s p_y r, s p_x r + p_y c)`` with ``c = sqrt(d^2 - r^2)``; its length is ``d^2``. Inside a
@@ -58,13 +60,14 @@ def rectangle_tangent(
     py: FloatArray,
     half_length: float,
     half_width: float,
-    radius: float,
+    radius: float | FloatArray,
     side: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the tangent ray to a rectangle grown by ``radius``, the ego's outline seen from its centre.
 
     The grown rectangle is the convex hull of discs at its four corners, so its tangent is the outermost of
-    theirs. Rays are scaled to unit length.
+    theirs. Rays are scaled to unit length. Where the origin's counterpart ``p`` lies inside the grown
+    rectangle there is no tangent and the result means nothing.
     """
     corners = [(i * half_length, j * half_width) for i in (1, -1) for j in (1, -1)]
     rays = [_unit(*tangent(px + x, py + y, radius, side)) for x, y in corners]

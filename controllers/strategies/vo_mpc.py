@@ -8,13 +8,27 @@ more accurate than linearising both at once. See ``docs/control.md``.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers import passing
+from controllers.blocked_lanes import BlockedLanes
+from controllers.collision_cone import ConeSettings, Outline
+from controllers.cone_planning import SLOTS, ConePlanner
+from controllers.cone_program import ConeProgram
 from controllers.horizon import growing_grid
-from controllers.interface import Command, Controller, Decision, Perception, Plan, constant_command
+from controllers.interface import (
+    Body,
+    Command,
+    Controller,
+    Decision,
+    Lane,
+    Perception,
+    Plan,
+    constant_command,
+)
 from controllers.lane_choice import GapRule
 from controllers.lane_decision import ChangeSettings, LaneDecision
 from controllers.lane_manoeuvre import LaneManoeuvre
@@ -23,13 +37,31 @@ from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan
 from controllers.plan_memory import PlanMemory, sampled_command
 from controllers.right_of_way import RightOfWay
 from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner
+from controllers.velocity_obstacle import Cone
 
 FloatArray = NDArray[np.float64]
 
 FRESH = 0.5
 """A plan is followed on for this long when no new one is found [s]."""
-BODY_OUT_OF_LANE = 0.8
-"""Share of a lane change after which the body has left its old lane."""
+BODY_OUT_OF_LANE = 0.75
+"""Share of a lane's width after which the body is beside whoever drives in the middle of the old lane."""
+
+
+class Shape(StrEnum):
+    """What a collision cone encloses."""
+
+    RECTANGLE = "rectangle"
+    DISC = "disc"
+
+
+@dataclass(frozen=True, slots=True)
+class ConeParameters:
+    """Which collision cone keeps the ego away from pedestrians."""
+
+    kind: Cone
+    shape: Shape
+    disc_radius: float
+    truncation: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +70,7 @@ class Settings:
 
     dt: FloatArray
     passing: PassingSettings
+    cone: ConeParameters
     change: ChangeSettings
     change_duration: float
     weights: SpeedWeights
@@ -56,11 +89,14 @@ class VelocityObstacleMpc:
         self._memory = PlanMemory(self._times)
         self._lanes = LaneManoeuvre(settings.change_duration)
         self._decision = LaneDecision(settings.change, self._lanes)
+        self._blocked = BlockedLanes()
+        self._view: tuple[Perception, Perception] | None = None
         self._speed: SpeedPlanner | None = None
         self._steering: LateralProgram | None = None
 
     def decide(self, perception: Perception) -> Decision:
         """Apply the decision rules on the neighbour gaps; see :mod:`controllers.lane_decision`."""
+        perception = self._seen(perception)
         planner = self._planner(perception)
         planner.look(perception)
         return self._decision.decide(
@@ -69,17 +105,21 @@ class VelocityObstacleMpc:
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
+        perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
-        elapsed = perception.ego.time - self._lanes.started if self._lanes.running else np.inf
-        leaving = max(BODY_OUT_OF_LANE * self._lanes.duration - elapsed, 0.5)
-        chosen = planner.cheapest(perception, lane, leaving)
-        steering = self._steer(perception, chosen.plan) if chosen.plan.found else None
+        chosen = planner.cheapest(perception, lane, self._leaving(perception, lane))
+        steering = chosen.steering
+        if steering is None and chosen.plan.found:
+            steering = self._steering_program(perception).solve(
+                self._steering_task(perception, chosen.plan, lane)
+            )
         if steering is None or not steering.found:
             return self._fallback(perception, chosen)
         planner.commit(chosen)
         command = self._command(perception, chosen.plan, steering)
-        self._memory.keep(perception.ego.time, command, chosen.plan.position, chosen.plan.speed)
+        ego, plan = perception.ego, chosen.plan
+        self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
         return Plan(
             command,
             passing=passing.class_name(chosen.conflicts, chosen.behind),
@@ -90,32 +130,52 @@ class VelocityObstacleMpc:
             speed=chosen.plan.speed,
         )
 
-    def _steer(self, perception: Perception, speed: SpeedPlan) -> SteeringPlan:
-        ego, road = perception.ego, perception.road
+    def _seen(self, perception: Perception) -> Perception:
+        """Return the perception with blocked lanes told as ending; worked out once per plan."""
+        if self._view is None or self._view[0] is not perception:
+            self._view = (perception, self._blocked.look(perception))
+        return self._view[1]
+
+    def _leaving(self, perception: Perception, lane: Lane | None) -> float:
+        """Return how long vehicles ahead in the present lane still matter on the way into another [s]."""
+        if lane is None or not self._lanes.running:
+            return 0.0
+        away = perception.ego.across - (
+            lane.offset - np.sign(lane.offset - perception.ego.across) * lane.width
+        )
+        still = max(BODY_OUT_OF_LANE * lane.width - abs(float(away)), 0.0)
+        towards = float(np.sign(lane.offset - perception.ego.across)) or 1.0
+        return max(self._memory.shifted_by(towards * still), 0.5) if still > 0.0 else 0.5
+
+    def _steering_task(self, perception: Perception, speed: SpeedPlan, lane: Lane | None) -> SteeringTask:
+        """Return the task of steering into a lane; one that is not the target is taken as reached already."""
+        ego, road, target = perception.ego, perception.road, self._lanes.lane(perception)
+        there = lane is not None and (target is None or lane.number != target.number)
         grid = np.arange(len(road.curvature)) * road.curvature_step
         middle = 0.5 * (speed.position + np.concatenate(([0.0], speed.position[:-1])))
         mean = 0.5 * (speed.speed + np.concatenate(([ego.speed], speed.speed[:-1])))
         half = 0.5 * ego.body.width
-        lanes = [one for one in (road.lane(road.reference), self._lanes.lane(perception)) if one is not None]
+        lanes = [one for one in (road.lane(road.reference), target, lane) if one is not None]
         right = min((lane.offset - 0.5 * lane.width for lane in lanes), default=-2.0) + half
         left = max((lane.offset + 0.5 * lane.width for lane in lanes), default=2.0) - half
         if right > left:  # a body wider than its lane
             right = left = 0.5 * (right + left)
         n = len(self._times)
-        return self._steering_program(perception).solve(
-            SteeringTask(
-                across=ego.across,
-                heading_error=ego.heading_error,
-                steering=ego.steering,
-                command=self._memory.commanded(ego)[1],
-                # Standing wheels do not steer; the program needs some motion to know where they lead.
-                speed=np.maximum(mean, 0.5),
-                curvature=np.interp(middle, grid, road.curvature) if len(grid) else np.zeros(n),
-                target=self._lanes.offsets(perception, self._times),
-                right=np.full(n, right),
-                left=np.full(n, left),
-            )
+        task = SteeringTask(
+            across=ego.across,
+            heading_error=ego.heading_error,
+            steering=ego.steering,
+            command=self._memory.commanded(ego)[1],
+            # Standing wheels do not steer; the program needs some motion to know where they lead.
+            speed=np.maximum(mean, 0.5),
+            curvature=np.interp(middle, grid, road.curvature) if len(grid) else np.zeros(n),
+            target=self._lanes.offsets(perception, self._times),
+            right=np.full(n, right),
+            left=np.full(n, left),
         )
+        if lane is None or not there:
+            return task
+        return replace(task, across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
 
     def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
         ego = perception.ego
@@ -156,8 +216,32 @@ class VelocityObstacleMpc:
                 comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
             )
             program = LongitudinalProgram(s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance)
-            self._speed = SpeedPlanner(s.passing, program, self._memory, RightOfWay(limits.acceleration))
+            right_of_way = RightOfWay(limits.acceleration)
+            if s.cone.kind is Cone.STEP:
+                self._speed = SpeedPlanner(s.passing, program, self._memory, right_of_way)
+            else:
+                steering, cone = self._steering_program(perception), self._cone(perception.ego.body)
+                self._speed = ConePlanner(
+                    s.passing,
+                    program,
+                    self._memory,
+                    right_of_way,
+                    steering=steering,
+                    steering_of=self._steering_task,
+                    joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance),
+                )
         return self._speed
+
+    def _cone(self, body: Body) -> ConeSettings:
+        cone, margins = self.settings.cone, self.settings.passing
+        length, width, radius = 0.0, 0.0, None
+        if cone.shape is Shape.RECTANGLE:
+            length = 0.5 * body.length + margins.margin_along
+            width = 0.5 * body.width + margins.margin_across
+        else:
+            radius = cone.disc_radius
+        outline = Outline(length, width, body.front - 0.5 * body.length, radius)
+        return ConeSettings(cone.kind, outline, cone.truncation)
 
     def _steering_program(self, perception: Perception) -> LateralProgram:
         if self._steering is None:
@@ -201,6 +285,10 @@ def build(
     max_jerk_mps3: float = 12.0,
     freeze_braking_mps2: float = 7.0,
     yield_to_standing: bool = False,
+    cone: Cone = Cone.STEP,
+    shape: Shape = Shape.RECTANGLE,
+    disc_radius_m: float = 2.0,
+    truncation_s: float = float("inf"),
     solver: str = "osqp",
     tolerance: float = 1e-4,
 ) -> Controller:
@@ -236,6 +324,14 @@ def build(
         Braking with which the ego must still be able to stop should a pedestrian stop in its path.
     yield_to_standing
         Expect people who stand at the kerb of a zebra to step out.
+    cone
+        ``step`` keeps positions apart and steers for the lane alone; ``vo``, ``ivo`` and ``hybrid`` keep
+        relative velocities out of collision cones, by speed and steering together.
+    shape, disc_radius_m
+        What those cones enclose: the body grown by the margins, or a disc of this radius about its centre,
+        pedestrian included.
+    truncation_s
+        Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
         A solver that qpsolvers knows; tolerance of OSQP.
 
@@ -251,6 +347,9 @@ def build(
     for name, value in (("margin_along_m", margin_along_m), ("margin_across_m", margin_across_m)):
         if value < 0.0:
             raise ValueError(f"{name} must not be negative, not {value}")
+    for name, value in (("disc_radius_m", disc_radius_m), ("truncation_s", truncation_s)):
+        if not value > 0.0:
+            raise ValueError(f"{name} must be above 0, not {value}")
     return VelocityObstacleMpc(
         Settings(
             dt=growing_grid(steps, first_step_s, last_step_s),
@@ -265,6 +364,7 @@ def build(
                 bend_acceleration=bend_acceleration_mps2,
                 assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
             ),
+            cone=ConeParameters(Cone(cone), Shape(shape), disc_radius_m, truncation_s),
             change=ChangeSettings(
                 allowed=lane_changes,
                 cost=change_cost,
