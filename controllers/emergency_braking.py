@@ -108,6 +108,9 @@ class EmergencyBraking:
     def _threat(self, perception: Perception, speed: float, within: float = 0.0) -> str:
         """Return who would be met at that speed before the ego can stop, or within a time."""
         people, cars = _people(perception, speed, self.rule), _cars(perception, speed)
+        if perception.ego.speed < STANDING:
+            # Starting beside a standing vehicle is the driver's own business: he steers out.
+            cars = (np.full(len(cars[0]), np.inf), cars[1])
         names = (*perception.pedestrians.names, *perception.vehicles.names)
         times = np.concatenate([people[0], cars[0]])
         closing = speed - np.maximum(np.concatenate([people[1], cars[1]]), 0.0)

@@ -44,6 +44,8 @@ class DrivingStyle:
     """Distance kept to a stop line [m]."""
     stop_headway: float = 0.5
     """Time gap to a stop line [s]."""
+    side_clearance: float = 0.3
+    """Distance at which a standing vehicle is driven past [m]."""
     passing_gap: float = 1.0
     """Gap to a standing leader whose lane is being left: the car swings out past him [m]."""
     room_to_change: float = 10.0
@@ -230,14 +232,16 @@ def _neighbours(
     perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
 ) -> list[_Leader]:
     gaps, road = perception.gaps, perception.road
-    ahead: list[Neighbour] = [gaps.ahead] if gaps.ahead is not None else []
+    ahead: list[Neighbour] = []
+    if gaps.ahead is not None and _in_the_way(perception, gaps.ahead, target_lane, style):
+        ahead.append(gaps.ahead)
     beside = None
     if target_lane > road.reference:
         beside = gaps.left_ahead
     elif target_lane < road.reference:
         beside = gaps.right_ahead
     # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
-    if beside is not None and beside.gap > 0.0:
+    if beside is not None and beside.gap > 0.0 and _in_the_way(perception, beside, target_lane, style):
         ahead.append(beside)
     own_gap = style.standstill_gap
     if target_lane != road.reference:
@@ -255,6 +259,27 @@ def _neighbours(
         )
         for one in ahead
     ]
+
+
+def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, style: DrivingStyle) -> bool:
+    """Say whether a neighbour is met between the ego's place in the lane and where it goes.
+
+    A standing vehicle that only juts out into the lane can be driven past; a moving one never is.
+    """
+    others, ego = perception.vehicles, perception.ego
+    if neighbour.speed >= STANDING or neighbour.name not in others.names:
+        return True
+    index = others.names.index(neighbour.name)
+    turned = float(others.heading_error[index])
+    half = 0.5 * abs(float(others.width[index]) * math.cos(turned)) + 0.5 * abs(
+        float(others.length[index]) * math.sin(turned)
+    )
+    lane = perception.road.lane(target_lane)
+    goal = lane.offset if lane is not None else 0.0
+    reach = half + 0.5 * ego.body.width + style.side_clearance
+    front = ego.across + ego.body.front * math.sin(ego.heading_error)
+    place = float(others.across[index])
+    return min(ego.across, front, goal) - reach < place < max(ego.across, front, goal) + reach
 
 
 def _standing(

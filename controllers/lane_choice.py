@@ -34,7 +34,13 @@ class GapRule:
     later_share: float = 0.5
     """Share of G_min that must be left at any time of the manoeuvre."""
     abort_share: float = 0.3
-    """Share of G_min below which a change that has begun is given up."""
+    """Share of G_min below which a change that has begun is given up …"""
+    abort_deceleration: float = 4.0
+    """… beside what the one behind needs to brake down with this [m/s^2]."""
+    abort_duration: float = 1.0
+    """How far ahead others are predicted once a change has begun: by then they see it [s]."""
+    pause_below: float = 3.0
+    """So slow, a change is not given up but paused: there is no room to steer back [m/s]."""
     side: float = 0.3
     """Distance kept beside others [m]."""
 
@@ -70,6 +76,8 @@ class LaneChoice:
         self._last_change = -np.inf
         self.waiting = False
         """Whether another lane is wanted that is not free."""
+        self.paused = False
+        """Whether a change that has begun has to stand still until somebody is past."""
 
     def choose(self, perception: Perception) -> tuple[int, str]:
         """Return the ``Lane.number`` to end in, and because of what.
@@ -79,11 +87,14 @@ class LaneChoice:
         where there is nothing to change.
         """
         road = perception.road
-        self.waiting = False
+        self.waiting = self.paused = False
         if self._target is None or road.lane(self._target) is None:
             self._target = road.reference
         if self._target != road.reference:
             threat = blocker(perception, self._target, self._gap_rule, begun=True)
+            if threat is not None and perception.ego.speed < self._gap_rule.pause_below:
+                self.paused = True
+                return self._target, threat
             if threat is not None:
                 self._target = road.reference
                 return self._target, threat
@@ -178,9 +189,10 @@ def _required(follower: float, leader: float, rule: GapRule, begun: bool) -> flo
     """Return G_min for the follower's speed, plus what braking down to the leader's needs [m]."""
     follower, leader = max(follower, 0.0), max(leader, 0.0)
     smallest = rule.minimum + rule.headway * follower
+    squared = max(follower - leader, 0.0) ** 2
     if begun:
-        return rule.abort_share * smallest
-    return smallest + max(follower - leader, 0.0) ** 2 / (2.0 * rule.deceleration)
+        return rule.abort_share * smallest + squared / (2.0 * rule.abort_deceleration)
+    return smallest + squared / (2.0 * rule.deceleration)
 
 
 def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> str | None:
@@ -189,7 +201,7 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     if len(others) == 0:
         return None
     speed = max(ego.speed, 0.0)
-    times = np.arange(0.0, rule.duration + 0.25, 0.5)[:, None]
+    times = np.arange(0.0, (rule.abort_duration if begun else rule.duration) + 0.25, 0.5)[:, None]
     share = rule.abort_share if begun else rule.later_share
     across = others.across + others.across_speed * times
     front = others.along + others.along_speed * times

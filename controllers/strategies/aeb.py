@@ -16,6 +16,9 @@ from controllers.following import DrivingStyle, Following
 from controllers.interface import Command, Controller, Decision, Manoeuvre, Perception, Plan
 from controllers.lane_choice import LaneChoice
 
+PAUSING = -3.0
+"""Deceleration while somebody goes past a lane change that has begun [m/s^2]."""
+
 
 class EmergencyBrakingDriver:
     """Follows, keeps or changes its lane for the route, and brakes in an emergency."""
@@ -43,6 +46,8 @@ class EmergencyBrakingDriver:
             perception, decision.target_lane, times, leaving=self._lanes.waiting
         ).acceleration
         acceleration = np.minimum(wanted, self._brake.accelerations(ego, times))
+        if self._lanes.paused:
+            acceleration = np.minimum(acceleration, PAUSING)
         lane = road.lane(decision.target_lane)
         angles = lane_keeping.steering(perception, lane.offset if lane else 0.0, acceleration)
         return Plan(Command(times, acceleration, angles))
