@@ -46,8 +46,12 @@ class DrivingStyle:
     """Time gap to a stop line [s]."""
     side_clearance: float = 0.3
     """Distance at which a standing vehicle is driven past [m]."""
-    passing_gap: float = 1.0
-    """Gap to a standing leader whose lane is being left: the car swings out past him [m]."""
+    passing_speed: float = 4.0
+    """Speed past a standing vehicle that juts out [m/s]."""
+    swing_angle: float = 0.4
+    """Heading to which the ego swings out past a standing vehicle [rad]."""
+    swing_curvature: float = 0.18
+    """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
     room_to_change: float = 10.0
     """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""
 
@@ -99,11 +103,15 @@ class Following:
         """
         ego, style = perception.ego, self.style
         stops = self._right_of_way.stops(perception)
+        ahead, passed = _neighbours(perception, target_lane, style, leaving)
         leaders = [
-            *_neighbours(perception, target_lane, style, leaving),
+            *ahead,
             *_standing(perception, target_lane, stops, style),
         ]
         places, speeds, names = speed_targets(perception.road, ego.body.front, style)
+        places = np.append(places, [max(one.gap, 0.0) for one in passed])
+        speeds = np.append(speeds, [style.passing_speed] * len(passed))
+        names = (*names, *(one.name for one in passed))
         free = limit_now(perception.road, ego.body.front)
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0
@@ -230,25 +238,24 @@ def _towards(speed: float, allowed: float, end: float, style: DrivingStyle) -> f
 
 def _neighbours(
     perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
-) -> list[_Leader]:
+) -> tuple[list[_Leader], list[Neighbour]]:
+    """Return whom to stay behind, and whom to drive past slowly."""
     gaps, road = perception.gaps, perception.road
-    ahead: list[Neighbour] = []
-    if gaps.ahead is not None and _in_the_way(perception, gaps.ahead, target_lane, style):
-        ahead.append(gaps.ahead)
+    seen = [gaps.ahead] if gaps.ahead is not None else []
     beside = None
     if target_lane > road.reference:
         beside = gaps.left_ahead
     elif target_lane < road.reference:
         beside = gaps.right_ahead
     # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
-    if beside is not None and beside.gap > 0.0 and _in_the_way(perception, beside, target_lane, style):
-        ahead.append(beside)
+    if beside is not None and beside.gap > 0.0:
+        seen.append(beside)
+    ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
+    passed = [one for one in seen if one not in ahead]
     own_gap = style.standstill_gap
-    if target_lane != road.reference:
-        own_gap = style.passing_gap
-    elif leaving and gaps.ahead is not None and gaps.ahead.speed < STANDING:
+    if leaving and gaps.ahead is not None and gaps.ahead.speed < STANDING:
         own_gap = style.room_to_change
-    return [
+    leaders = [
         _Leader(
             one.name,
             one.gap,
@@ -259,6 +266,7 @@ def _neighbours(
         )
         for one in ahead
     ]
+    return leaders, passed
 
 
 def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, style: DrivingStyle) -> bool:
@@ -274,12 +282,23 @@ def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, 
     half = 0.5 * abs(float(others.width[index]) * math.cos(turned)) + 0.5 * abs(
         float(others.length[index]) * math.sin(turned)
     )
+    reach = half + 0.5 * ego.body.width + style.side_clearance
+    place = float(others.across[index])
+    front = ego.across + ego.body.front * math.sin(ego.heading_error)
+    if target_lane != perception.road.reference and neighbour.gap > 0.0:
+        side = math.copysign(1.0, target_lane - perception.road.reference)
+        return side * (_swung_out(ego, side, neighbour.gap, style) - place) < reach
     lane = perception.road.lane(target_lane)
     goal = lane.offset if lane is not None else 0.0
-    reach = half + 0.5 * ego.body.width + style.side_clearance
-    front = ego.across + ego.body.front * math.sin(ego.heading_error)
-    place = float(others.across[index])
     return min(ego.across, front, goal) - reach < place < max(ego.across, front, goal) + reach
+
+
+def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle) -> float:
+    """Return where across the road the front is after swinging out to one side over a distance [m]."""
+    curvature = min(style.swing_curvature, style.lateral_acceleration / max(ego.speed, 1.0) ** 2)
+    begin = ego.heading_error
+    end = side * min(side * begin + curvature * distance, max(style.swing_angle, side * begin))
+    return ego.across + ego.body.front * math.sin(end) + distance * math.sin(0.5 * (begin + end))
 
 
 def _standing(

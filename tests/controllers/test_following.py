@@ -20,7 +20,14 @@ from controllers.following import (
     desired_gap,
     free_acceleration,
 )
-from controllers.interface import EgoState, Perception, Signal, SignalState
+from controllers.interface import (
+    EgoState,
+    Neighbour,
+    NeighbourGaps,
+    Perception,
+    Signal,
+    SignalState,
+)
 from tests.controllers.driving import drive
 from tests.controllers.scenes import (
     FRONT,
@@ -166,3 +173,21 @@ def test_accelerations_are_finite_and_possible(
     assert np.isfinite(result).all()
     assert result.min() >= -seen.ego.drive.max_deceleration
     assert result.max() <= seen.ego.drive.max_acceleration
+
+
+def test_a_standing_vehicle_that_only_juts_out_is_driven_past_slowly() -> None:
+    def scene(state: EgoState, travelled: float) -> Perception:
+        return perception(state, cars=[Car(84.5 - travelled, 2.2, 0.0)] if travelled < 90.0 else [])
+
+    def within_the_lane(state: EgoState, travelled: float) -> Perception:
+        seen = scene(state, travelled)
+        # The body reaches into the lane, so that the world names it as the vehicle ahead.
+        ahead = Neighbour("car0", 80.0 - travelled - FRONT, 0.0, 0.0, 4.5)
+        return replace(seen, gaps=NeighbourGaps(ahead=ahead if travelled < 88.0 else None))
+
+    rows = drive(catalog.build("aeb"), within_the_lane, 12.0, 25.0)
+    beside = rows[(rows[:, 1] + FRONT > 80.0) & (rows[:, 1] - 0.95 < 84.5)]
+    assert beside[:, 3].max() < 4.6
+    assert beside[:, 3].min() > 2.0
+    assert rows[:, 4].min() > -3.0
+    assert rows[-1, 3] > 10.0
