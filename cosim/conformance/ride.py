@@ -1,0 +1,180 @@
+"""Drive an ego along a track and write down what happens around it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from cosim.conformance.stage import Rectangle, rectangle, separation
+from cosim.conformance.track import Pose
+from cosim.frames import degrees_of
+from cosim.sumo.actuation import Executed
+
+
+class Driver(Protocol):
+    """What makes a vehicle be at a pose; `cosim.sumo.actuation.Actuation`, or a worse way of doing it."""
+
+    def take_over(self, name: str) -> None:
+        """Begin to drive."""
+        ...
+
+    def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
+        """Say where the vehicle has to be after the next step."""
+        ...
+
+    def executed(self, name: str) -> Executed:
+        """Return where it is."""
+        ...
+
+
+class Moved:
+    """``moveToXY`` with single parts of the recipe left out.
+
+    Parameters
+    ----------
+    sumo : libsumo
+    set_speed : also send the speed
+    hint : edge and lane given to SUMO; empty for none
+    keep_route : bits of moveToXY
+    speed_mode : set when the vehicle is taken over
+    """
+
+    def __init__(
+        self,
+        sumo: Any,
+        set_speed: bool = True,
+        hint: tuple[str, int] = ("", -1),
+        keep_route: int = 2,
+        speed_mode: int = 32,
+    ) -> None:
+        self._sumo = sumo
+        self._set_speed = set_speed
+        self._hint = hint
+        self._keep_route = keep_route
+        self._speed_mode = speed_mode
+
+    def take_over(self, name: str) -> None:
+        """Begin to drive."""
+        self._sumo.vehicle.setSpeedMode(name, self._speed_mode)
+        self._sumo.vehicle.setLaneChangeMode(name, 0)
+
+    def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
+        """Say where the vehicle has to be after the next step."""
+        if self._set_speed:
+            self._sumo.vehicle.setSpeed(name, speed)
+        angle = degrees_of(heading)
+        self._sumo.vehicle.moveToXY(name, *self._hint, front_x, front_y, angle, self._keep_route)
+
+    def executed(self, name: str) -> Executed:
+        """Return where it is."""
+        return _as_sumo_says(self._sumo, name)
+
+
+class Native:
+    """``setSpeed`` and ``changeSublane`` only, on a straight eastward road.
+
+    Parameters
+    ----------
+    sumo : libsumo
+    step : [s]
+    agile : let the vehicle reach any lateral speed at once
+    """
+
+    def __init__(self, sumo: Any, step: float, agile: bool) -> None:
+        self._sumo = sumo
+        self._step = step
+        self._agile = agile
+
+    def take_over(self, name: str) -> None:
+        """Begin to drive."""
+        vehicle = self._sumo.vehicle
+        vehicle.setSpeedMode(name, 32)
+        vehicle.setLaneChangeMode(name, 0)
+        if self._agile:
+            vehicle.setMaxSpeedLat(name, 10.0)
+            vehicle.setParameter(name, "laneChangeModel.lcAccelLat", "1000")
+            vehicle.setParameter(name, "laneChangeModel.lcSigma", "0")
+
+    def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
+        """Say where the vehicle has to be after the next step."""
+        x, y = self._sumo.vehicle.getPosition(name)
+        self._sumo.vehicle.setSpeed(name, max(0.0, (front_x - x) / self._step))
+        self._sumo.vehicle.changeSublane(name, front_y - y)
+
+    def executed(self, name: str) -> Executed:
+        """Return where it is."""
+        return _as_sumo_says(self._sumo, name)
+
+
+def _as_sumo_says(sumo: Any, name: str) -> Executed:
+    vehicle = sumo.vehicle
+    x, y = vehicle.getPosition(name)
+    return Executed(x, y, vehicle.getSpeed(name), vehicle.getLaneID(name))
+
+
+@dataclass(slots=True)
+class Ride:
+    """What was seen."""
+
+    error: float = 0.0
+    """Largest distance of SUMO's position from the track [m]."""
+    steps: int = 0
+    lost: int = 0
+    """Steps in which SUMO had the ego on no lane."""
+    overlaps: int = 0
+    """Steps in which the ego's true body overlapped a neighbour's."""
+    reported: int = 0
+    """Collisions that SUMO reported."""
+    clearance: float = math.inf
+    """Smallest distance of the ego's true body from a neighbour's, negative for an overlap [m]."""
+    slowest: dict[str, float] = field(default_factory=dict)
+    """Lowest speed of each neighbour [m/s]."""
+    lanes: list[str] = field(default_factory=list)
+    """SUMO's lane after each step."""
+
+
+def ride(
+    sumo: Any,
+    driver: Driver,
+    pose_at: Callable[[float], Pose],
+    duration: float,
+    neighbours: Sequence[str] = (),
+    each: Callable[[float, Pose, Executed], None] | None = None,
+    name: str = "ego",
+) -> Ride:
+    """Take the vehicle over and drive it along ``pose_at(time)`` [s] for ``duration`` [s].
+
+    The ego's body in the result is the prescribed one, since SUMO's own may be what is wrong.
+    """
+    seen = Ride()
+    step = sumo.simulation.getDeltaT()
+    length, width = sumo.vehicle.getLength(name), sumo.vehicle.getWidth(name)
+    driver.take_over(name)
+    for number in range(1, round(duration / step) + 1):
+        pose = pose_at(number * step)
+        driver.drive(name, *pose)
+        sumo.simulationStep()
+        found = driver.executed(name)
+        seen.steps += 1
+        seen.error = max(seen.error, math.dist((pose.x, pose.y), (found.x, found.y)))
+        seen.lost += not found.lane
+        seen.lanes.append(found.lane)
+        seen.reported += len(sumo.simulation.getCollisions())
+        _look(sumo, seen, (pose.x, pose.y, pose.heading, length, width), neighbours)
+        if each is not None:
+            each(number * step, pose, found)
+    return seen
+
+
+def _look(sumo: Any, seen: Ride, ego: Rectangle, neighbours: Sequence[str]) -> None:
+    present = set(sumo.vehicle.getIDList()) if neighbours else set()
+    closest = math.inf
+    for other in neighbours:
+        if other in present:
+            closest = min(closest, separation(ego, rectangle(sumo, other)))
+            speed = sumo.vehicle.getSpeed(other)
+            seen.slowest[other] = min(seen.slowest.get(other, math.inf), speed)
+    seen.clearance = min(seen.clearance, closest)
+    seen.overlaps += closest < 0.0
