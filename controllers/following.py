@@ -12,48 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, Neighbour, Perception, RoadAhead
-from controllers.right_of_way import RightOfWay, StopPlace
+from controllers.driving_style import DrivingStyle
+from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+from controllers.leaders import Leader, neighbours_ahead, standing_places
+from controllers.right_of_way import RightOfWay
 
-STEP = 0.05
-"""Longest step of the prediction over a plan interval [s]."""
-STANDING = 0.1
-"""A leader slower than this is standing [m/s]."""
-LANE_END = "lane end"
 SPEED_LIMIT = "speed limit"
 BEND = "bend"
-
-
-@dataclass(frozen=True, slots=True)
-class DrivingStyle:
-    """Parameters of the car-following model and the speed profile."""
-
-    headway: float = 1.0
-    """Time gap to a leader [s]."""
-    standstill_gap: float = 2.5
-    """Gap to a standing leader [m]."""
-    acceleration: float = 1.8
-    """Acceleration from standstill on a free road [m/s^2]."""
-    deceleration: float = 2.0
-    """Comfortable deceleration [m/s^2]."""
-    lateral_acceleration: float = 2.0
-    """In bends [m/s^2]."""
-    slowest_bend: float = 2.0
-    """No bend is taken slower, whatever curvature a coarse lane shape seems to have [m/s]."""
-    stop_gap: float = 0.5
-    """Distance kept to a stop line [m]."""
-    stop_headway: float = 0.5
-    """Time gap to a stop line [s]."""
-    side_clearance: float = 0.3
-    """Distance at which a standing vehicle is driven past [m]."""
-    passing_speed: float = 4.0
-    """Speed past a standing vehicle that juts out [m/s]."""
-    swing_angle: float = 0.4
-    """Heading to which the ego swings out past a standing vehicle [rad]."""
-    swing_curvature: float = 0.18
-    """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
-    room_to_change: float = 10.0
-    """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,18 +29,6 @@ class Longitudinal:
     """One per instant asked for [m/s^2]."""
     because: str
     """Vehicle, signal, ``lane end``, ``bend`` or ``speed limit``; empty when nothing matters."""
-
-
-@dataclass(slots=True)
-class _Leader:
-    """Something to stay behind; ``gap`` and ``speed`` change in the prediction."""
-
-    name: str
-    gap: float
-    speed: float
-    acceleration: float
-    standstill_gap: float
-    headway: float
 
 
 class Following:
@@ -103,10 +56,10 @@ class Following:
         """
         ego, style = perception.ego, self.style
         stops = self._right_of_way.stops(perception)
-        ahead, passed = _neighbours(perception, target_lane, style, leaving)
+        ahead, passed = neighbours_ahead(perception, target_lane, style, leaving)
         leaders = [
             *ahead,
-            *_standing(perception, target_lane, stops, style),
+            *standing_places(perception, target_lane, stops, style),
         ]
         places, speeds, names = speed_targets(perception.road, ego.body.front, style)
         places = np.append(places, [max(one.gap, 0.0) for one in passed])
@@ -202,7 +155,7 @@ def limit_now(road: RoadAhead, front: float) -> float:
 def _desired(
     speed: float,
     limit: float,
-    leaders: Sequence[_Leader],
+    leaders: Sequence[Leader],
     places: FloatArray,
     speeds: FloatArray,
     names: tuple[str, ...],
@@ -234,86 +187,6 @@ def _towards(speed: float, allowed: float, end: float, style: DrivingStyle) -> f
     """
     along_curve = (allowed - speed) / 1.0 - style.deceleration * min(speed / max(allowed, 0.1), 1.0)
     return max(along_curve, (end - speed) / 0.5)
-
-
-def _neighbours(
-    perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
-) -> tuple[list[_Leader], list[Neighbour]]:
-    """Return whom to stay behind, and whom to drive past slowly."""
-    gaps, road = perception.gaps, perception.road
-    seen = [gaps.ahead] if gaps.ahead is not None else []
-    beside = None
-    if target_lane > road.reference:
-        beside = gaps.left_ahead
-    elif target_lane < road.reference:
-        beside = gaps.right_ahead
-    # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
-    if beside is not None and beside.gap > 0.0:
-        seen.append(beside)
-    ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
-    passed = [one for one in seen if one not in ahead]
-    own_gap = style.standstill_gap
-    if leaving and gaps.ahead is not None and gaps.ahead.speed < STANDING:
-        own_gap = style.room_to_change
-    leaders = [
-        _Leader(
-            one.name,
-            one.gap,
-            max(one.speed, 0.0),
-            one.acceleration,
-            own_gap if one is gaps.ahead else style.standstill_gap,
-            style.headway,
-        )
-        for one in ahead
-    ]
-    return leaders, passed
-
-
-def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, style: DrivingStyle) -> bool:
-    """Say whether a neighbour is met between the ego's place in the lane and where it goes.
-
-    A standing vehicle that only juts out into the lane can be driven past; a moving one never is.
-    """
-    others, ego = perception.vehicles, perception.ego
-    if neighbour.speed >= STANDING or neighbour.name not in others.names:
-        return True
-    index = others.names.index(neighbour.name)
-    turned = float(others.heading_error[index])
-    half = 0.5 * abs(float(others.width[index]) * math.cos(turned)) + 0.5 * abs(
-        float(others.length[index]) * math.sin(turned)
-    )
-    reach = half + 0.5 * ego.body.width + style.side_clearance
-    place = float(others.across[index])
-    front = ego.across + ego.body.front * math.sin(ego.heading_error)
-    if target_lane != perception.road.reference and neighbour.gap > 0.0:
-        side = math.copysign(1.0, target_lane - perception.road.reference)
-        return side * (_swung_out(ego, side, neighbour.gap, style) - place) < reach
-    lane = perception.road.lane(target_lane)
-    goal = lane.offset if lane is not None else 0.0
-    return min(ego.across, front, goal) - reach < place < max(ego.across, front, goal) + reach
-
-
-def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle) -> float:
-    """Return where across the road the front is after swinging out to one side over a distance [m]."""
-    curvature = min(style.swing_curvature, style.lateral_acceleration / max(ego.speed, 1.0) ** 2)
-    begin = ego.heading_error
-    end = side * min(side * begin + curvature * distance, max(style.swing_angle, side * begin))
-    return ego.across + ego.body.front * math.sin(end) + distance * math.sin(0.5 * (begin + end))
-
-
-def _standing(
-    perception: Perception, target_lane: int, stops: Sequence[StopPlace], style: DrivingStyle
-) -> list[_Leader]:
-    road, front = perception.road, perception.ego.body.front
-    found = [
-        _Leader(stop.name, stop.along - front, 0.0, 0.0, style.stop_gap, style.stop_headway) for stop in stops
-    ]
-    lane = road.lane(road.reference)
-    if lane is not None and lane.follows_route_for < min(road.route_end, math.inf):
-        room = style.room_to_change if target_lane == road.reference else 0.0
-        gap = lane.follows_route_for - front - room
-        found.append(_Leader(LANE_END, gap, 0.0, 0.0, style.stop_gap, style.stop_headway))
-    return found
 
 
 def _share(ego: EgoState, step: float) -> float:

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.following import LANE_END, DrivingStyle
+from controllers.driving_style import DrivingStyle
 from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception, RoadAhead
 from controllers.lane_incentive import IncentiveRule, better_lane
+from controllers.leaders import LANE_END
 
 
 @dataclass(frozen=True, slots=True)

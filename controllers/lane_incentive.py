@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from controllers.following import STANDING, DrivingStyle, desired_gap, free_acceleration, limit_now
+from controllers.driving_style import DrivingStyle
+from controllers.following import desired_gap, free_acceleration, limit_now
 from controllers.interface import Lane, Neighbour, Perception
+from controllers.leaders import STANDING
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from controllers import lane_keeping
+from controllers.driving_style import DrivingStyle
 from controllers.emergency_braking import BrakingRule, EmergencyBraking
-from controllers.following import DrivingStyle, Following
+from controllers.following import Following
 from controllers.interface import Command, Controller, Decision, Manoeuvre, Perception, Plan
 from controllers.lane_choice import LaneChoice
 

@@ -11,11 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers import catalog, lane_keeping
+from controllers.driving_style import DrivingStyle
 from controllers.following import (
     BEND,
-    LANE_END,
     SPEED_LIMIT,
-    DrivingStyle,
     Following,
     desired_gap,
     free_acceleration,
@@ -28,6 +27,7 @@ from controllers.interface import (
     Signal,
     SignalState,
 )
+from controllers.leaders import LANE_END
 from tests.controllers.driving import drive
 from tests.controllers.scenes import (
     FRONT,

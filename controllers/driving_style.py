@@ -1,0 +1,37 @@
+"""How briskly a driver without pedestrians drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class DrivingStyle:
+    """Parameters of the car-following model and the speed profile."""
+
+    headway: float = 1.0
+    """Time gap to a leader [s]."""
+    standstill_gap: float = 2.5
+    """Gap to a standing leader [m]."""
+    acceleration: float = 1.8
+    """Acceleration from standstill on a free road [m/s^2]."""
+    deceleration: float = 2.0
+    """Comfortable deceleration [m/s^2]."""
+    lateral_acceleration: float = 2.0
+    """In bends [m/s^2]."""
+    slowest_bend: float = 2.0
+    """No bend is taken slower, whatever curvature a coarse lane shape seems to have [m/s]."""
+    stop_gap: float = 0.5
+    """Distance kept to a stop line [m]."""
+    stop_headway: float = 0.5
+    """Time gap to a stop line [s]."""
+    side_clearance: float = 0.3
+    """Distance at which a standing vehicle is driven past [m]."""
+    passing_speed: float = 4.0
+    """Speed past a standing vehicle that juts out [m/s]."""
+    swing_angle: float = 0.4
+    """Heading to which the ego swings out past a standing vehicle [rad]."""
+    swing_curvature: float = 0.18
+    """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
+    room_to_change: float = 10.0
+    """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""
