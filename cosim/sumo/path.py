@@ -29,11 +29,11 @@ class Path:
     ----------
     polyline : (n, 2), no two neighbouring points equal [m]
     origin : station of the first point [m]
+    knots : arc length at each point, where the polyline is a changed one and the stations are not [m]
     """
 
-    def __init__(self, polyline: FloatArray, origin: float = 0.0) -> None:
-        steps = np.hypot(*np.diff(polyline, axis=0).T)
-        knots = np.concatenate([[0.0], np.cumsum(steps)])
+    def __init__(self, polyline: FloatArray, origin: float = 0.0, knots: FloatArray | None = None) -> None:
+        knots = arc_lengths(polyline) if knots is None else knots
         count = max(int(np.ceil(knots[-1] / SPACING)), 2) + 1
         grid = np.linspace(0.0, knots[-1], count)
         raw = np.column_stack([np.interp(grid, knots, polyline[:, axis]) for axis in (0, 1)])
@@ -152,6 +152,11 @@ class Path:
     def heading_at(self, along: float) -> float:
         """Return the curve's heading [rad]."""
         return float(np.interp(along, self.along, self.heading))
+
+
+def arc_lengths(polyline: FloatArray) -> FloatArray:
+    """Return the arc length [m] from the beginning to each point of a polyline, (n, 2)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
 
 
 def _smoothed(values: FloatArray) -> FloatArray:

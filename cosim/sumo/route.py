@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from controllers.interface import CrossingKind
 from cosim.errors import InputError
 from cosim.sumo.network import Connection, NetCrossing, NetLane, Network
-from cosim.sumo.path import Path, crossing_point
+from cosim.sumo.path import Path, arc_lengths, crossing_point
 
 FloatArray = NDArray[np.float64]
 
@@ -29,6 +29,14 @@ STOP_MARGIN = 1.0
 """Distance from a stop line to the crossing behind it [m]."""
 SAME_APPROACH = 8.0
 """A crossing that begins at most this far behind a lane's end is the one that lane stops for [m]."""
+JOG_LENGTH = 10.0
+"""An internal lane longer than this is a bend and no side step [m]."""
+JOG_REACH = 10.0
+"""How far before and behind it a side step is drawn out [m]."""
+JOG_TURN = math.radians(25.0)
+"""Edges in line differ by less than this."""
+JOG_ANGLE = math.radians(8.0)
+"""A side step leaves the direction of its edge by more than this."""
 DIVERGED = 12.0
 """Lanes further apart than this are not beside each other [m]."""
 
@@ -94,12 +102,18 @@ class LanePath:
     def __init__(
         self, polyline: FloatArray, origin: float, pieces: Sequence[Piece], leads_to_end: bool, step: int
     ) -> None:
-        self.curve = Path(polyline, origin)
-        along = self.curve.station_along
+        self.curve = Path(*_without_jogs(polyline, origin, pieces))
+        knots = arc_lengths(polyline) + origin
+
+        def along(station: float) -> float:
+            # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
+            x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
+            return self.curve.place_near(x, y, self.curve.station_along(station))[0]
+
         self.pieces = tuple(
             Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
         )
-        ahead = [piece for piece in self.pieces if piece.start >= -1e-6]
+        ahead = self.pieces[next(number for number, piece in enumerate(pieces) if piece.start > -1e-6) :]
         self.own = ahead[0]
         self.edge_end = self.own.end
         following = [piece for piece in ahead if piece.step > step and not piece.lane.internal]
@@ -109,7 +123,6 @@ class LanePath:
         """Where the lanes that were followed end [m]."""
         self.leads_to_end = leads_to_end
         """Whether the chain ends because the route does."""
-        self._polyline, self._origin, self._step = polyline, origin, step
         self._limits = self._speed_limits()
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
@@ -173,11 +186,11 @@ class LanePath:
 
     def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
         axis = _lengthened(crossing.axis, 0.5)
-        meeting = crossing_point(self._polyline, axis)
+        meeting = crossing_point(self.curve.points, axis)
         if meeting is None:
             return None
         station, _, axis_direction = meeting
-        middle = self.curve.station_along(station + self._origin)
+        middle = float(self.curve.along[0]) + station
         heading = self.curve.heading_at(middle)
         forward = np.array([math.cos(heading), math.sin(heading)])
         leftward = np.array([-forward[1], forward[0]])
@@ -292,7 +305,9 @@ class Route:
             if self.network.passable(connection, self.vehicle_class)
             and self.network.lanes[connection.source].permissions.allows(self.vehicle_class)
         ]
-        if step > 0:
+        if step <= 0:
+            incoming = [c for c in incoming if c.direction != "t"]
+        else:
             before = self.edges[step - 1]
             incoming = [c for c in incoming if self.network.lanes[c.source].edge == before]
         return max(incoming, key=lambda connection: connection.direction == "s", default=None)
@@ -387,6 +402,45 @@ def _joined(
     polyline = np.concatenate([[head], polyline, [tail]])
     pieces = [Piece(lane, step, start - origin, end - origin) for lane, step, start, end in spans]
     return polyline, -origin - STRAIGHT_ON, pieces
+
+
+def _without_jogs(
+    polyline: FloatArray, origin: float, pieces: Sequence[Piece]
+) -> tuple[FloatArray, float, FloatArray]:
+    """Return points, origin and knots of a polyline whose sudden side steps are drawn out.
+
+    Where a network shifts lanes sideways between two edges in line, SUMO's cars slide over a few metres. No
+    car can, so the side step becomes a cubic that begins and ends `JOG_REACH` away. Stations stay.
+    """
+    knots = arc_lengths(polyline)
+    end = knots[-1]
+    for piece in pieces:
+        shape = piece.lane.shape
+        start, stop = piece.start - origin, piece.end - origin
+        low, high = start - JOG_REACH, stop + JOG_REACH
+        if not piece.lane.internal or stop - start > JOG_LENGTH or low <= 0.0 or high >= end:
+            continue
+        ends = np.column_stack([np.interp([low, start, stop, high], knots, polyline[:, i]) for i in (0, 1)])
+        inward, outward = (_unit(ends[1] - ends[0]), _unit(ends[3] - ends[2]))
+        middle = _unit(shape[-1] - shape[0])
+        if inward @ outward < math.cos(JOG_TURN) or inward @ middle > math.cos(JOG_ANGLE):
+            continue
+        share = np.linspace(0.0, 1.0, int(high - low) + 1)[:, None]
+        reach = float(np.hypot(*(ends[3] - ends[0])))
+        cubic = (
+            (2 * share**3 - 3 * share**2 + 1) * ends[0]
+            + (share**3 - 2 * share**2 + share) * reach * inward
+            + (3 * share**2 - 2 * share**3) * ends[3]
+            + (share**3 - share**2) * reach * outward
+        )
+        before, after = knots < low, knots > high
+        polyline = np.concatenate([polyline[before], cubic, polyline[after]])
+        knots = np.concatenate([knots[before], low + share[:, 0] * (high - low), knots[after]])
+    return polyline, origin, knots
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    return vector / max(float(np.hypot(*vector)), 1e-9)
 
 
 def check_route(network: Network, edges: Sequence[str], vehicle_class: str) -> None:

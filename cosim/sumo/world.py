@@ -231,7 +231,7 @@ class SumoWorld:
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
             return True
-        if self._egos:
+        if self._egos or self._sources.trips:
             return False
         return self._sources.ends or self._sumo.simulation.getMinExpectedNumber() == 0
 
