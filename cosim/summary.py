@@ -6,6 +6,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rich import box
 from rich.table import Table
 
 from cosim.errors import SimulationError
@@ -71,7 +72,7 @@ def comparison_table(
 
     ``extra`` holds further lines, one text per run.
     """
-    table = Table(title=title, title_justify="left", pad_edge=False)
+    table = Table(title=title, title_justify="left", title_style="", box=box.MARKDOWN)
     table.add_column("")
     for name in rows:
         table.add_column(name, justify="right")
