@@ -14,6 +14,9 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Number = float | FloatArray
 
+_STILL = 1e-12
+"""Slower than this is standing: nothing is reached within any time that matters [m/s]."""
+
 
 def to_frame(x: Number, y: Number, heading: Number) -> tuple[FloatArray, FloatArray]:
     """Return the vector (x, y) in axes rotated by ``heading`` [rad]."""
@@ -65,12 +68,17 @@ def time_to_contact(
         np.asarray(value, dtype=np.float64)
         for value in np.broadcast_arrays(x, y, x_speed, y_speed, half_length, half_width, radius)
     )
+    u, w = _settled(u), _settled(w)
     best = np.minimum(_box_entry(x, y, u, w, a + r, b), _box_entry(x, y, u, w, a, b + r))
     squared = u * u + w * w
     for corner_x, corner_y in ((a, b), (a, -b), (-a, b), (-a, -b)):
         best = np.minimum(best, _disc_entry(x - corner_x, y - corner_y, u, w, squared, r))
     touching = np.hypot(np.maximum(np.abs(x) - a, 0.0), np.maximum(np.abs(y) - b, 0.0)) <= r
     return np.where(touching, 0.0, best)
+
+
+def _settled(speed: FloatArray) -> FloatArray:
+    return np.where(np.abs(speed) < _STILL, 0.0, speed)
 
 
 def _box_entry(
@@ -128,6 +136,7 @@ def closest_approach(
         np.asarray(value, dtype=np.float64)
         for value in np.broadcast_arrays(x, y, x_speed, y_speed, half_length, half_width, radius, horizon)
     )
+    u, w = _settled(u), _settled(w)
     squared = u * u + w * w
     moves = squared > 0.0
     divisor = np.where(moves, squared, 1.0)

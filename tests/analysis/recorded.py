@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-import pytest
 
 from analysis import recording
 
@@ -212,17 +211,3 @@ def write_run(
     }
     (folder / "run.json").write_text(json.dumps(description))
     return folder
-
-
-class ByHand:
-    """What the tests build runs from."""
-
-    Ego, Person, Vehicle, ZEBRA = Ego, Person, Vehicle, ZEBRA
-    line = staticmethod(line)
-    write_run = staticmethod(write_run)
-
-
-@pytest.fixture(scope="session")
-def by_hand() -> type[ByHand]:
-    """Return the builders of recorded runs."""
-    return ByHand

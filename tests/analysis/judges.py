@@ -1,0 +1,309 @@
+"""Independent judges of the geometry: shapely and brute-force searches, sharing no code with analysis.
+
+``python -m tests.analysis.judges`` prints the agreement table of docs/judges.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from analysis import geometry
+from analysis.conflict_area import conflict_areas
+from analysis.prediction import required_deceleration
+from analysis.tracks import Grid, Track
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far a measure is from its judge over all cases."""
+
+    measure: str
+    judge: str
+    cases: int
+    defined: int
+    largest: float
+    mean: float
+    unit: str
+    disagreements: int = 0
+    """Cases in which one says defined and the other does not."""
+
+
+Judge = Callable[[int], Agreement]
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Random rectangles and discs in world coordinates, in uniform motion."""
+
+    ego: Array
+    heading: Array
+    ego_velocity: Array
+    length: Array
+    width: Array
+    person: Array
+    person_velocity: Array
+    radius: Array
+
+    def in_frame(self) -> tuple[Array, ...]:
+        """Return position and relative velocity in the rectangle's frame, and the sizes."""
+        x, y = geometry.to_frame(*(self.person - self.ego).T, self.heading)
+        u, w = geometry.to_frame(*(self.person_velocity - self.ego_velocity).T, self.heading)
+        return x, y, u, w, 0.5 * self.length, 0.5 * self.width, self.radius
+
+    def distance(self, time: Array) -> Array:
+        """Return shapely's distance between polygon and disc's centre at a time, minus the radius."""
+        return shapely.distance(self._polygons, self._points(time)) - self.radius
+
+    @cached_property
+    def _polygons(self) -> Array:
+        return rectangles(self.ego, self.heading, self.length, self.width)
+
+    def _points(self, time: Array) -> Array:
+        moved = self.person + (self.person_velocity - self.ego_velocity) * time[:, None]
+        return shapely.points(moved)
+
+
+def rectangles(centre: Array, heading: Array, length: Array, width: Array) -> Array:
+    """Return shapely polygons."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    along = 0.5 * length[:, None] * np.array([1, 1, -1, -1])
+    across = 0.5 * width[:, None] * np.array([1, -1, -1, 1])
+    x = centre[:, :1] + along * cos[:, None] - across * sin[:, None]
+    y = centre[:, 1:] + along * sin[:, None] + across * cos[:, None]
+    return shapely.polygons(np.stack([x, y], axis=-1))
+
+
+def random_cases(count: int, seed: int) -> Cases:
+    """Return cases of which about a third touch."""
+    rng = np.random.default_rng(seed)
+    ego = rng.uniform(-20, 20, (count, 2))
+    heading = rng.uniform(-np.pi, np.pi, count)
+    speed = rng.uniform(0, 15, count)
+    direction = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    angle = rng.uniform(-np.pi, np.pi, count)
+    person = ego + direction * rng.uniform(-5, 25, (count, 1)) + rng.uniform(-6, 6, (count, 2))
+    walking = rng.uniform(0, 2.5, count)
+    return Cases(
+        ego,
+        heading,
+        direction * speed[:, None],
+        rng.uniform(3.5, 12, count),
+        rng.uniform(1.6, 2.5, count),
+        person,
+        np.stack([np.cos(angle), np.sin(angle)], axis=1) * walking[:, None],
+        rng.uniform(0.15, 0.5, count),
+    )
+
+
+def _smallest(distance: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """Return argument and value of the minimum of convex functions, by golden-section search."""
+    ratio = (np.sqrt(5.0) - 1.0) / 2.0
+    a, b = low.copy(), high.copy()
+    for _ in range(130):
+        c, d = b - ratio * (b - a), a + ratio * (b - a)
+        left = distance(c) <= distance(d)
+        a, b = np.where(left, a, c), np.where(left, d, b)
+    best = 0.5 * (a + b)
+    ends = np.stack([distance(low), distance(high), distance(best)])
+    times = np.stack([low, high, best])
+    pick = np.argmin(ends, axis=0)[None]
+    return np.take_along_axis(times, pick, 0)[0], np.take_along_axis(ends, pick, 0)[0]
+
+
+def time_to_contact(count: int = 4000, seed: int = 1) -> Agreement:
+    """Judge TTC by bisection on shapely's distance, left of its minimum."""
+    cases = random_cases(count, seed)
+    own = geometry.time_to_contact(*cases.in_frame())
+    low, high = np.zeros(count), np.full(count, 60.0)
+    when, least = _smallest(cases.distance, low, high)
+    clear = np.abs(least) > 1e-7
+    hits = least < 0.0
+    a, b = low.copy(), when.copy()
+    for _ in range(70):
+        middle = 0.5 * (a + b)
+        inside = cases.distance(middle) <= 0.0
+        a, b = np.where(inside, a, middle), np.where(inside, middle, b)
+    judged = np.where(cases.distance(low) <= 0.0, 0.0, np.where(hits, b, np.inf))
+    own_hits = own <= 60.0
+    both = clear & hits & own_hits
+    wrong = int((clear & (hits != own_hits)).sum())
+    difference = np.abs(own[both] - judged[both])
+    return _agreement("TTC, rectangle and disc", "shapely, bisection", count, difference, "s", wrong)
+
+
+def predicted_distance(count: int = 4000, seed: int = 2) -> Agreement:
+    """Judge DCE by golden-section search on shapely's distance."""
+    cases = random_cases(count, seed)
+    own, _ = geometry.closest_approach(*cases.in_frame(), 100.0)
+    _, least = _smallest(cases.distance, np.zeros(count), np.full(count, 100.0))
+    difference = np.abs(own - np.maximum(least, 0.0))
+    return _agreement("DCE", "shapely, golden section", count, difference, "m")
+
+
+def distance_between_samples(count: int = 4000, seed: int = 3) -> Agreement:
+    """Judge the smallest distance within one step, by golden-section search on shapely's distance."""
+    cases = random_cases(count, seed)
+    step = np.random.default_rng(seed).uniform(0.02, 1.0, count)
+    x, y, u, w, a, b, r = cases.in_frame()
+    own, _ = geometry.closest_approach(x, y, u * step, w * step, a, b, r, 1.0)
+    _, least = _smallest(cases.distance, np.zeros(count), step)
+    difference = np.abs(own - np.maximum(least, 0.0))
+    return _agreement("smallest distance in a step", "shapely, golden section", count, difference, "m")
+
+
+def rectangle_overlap(count: int = 4000, seed: int = 4) -> Agreement:
+    """Judge vehicle overlaps by shapely's area of the intersection."""
+    rng = np.random.default_rng(seed)
+    one, two = rng.uniform(-4, 4, (2, count, 2))
+    headings = rng.uniform(-np.pi, np.pi, (2, count))
+    lengths, widths = rng.uniform(3.5, 12, (2, count)), rng.uniform(1.6, 2.5, (2, count))
+    gap, _ = geometry.rectangle_separation(
+        *one.T, headings[0], lengths[0], widths[0], *two.T, headings[1], lengths[1], widths[1]
+    )
+    area = shapely.area(
+        shapely.intersection(
+            rectangles(one, headings[0], lengths[0], widths[0]),
+            rectangles(two, headings[1], lengths[1], widths[1]),
+        )
+    )
+    wrong = int(((gap < -1e-9) != (area > 1e-12)).sum())
+    return _agreement("overlap of rectangles", "shapely, intersection", count, np.zeros(count), "-", wrong)
+
+
+def braking(count: int = 4000, seed: int = 5) -> Agreement:
+    """Judge DRAC by searching the smallest braking that keeps the front out of the area until T."""
+    rng = np.random.default_rng(seed)
+    v, d, t = rng.uniform(0.5, 20, count), rng.uniform(0.5, 60, count), rng.uniform(0.2, 12, count)
+    own = required_deceleration(v, d, t)
+    low, high = np.zeros(count), np.full(count, 1e4)
+    for _ in range(90):
+        middle = 0.5 * (low + high)
+        moving = np.minimum(t, v / np.maximum(middle, 1e-300))
+        enough = v * moving - 0.5 * middle * moving**2 <= d
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    return _agreement("DRAC", "search over constant braking", count, np.abs(own - high), "m/s^2")
+
+
+def conflict_area_instants(count: int = 100, seed: int = 6) -> Agreement:
+    """Judge the four instants of PET on straight paths by shapely's swept areas."""
+    rng = np.random.default_rng(seed)
+    grid = Grid(1, np.arange(0.0, 20.0 + 1e-9, 0.05))
+    differences, wrong = [], 0
+    for _ in range(count):
+        ego, person, swept = _crossing_paths(rng, grid)
+        areas = conflict_areas(ego, person, grid, 60.0)
+        judged = _judged_instants(*swept)
+        if len(areas) != 1 or judged is None:
+            wrong += (len(areas) == 1) != (judged is not None)
+            continue
+        visits = areas[0].ego, areas[0].person
+        own = np.array([instant for visit in visits for instant in (visit.enter, visit.leave)])
+        differences.append(np.abs(own - judged).max())
+    found = np.array(differences)
+    return _agreement("entry and exit of the conflict area", "shapely, swept areas", count, found, "s", wrong)
+
+
+def _crossing_paths(rng: np.random.Generator, grid: Grid) -> tuple[Track, Track, tuple[object, ...]]:
+    heading = float(rng.uniform(-np.pi, np.pi))
+    angle = heading + float(rng.choice([-1, 1]) * rng.uniform(0.6, np.pi - 0.6))
+    speed, walking = float(rng.uniform(3, 15)), float(rng.uniform(0.8, 2.5))
+    meet = rng.uniform(-10, 10, 2)
+    ego_at, person_at = rng.uniform(6, 14, 2)
+    ego_velocity = speed * np.array([np.cos(heading), np.sin(heading)])
+    person_velocity = walking * np.array([np.cos(angle), np.sin(angle)])
+    ego_start, person_start = meet - ego_velocity * ego_at, meet - person_velocity * person_at
+    ego = _track(ego_start, ego_velocity, heading, 4.5, 1.8, grid)
+    person = _track(person_start, person_velocity, np.nan, 0.5, 0.5, grid)
+    return ego, person, (ego_start, ego_velocity, heading, person_start, person_velocity, grid.time[-1])
+
+
+def _track(start: Array, velocity: Array, heading: float, length: float, width: float, grid: Grid) -> Track:
+    position = start + velocity * grid.time[:, None]
+    ones = np.ones(len(grid.time))
+    return Track(
+        name="a",
+        kind="",
+        first=0,
+        rows=np.zeros(len(ones), dtype=np.int64),
+        x=position[:, 0],
+        y=position[:, 1],
+        heading=heading * ones,
+        x_speed=velocity[0] * ones,
+        y_speed=velocity[1] * ones,
+        speed=np.hypot(*velocity) * ones,
+        acceleration=0.0 * ones,
+        length=length,
+        width=width,
+    )
+
+
+def _judged_instants(
+    ego_start: Array,
+    ego_velocity: Array,
+    heading: float,
+    person_start: Array,
+    person_velocity: Array,
+    end: float,
+) -> Array | None:
+    def body(t: float) -> shapely.Polygon:
+        centre = (ego_start + ego_velocity * t)[None]
+        return rectangles(centre, np.array([heading]), np.array([4.5]), np.array([1.8]))[0]
+
+    def centre(t: float) -> shapely.Point:
+        return shapely.Point(person_start + person_velocity * t)
+
+    body_path = shapely.union_all([body(0.0), body(end)]).convex_hull
+    walk = shapely.LineString([person_start, person_start + person_velocity * end])
+    instants = []
+    for distance in (lambda t: body(t).distance(walk), lambda t: body_path.distance(centre(t))):
+        inside = [t for t in np.arange(0.0, end, 0.04) if distance(t) <= 0.25]
+        if not inside or inside[0] == 0.0:
+            return None
+        for out, within in ((inside[0] - 0.04, inside[0]), (inside[-1] + 0.04, inside[-1])):
+            a, b = out, within
+            for _ in range(50):
+                middle = 0.5 * (a + b)
+                a, b = (a, middle) if distance(middle) <= 0.25 else (middle, b)
+            instants.append(b)
+    return np.array(instants)
+
+
+def _agreement(
+    measure: str, judge: str, cases: int, difference: Array, unit: str, disagreements: int = 0
+) -> Agreement:
+    largest = float(difference.max()) if len(difference) else 0.0
+    mean = float(difference.mean()) if len(difference) else 0.0
+    return Agreement(measure, judge, cases, len(difference), largest, mean, unit, disagreements)
+
+
+JUDGES = (
+    time_to_contact,
+    predicted_distance,
+    distance_between_samples,
+    rectangle_overlap,
+    braking,
+    conflict_area_instants,
+)
+
+
+def main() -> None:
+    """Print the table."""
+    print("| measure | judge | cases | compared | largest difference | mean difference | disagreements |")
+    print("|---|---|---|---|---|---|---|")
+    for judge in JUDGES:
+        found = judge()
+        print(
+            f"| {found.measure} | {found.judge} | {found.cases} | {found.defined} | "
+            f"{found.largest:.2g} {found.unit} | {found.mean:.2g} {found.unit} | {found.disagreements} |"
+        )
+
+
+if __name__ == "__main__":
+    main()
