@@ -1,0 +1,1 @@
+"""What the benchmarks share: recorded perceptions, stopwatches, and where results are written."""

@@ -1,0 +1,186 @@
+"""Whether the naive programs are the same optimisation problems: exact optima of both, side by side."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import qpsolvers
+from measuring import perceptions
+from measuring.perceptions import Case
+from naive import NaiveSpeedProgram, NaiveSteeringProgram, twin
+from numpy.typing import NDArray
+
+from controllers.interface import Drive
+from controllers.lateral import LateralProgram, SteeringTask
+from controllers.longitudinal import LongitudinalProgram
+
+FloatArray = NDArray[np.float64]
+
+OBJECTIVE_TOLERANCE = 1e-5
+"""Largest difference of the two exact optima, relative to max(1, optimum)."""
+INPUT_TOLERANCE = 1e-3
+"""Largest difference of the two first inputs [m/s^3, rad/s]."""
+EXACT = "daqp"
+EVERY = 5
+"""Every fifth control step is looked at."""
+
+
+@dataclass(slots=True)
+class Differences:
+    """Collected over the programs of one kind, one entry each."""
+
+    objective: list[float] = field(default_factory=list)
+    """Relative difference of the exact optima."""
+    first_input: list[float] = field(default_factory=list)
+    """Difference of the exact first inputs."""
+    ours: list[float] = field(default_factory=list)
+    """Error of OSQP's first input, the controller's own program."""
+    naive: list[float] = field(default_factory=list)
+    """The same, the naive program."""
+    unsolved: int = 0
+    """Naive programs that OSQP gave up."""
+
+    def summary(self) -> dict[str, float]:
+        """Return the largest differences of the exact optima and the 99th percentiles of OSQP's errors."""
+        return {
+            "programs": len(self.objective),
+            "objective_difference": max(self.objective, default=0.0),
+            "first_input_difference": max(self.first_input, default=0.0),
+            "osqp_error_p99": float(np.percentile(self.ours, 99)) if self.ours else 0.0,
+            "naive_osqp_error_p99": float(np.percentile(self.naive, 99)) if self.naive else 0.0,
+            "naive_unsolved": self.unsolved,
+        }
+
+
+class Comparison:
+    """Solves each program that a naive controller builds in four ways: in both forms, exactly and by OSQP."""
+
+    def __init__(self, original: Any, drive: Drive) -> None:
+        self.speed, self.steering = Differences(), Differences()
+        self._speed = [_speed(original._speed.program, drive, solver) for solver in (EXACT, "osqp")]
+        self._steering = [_steering(original._steering, drive, solver) for solver in (EXACT, "osqp")]
+
+    def watch(self, naive: Any) -> None:
+        """Look at every program that this controller solves from now on."""
+        naive._speed.program.solve = self._comparing(naive._speed.program, *self._speed, self.speed)
+        naive._steering.solve = self._comparing(naive._steering, *self._steering, self.steering)
+
+    def _comparing(
+        self,
+        naive: NaiveSpeedProgram | NaiveSteeringProgram,
+        exact: LongitudinalProgram | LateralProgram,
+        osqp: LongitudinalProgram | LateralProgram,
+        into: Differences,
+    ) -> Any:
+        def solve(task: Any, warm: FloatArray | None = None) -> Any:
+            arrays = naive.build(task)
+            dense = {name: value.toarray() if name in "PGA" else value for name, value in arrays.items()}
+            # Positions cost nothing, so the naive form needs DAQP's proximal term; it vanishes at the optimum.
+            z = qpsolvers.solve_qp(**dense, solver=EXACT, eps_prox=1e-4)
+            reference = exact.solve(task)
+            if z is None or not reference.found:
+                raise SystemExit(f"{EXACT} found no optimum of a program: agreement cannot be shown")
+            optimum = reference.cost
+            if isinstance(exact, LateralProgram):
+                optimum += constant_of(exact, task)
+            first = float(reference.inputs[0])
+            into.objective.append(abs(naive.cost(task, z) - optimum) / max(1.0, abs(optimum)))
+            into.first_input.append(abs(float(z[4]) - first))
+            into.ours.append(abs(float(osqp.solve(task, warm).inputs[0]) - first))
+            plain = type(naive).solve(naive, task)
+            if plain.found:
+                into.naive.append(abs(float(plain.inputs[0]) - first))
+            else:
+                into.unsolved += 1
+            return plain if plain.found else reference
+
+        return solve
+
+
+def constant_of(program: LateralProgram, task: SteeringTask) -> float:
+    """Return the part of the steering objective that does not depend on the inputs."""
+    free, _ = program.build(task)
+    w = program.weights
+    angle = w.steering + w.lateral_acceleration * (task.speed**2 / program.wheelbase) ** 2
+    error = free[2] - program.wheelbase * task.curvature
+    total = w.across * (free[0] - task.target) ** 2 + w.heading * free[1] ** 2 + angle * error**2
+    return float(program.dt @ total)
+
+
+def compare(case: Case) -> tuple[Differences, Differences]:
+    """Return the differences of all speed and all steering programs of some control steps."""
+    comparison: Comparison | None = None
+    for approach in perceptions.record(case):
+        driver: Any = perceptions.controller(case, "osqp")
+        for i, perception in enumerate(approach):
+            if i and i % EVERY == 0:
+                comparison = comparison or Comparison(driver, perception.ego.drive)
+                naive = twin(driver, perception)
+                comparison.watch(naive)
+                naive.plan(perception, naive.decide(perception))
+            driver.plan(perception, driver.decide(perception))
+    if comparison is None:
+        raise SystemExit(f"no control step of case {case} was recorded")
+    return comparison.speed, comparison.steering
+
+
+def agrees(summary: dict[str, float]) -> bool:
+    """Return whether both forms have the same optimum within the stated tolerances."""
+    return (
+        summary["objective_difference"] <= OBJECTIVE_TOLERANCE
+        and summary["first_input_difference"] <= INPUT_TOLERANCE
+    )
+
+
+def check(cases: tuple[Case, ...]) -> dict[str, dict[str, float]]:
+    """Print and return the agreement, by case and kind of program.
+
+    Raises
+    ------
+    SystemExit
+        If any two optima differ by more than the tolerances.
+    """
+    print(
+        f"exact optima of both forms ({EXACT}): objective within {OBJECTIVE_TOLERANCE:g} relative, "
+        f"first input within {INPUT_TOLERANCE:g}; OSQP's errors of the first input, 99th percentile"
+    )
+    print(f"{'N/peds':8}{'program':10}{'count':>6}{'objective':>11}{'input':>10}{'osqp':>10}{'naive':>10}")
+    found = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # OSQP's hint that it stopped early; such programs are counted
+        for case in cases:
+            for kind, differences in zip(("speed", "steering"), compare(case), strict=True):
+                s = found[f"{case} {kind}"] = differences.summary()
+                print(
+                    f"{case!s:8}{kind:10}{s['programs']:6.0f}{s['objective_difference']:11.1e}"
+                    f"{s['first_input_difference']:10.1e}{s['osqp_error_p99']:10.1e}"
+                    f"{s['naive_osqp_error_p99']:10.1e}"
+                    + (f"  naive unsolved {s['naive_unsolved']:.0f}" if s["naive_unsolved"] else "")
+                )
+    for name, summary in found.items():
+        if not agrees(summary):
+            raise SystemExit(f"the two forms of {name} are not the same problem: {summary}")
+    print("agreement: yes, both forms are the same problem")
+    return found
+
+
+def _speed(like: LongitudinalProgram, drive: Drive, solver: str) -> LongitudinalProgram:
+    tolerance = like.program.tolerance
+    return LongitudinalProgram(like.dt, drive.drive_lag, like.weights, like.limits, solver, tolerance)
+
+
+def _steering(like: LateralProgram, drive: Drive, solver: str) -> LateralProgram:
+    return LateralProgram(
+        like.dt,
+        drive.steering_lag,
+        like.wheelbase,
+        like.front,
+        drive.max_steering,
+        drive.max_steering_rate,
+        like.weights,
+        solver,
+        like.program.tolerance,
+    )
