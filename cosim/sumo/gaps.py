@@ -113,10 +113,14 @@ def _nearest(vehicles: Vehicles, gaps: FloatArray) -> Neighbour | None:
     gap = float(gaps[row])
     if not math.isfinite(gap):
         return None
+    speed = float(vehicles.along_speed[row])
+    if abs(float(vehicles.heading_error[row])) > CROSSWISE:
+        # Whoever crosses does not come nearer along the path, even if the path bends towards it.
+        speed = max(0.0, speed)
     return Neighbour(
         vehicles.names[row],
         gap,
-        float(vehicles.along_speed[row]),
+        speed,
         float(vehicles.acceleration[row]),
         float(vehicles.length[row]),
     )

@@ -1,0 +1,70 @@
+"""Reading networks."""
+
+from pathlib import Path
+
+import pytest
+
+from controllers.interface import CrossingKind
+from cosim.errors import InputError
+from cosim.sumo.network import Network, read_network
+
+
+def test_crossings_know_who_has_to_wait(town: Network, unmarked_file: Path) -> None:
+    kinds = {name: crossing.kind for name, crossing in town.crossings.items()}
+    assert kinds[":m_c0"] is CrossingKind.ZEBRA
+    assert kinds[":j_c0"] is CrossingKind.SIGNAL
+    assert read_network(unmarked_file).crossings[":m_c0"].kind is CrossingKind.UNMARKED
+
+
+def test_signal_crossings_know_their_link(town: Network) -> None:
+    crossing = town.crossings[":j_c3"]
+    assert crossing.signal == "j"
+    assert len(crossing.signal_indices) == 1
+    assert crossing.edges == {"jm", "mj"}
+    assert crossing.width == 4.0
+
+
+def test_sidewalks_are_not_for_cars(town: Network) -> None:
+    assert town.allowed_lanes("am", "passenger") == [1, 2]
+    assert town.allowed_lanes("am", "pedestrian") == [0]
+
+
+def test_ways_through_a_junction_go_over_all_internal_lanes(town: Network) -> None:
+    (left_turn,) = town.follow("mj_3", "jn", "passenger")
+    assert len(left_turn.via) == 2
+    assert left_turn.direction == "l"
+    assert town.through[left_turn.via[0]] is left_turn
+
+
+def test_a_left_turn_yields_to_oncoming_traffic_and_not_the_other_way_round(town: Network) -> None:
+    (left_turn,) = town.follow("mj_3", "jn", "passenger")
+    (oncoming,) = town.follow("bj_1", "jm", "passenger")
+    assert (oncoming, True) in town.foes(left_turn)
+    assert (left_turn, False) in town.foes(oncoming)
+
+
+def test_the_measured_intersection_is_read(braunschweig: Network) -> None:
+    assert len(braunschweig.crossings) == 8
+    assert {crossing.kind for crossing in braunschweig.crossings.values()} == {CrossingKind.SIGNAL}
+    assert braunschweig.allowed_lanes("-2", "passenger") == [3, 4, 5, 6]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("<net><edge", "is not a SUMO network"),
+        ("<net/>", "has no edges"),
+        ('<net><edge id="e"><lane id="e_0"/></edge></net>', "is not a complete SUMO network"),
+    ],
+)
+def test_a_broken_file_is_told_in_one_line(tmp_path: Path, content: str, said: str) -> None:
+    path = tmp_path / "broken.net.xml"
+    path.write_text(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_network(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_told_by_name(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"nowhere\.net\.xml"):
+        read_network(tmp_path / "nowhere.net.xml")

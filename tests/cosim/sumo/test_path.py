@@ -1,0 +1,62 @@
+"""The smooth curve along a lane."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cosim.sumo.path import Path, crossing_point
+
+BEND = np.array([[-60.0, 0.0], [0.0, 0.0], [6.0, 1.0], [10.0, 5.0], [11.0, 11.0], [11.0, 80.0]])
+
+
+def test_a_straight_line_is_kept_as_it_is() -> None:
+    path = Path(np.array([[-50.0, 3.0], [0.0, 3.0], [100.0, 3.0]]), origin=-50.0)
+    along, across, heading = path.project(np.array([[30.0, 5.0], [-80.0, 2.0], [140.0, 3.0]]))
+    assert along == pytest.approx([30.0, -80.0, 140.0])
+    assert across == pytest.approx([2.0, -1.0, 0.0])
+    assert heading == pytest.approx([0.0, 0.0, 0.0])
+    assert np.abs(path.curvature).max() < 1e-9
+
+
+def test_a_circle_has_its_radius() -> None:
+    angle = np.linspace(0.0, 1.5, 40)
+    path = Path(20.0 * np.column_stack([np.sin(angle), 1.0 - np.cos(angle)]))
+    inside = path.curvature[10:-10]
+    assert inside == pytest.approx(1.0 / 20.0, rel=0.05)
+
+
+@given(st.floats(-55.0, 75.0), st.floats(-3.0, 3.0))
+def test_projection_is_the_inverse_of_placing(along: float, across: float) -> None:
+    path = Path(BEND, origin=-60.0)
+    point = path.at(np.array([along]), np.array([across]))
+    found = path.project(point)
+    assert found[0][0] == pytest.approx(along, abs=1e-6)
+    assert found[1][0] == pytest.approx(across, abs=1e-6)
+
+
+@given(st.floats(-70.0, 90.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0))
+def test_a_guess_gives_the_same_place_as_a_search(along: float, across: float, error: float) -> None:
+    path = Path(BEND, origin=-60.0)
+    (x, y), *_ = path.at(np.array([along]), np.array([across]))
+    assert path.place_near(x, y, along + error) == pytest.approx((along, across), abs=1e-6)
+
+
+def test_corners_are_cut_by_little() -> None:
+    path = Path(BEND, origin=-60.0)
+    dense = np.concatenate([np.linspace(start, end, 50) for start, end in pairwise(BEND)])
+    assert np.abs(path.project(dense)[1]).max() < 0.5
+
+
+def test_the_meeting_of_two_lines_is_found() -> None:
+    path = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
+    meeting = crossing_point(path, np.array([[14.0, -5.0], [14.0, 5.0]]))
+    assert meeting is not None
+    station, direction, axis = meeting
+    assert station == pytest.approx(14.0)
+    assert math.atan2(direction[1], direction[0]) == pytest.approx(0.0)
+    assert abs(axis[1]) == pytest.approx(1.0)
+    assert crossing_point(path, np.array([[14.0, 1.0], [14.0, 5.0]])) is None

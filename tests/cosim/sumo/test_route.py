@@ -1,0 +1,122 @@
+"""Routes, and the paths along their lanes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from controllers.interface import CrossingKind
+from cosim.errors import InputError
+from cosim.sumo.network import Network
+from cosim.sumo.route import Route
+
+
+def test_lanes_know_how_far_they_lead(town: Network) -> None:
+    route = Route(town, ["am", "mj", "jn"], "passenger")
+    assert math.isinf(route.reach(1, 3))
+    assert route.reach(1, 2) == pytest.approx(town.lanes["mj_2"].length, abs=0.1)
+    assert route.next_lane(0, 2) == 3
+    assert math.isinf(route.reach(0, 2))
+    assert route.reach(0, 1) == pytest.approx(293.6, abs=0.5)
+
+
+def test_a_zebra_lies_where_the_network_says(town: Network) -> None:
+    path = Route(town, ["am", "mj", "jb"], "passenger").path(0, 1)
+    zebra = path.crossings[0]
+    assert zebra.kind is CrossingKind.ZEBRA
+    assert zebra.exit - zebra.entry == pytest.approx(4.0, abs=0.5)
+    world = path.curve.at(np.array([zebra.middle]), np.zeros(1))[0]
+    assert world[0] == pytest.approx(town.crossings[":m_c0"].axis[0, 0], abs=0.05)
+    # Four lanes of 3.2 m and the walk: the kerb is right of the right lane and left of all the others.
+    assert zebra.left - zebra.right == pytest.approx(16.0, abs=1.0)
+    assert -3.0 < zebra.right < -1.0
+    assert zebra.stop_line <= min(zebra.entry - 1.0, path.edge_end)
+
+
+def test_a_left_turn_meets_both_crossings_and_stops_inside_the_junction_for_the_second(town: Network) -> None:
+    path = Route(town, ["mj", "jn"], "passenger").path(0, 3)
+    near, far = (crossing for crossing in path.crossings if crossing.kind is CrossingKind.SIGNAL)
+    assert near.stop_line < near.entry < path.next_start
+    assert near.stop_line <= path.edge_end
+    assert path.edge_end < far.stop_line < far.entry
+    assert far.heading == pytest.approx(math.pi / 2, abs=0.3)
+
+
+def test_signals_and_limits_are_where_the_lane_ends(town: Network) -> None:
+    path = Route(town, ["mj", "jn"], "passenger").path(0, 3)
+    (signal,) = path.signals
+    assert signal.name == "j"
+    assert signal.stop_line == pytest.approx(path.edge_end)
+    starts, limits = path.limits
+    assert limits[-1] == pytest.approx(8.33)
+    assert starts[-1] == pytest.approx(path.next_start, abs=0.1)
+    assert path.leads_to_end
+
+
+def test_a_path_goes_on_behind_its_edge(town: Network) -> None:
+    path = Route(town, ["am", "mj", "jb"], "passenger").path(1, 1)
+    assert path.pieces[0].lane.edge == "am"
+    assert path.pieces[0].start < -100.0
+
+
+def test_a_lane_that_begins_on_an_edge_has_a_way_behind_it(town: Network) -> None:
+    route = Route(town, ["am", "mj", "jb"], "passenger")
+    for index in (1, 2, 3):
+        path = route.path(1, index)
+        behind = path.curve.at(np.array([-40.0]), np.zeros(1))[0]
+        assert behind[0] == pytest.approx(path.own.lane.shape[0, 0] - 40.0, abs=1.5)
+
+
+def test_neighbouring_lanes_are_a_lane_width_apart(town: Network) -> None:
+    route = Route(town, ["mj", "jb"], "passenger")
+    offsets = route.path(0, 1).beside(route.path(0, 2))
+    inside = (route.path(0, 1).curve.along > 20.0) & (route.path(0, 1).curve.along < 120.0)
+    assert offsets[inside] == pytest.approx(3.2, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("edges", "said"),
+    [
+        ([], "at least one edge"),
+        (["am", "mk"], 'edge 2 "mk" is not in the network.*"mj"'),
+        (["am", ":m_0"], 'edge 2 ":m_0" is not in the network'),
+        (["am", "jn"], 'edge 2 "jn" does not follow "am".*after it come "mj"'),
+    ],
+)
+def test_a_bad_route_names_the_edge_and_what_there_is(town: Network, edges: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said) as caught:
+        Route(town, edges, "passenger")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_route_without_a_lane_for_the_class_is_refused(braunschweig: Network) -> None:
+    with pytest.raises(InputError, match='"-2" has no lane for a tram'):
+        Route(braunschweig, ["-2"], "tram")
+
+
+def test_a_side_step_between_edges_in_line_is_drawn_out(braunschweig: Network) -> None:
+    path = Route(braunschweig, ["-2", "-2.10"], "passenger").path(0, 4)
+    assert path.pieces[-2].lane.name == ":J12_0_2"
+    assert np.abs(path.curve.curvature).max() < 0.1
+
+
+def test_every_connected_pair_of_the_measured_intersection_has_paths(braunschweig: Network) -> None:
+    pairs = {
+        (braunschweig.lanes[source].edge, braunschweig.lanes[connection.target].edge)
+        for source, group in braunschweig.connections.items()
+        for connection in group
+        if braunschweig.passable(connection, "passenger")
+        and braunschweig.lanes[source].permissions.allows("passenger")
+    }
+    assert len(pairs) > 20
+    for pair in sorted(pairs):
+        route = Route(braunschweig, pair, "passenger")
+        for index in braunschweig.allowed_lanes(pair[0], "passenger"):
+            path = route.path(0, index)
+            assert np.isfinite(path.curve.curvature).all()
+            # What is left are turning places of 3 m radius.
+            assert np.abs(path.curve.curvature).max() < 0.65
+            for crossing in path.crossings:
+                assert crossing.stop_line < crossing.entry < crossing.exit
+                assert crossing.right < 0.6
+                assert crossing.left > -0.6
