@@ -164,6 +164,8 @@ class Lanes:
         return lane, before + place.along * lane.scale
 
     def _nearest(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> LaneShape:
+        if abs(lane.place(x, y).across) <= 0.5 * lane.width:
+            return lane  # inside a junction lanes that spread from one overlap: stay on the one taken
         candidates = self.beside(lane, vehicle_class) or (lane,)
         return min(candidates, key=lambda candidate: abs(candidate.place(x, y).across))
 
@@ -175,12 +177,17 @@ class Lanes:
         if lane.edge not in route[:-1]:
             return None
         onward = route[route.index(lane.edge) + 1]
+        beyond = route[route.index(lane.edge) + 2 :][:1]
         # A lane that does not lead there: the controller is in the wrong one, its neighbour's way is nearest.
         ways = sorted(self.beside(lane, vehicle_class), key=lambda other: abs(other.index - lane.index))
         for way in ways:
-            for link in self.links(way.name):
-                if link.lane.rpartition("_")[0] == onward:
-                    return self.shape(link.first)
+            leading = [link for link in self.links(way.name) if _edge(link.lane) == onward]
+            if leading:
+                # Where one lane spreads into several, the one that leads on to the edge after the next.
+                good = [
+                    link for link in leading if any(_edge(on.lane) in beyond for on in self.links(link.lane))
+                ]
+                return self.shape((good or leading)[0].first)
         return None
 
     def _read(self, name: str) -> LaneShape:
@@ -198,3 +205,7 @@ class Lanes:
             points=tuple((point[0], point[1]) for point in shape),
             stations=tuple(stations),
         )
+
+
+def _edge(lane: str) -> str:
+    return lane.rpartition("_")[0]
