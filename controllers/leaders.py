@@ -95,6 +95,7 @@ def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle)
 def standing_places(
     perception: Perception, target_lane: int, stops: Sequence[StopPlace], style: DrivingStyle
 ) -> list[Leader]:
+    """Return the places to stop at as standing leaders, the end of the ego's lane among them."""
     road, front = perception.road, perception.ego.body.front
     found = [
         Leader(stop.name, stop.along - front, 0.0, 0.0, style.stop_gap, style.stop_headway) for stop in stops
