@@ -4,6 +4,7 @@ import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import pytest
 import sumo
@@ -35,8 +36,15 @@ def build(folder: Path, zebra: bool = True) -> Path:
     for name, text in (("n.nod", NODES), ("n.edg", EDGES), ("n.con", CONNECTIONS.format(zebra=zebra))):
         (folder / f"{name}.xml").write_text(text)
     target = folder / "town.net.xml"
-    inputs = ["-n", folder / "n.nod.xml", "-e", folder / "n.edg.xml", "-x", folder / "n.con.xml"]
-    options = ["--sidewalks.guess", "--crossings.guess", "--no-turnarounds", "-o", target]
+    inputs: list[str | Path] = [
+        "-n",
+        folder / "n.nod.xml",
+        "-e",
+        folder / "n.edg.xml",
+        "-x",
+        folder / "n.con.xml",
+    ]
+    options: list[str | Path] = ["--sidewalks.guess", "--crossings.guess", "--no-turnarounds", "-o", target]
     netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
     subprocess.run([netconvert, *inputs, *options], check=True, capture_output=True)
     return target
@@ -84,7 +92,7 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
         duration_s: float = 60.0,
         warmup_s: float = 0.0,
         seed: int = 1,
-        actuation: str = "hybrid",
+        actuation: Literal["hybrid", "move"] = "hybrid",
         gui: bool = False,
     ) -> SumoWorld:
         number = len(opened)

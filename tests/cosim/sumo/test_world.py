@@ -129,16 +129,13 @@ def test_pedestrians_first_wait_and_then_cross(open_world: OpenWorld) -> None:
                 assert crossing.entry - 0.5 < people.along[row] < crossing.exit + 0.5
                 assert crossing.right - 0.5 < people.across[row] < crossing.left + 0.5
 
-    def stop_before(perception: Perception) -> Command:
-        room = [c.stop_line - perception.ego.body.front for c in perception.road.crossings]
-        near = [gap for gap in room if gap > -1.0]
-        return keep_lane(perception, wish=min(10.0, max(0.0, 0.4 * near[0])) if near else 10.0)
-
     demand = (
-        '<personFlow id="p" begin="0" end="40" period="3" departPos="110">'
+        '<personFlow id="p" begin="0" end="40" period="3" departPos="130">'
         '<walk from="am" to="ma" arrivalPos="30"/></personFlow>'
     )
-    snapshots = drive(open_world(demand, STRAIGHT, warmup_s=10.0, duration_s=70.0), stop_before, look)
+    snapshots = drive(
+        open_world(demand, STRAIGHT, warmup_s=5.0, duration_s=50.0), lambda p: keep_lane(p, wish=4.0), look
+    )
     both = [phases for phases in seen.values() if len(set(phases)) == 2]
     assert both
     for phases in both:
