@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from cosim.errors import SimulationError
 from cosim.frames import degrees_of
-from cosim.sumo.lanes import Lanes, LaneShape, Place
+from cosim.sumo.lanes import Lanes, LaneShape
 
 OBEY_SPEED = 32
 """Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
@@ -230,9 +230,11 @@ class Actuation:
         if here.internal or here.name == ego.moves_on:
             return False
         place = here.place(*aim)
-        if not 0.0 <= place.along < here.shape_length or not self._paved(ego, here, place.across):
+        if not 0.0 <= place.along < here.shape_length or not self._lanes.paved(
+            here, ego.vehicle_class, ego.width, place.across
+        ):
             return False
-        target = self._counted(ego, here, place, aim)
+        target = self._lanes.counted(here, ego.vehicle_class, *aim)
         if target is None:
             return False
         position, across = target
@@ -246,36 +248,6 @@ class Actuation:
         vehicle.changeSublane(name, shift)
         ego.moved = False
         return True
-
-    def _counted(
-        self, ego: _Ego, here: LaneShape, place: Place, aim: tuple[float, float]
-    ) -> tuple[float, float] | None:
-        """Return SUMO's lane position and lateral position [m] that put the vehicle at the aim.
-
-        Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
-        point of the road; so the aim is then seen from the next lane. ``None`` if the two disagree on
-        whether the edge is passed.
-        """
-        if abs(place.across) <= 0.5 * here.width:
-            return place.along * here.scale, place.across
-        side = 1 if place.across > 0.0 else -1
-        for lane in self._lanes.beside(here, ego.vehicle_class):
-            if lane.index == here.index + side:
-                there = lane.place(*aim)
-                across = there.across + side * 0.5 * (here.width + lane.width)
-                if abs(across) > 0.5 * here.width:
-                    return there.along * lane.scale, across
-        return None
-
-    def _paved(self, ego: _Ego, here: LaneShape, across: float) -> bool:
-        """Return whether the body is within this lane and the permitted ones beside it."""
-        right = left = 0.5 * here.width
-        for lane in self._lanes.beside(here, ego.vehicle_class):
-            if lane.index == here.index - 1:
-                right += lane.width
-            elif lane.index == here.index + 1:
-                left += lane.width
-        return 0.5 * ego.width - right <= across <= left - 0.5 * ego.width
 
     def _move(
         self,

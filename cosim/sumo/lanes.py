@@ -143,6 +143,35 @@ class Lanes:
         names = (f"{lane.edge}_{index}" for index in range(count))
         return tuple(self.shape(name) for name in names if self.permits(name, vehicle_class))
 
+    def paved(self, lane: LaneShape, vehicle_class: str, width: float, across: float) -> bool:
+        """Return whether a body [m] is within this lane and the permitted ones beside it."""
+        right = left = 0.5 * lane.width
+        for other in self.beside(lane, vehicle_class):
+            if other.index == lane.index - 1:
+                right += other.width
+            elif other.index == lane.index + 1:
+                left += other.width
+        return 0.5 * width - right <= across <= left - 0.5 * width
+
+    def counted(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> tuple[float, float] | None:
+        """Return SUMO's lane position and lateral position [m] that bring a vehicle of that lane to a point.
+
+        Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
+        point of the road; so the point is then seen from the next lane. ``None`` if the two lanes disagree
+        on whether the edge is passed.
+        """
+        place = lane.place(x, y)
+        if abs(place.across) <= 0.5 * lane.width:
+            return place.along * lane.scale, place.across
+        side = 1 if place.across > 0.0 else -1
+        for other in self.beside(lane, vehicle_class):
+            if other.index == lane.index + side:
+                there = other.place(x, y)
+                across = there.across + side * 0.5 * (lane.width + other.width)
+                if abs(across) > 0.5 * lane.width:
+                    return there.along * other.scale, across
+        return None
+
     def reach(
         self, start: LaneShape, route: tuple[str, ...], vehicle_class: str, x: float, y: float
     ) -> tuple[LaneShape, float]:
