@@ -56,6 +56,7 @@ class ConePlanner(SpeedPlanner):
         best = JointPlan(speed, self.steering.solve(steering_task))
         if not best.steering.found:
             return speed, nothing
+        joined = False
         for _ in range(self.settings.passes):
             plan = self.joint.solve(
                 replace(bounded, expected=best.speed.speed),
@@ -65,8 +66,9 @@ class ConePlanner(SpeedPlanner):
                 warm=self.joint.start(best),
             )
             if not plan.speed.found:
-                return plan.speed, nothing
-            best = plan
+                # The plan of the pass before holds about its own nominal motion; the first pass has none.
+                return (best.speed, best.steering) if joined else (plan.speed, nothing)
+            best, joined = plan, True
             steering_task = self.steering_of(perception, best.speed, lane)
         return best.speed, best.steering
 

@@ -88,10 +88,10 @@ def find(
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
     enter, leave = _overlap(people.across, across_speed, low, high)
-    # The body reaches this far behind the rear axle; whoever is further back cannot be hit by driving on.
+    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
+    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
     behind = people.along + people.radius < -perception.ego.body.rear_overhang - 0.5
-    approaching = people.along_speed > perception.ego.speed
-    keep = considered & (enter < horizon) & ~(behind & ~approaching)
+    keep = considered & (enter < horizon) & ~behind
     chosen = np.flatnonzero(keep)
     chosen = chosen[np.lexsort((chosen, enter[chosen]))]
     stop = np.array([road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen]])

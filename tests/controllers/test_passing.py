@@ -1,0 +1,201 @@
+"""Who is in conflict with the ego's path, when, and what passing behind or ahead asks of the position."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.interface import CrossingKind, Perception
+from controllers.passing import Conflicts, PedestrianAssumptions, class_name, find, position_bounds
+from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
+
+BAND = (-0.9, 0.9)
+MARGIN = 0.6
+# Half the band, the disc and the margin: the overlap lasts while |across| <= 1.75.
+REACH = 0.9 + 0.25 + MARGIN
+HORIZON = 6.0
+TIMES = np.arange(0.5, 6.01, 0.5)
+REAR = 0.95
+
+
+def _find(
+    walkers: Sequence[Walker],
+    scene: Perception | None = None,
+    headings: dict[str, float] | None = None,
+    assume: PedestrianAssumptions | None = None,
+) -> Conflicts:
+    scene = scene or perception(walkers=walkers)
+    return find(
+        scene,
+        {} if headings is None else headings,
+        BAND,
+        MARGIN,
+        HORIZON,
+        assume or PedestrianAssumptions(),
+    )
+
+
+def _on_zebra(walkers: Sequence[Walker], kind: CrossingKind = CrossingKind.ZEBRA) -> Perception:
+    return perception(road=straight_road(3, 1), walkers=walkers, crossings=[zebra(28.0, kind)])
+
+
+def test_the_overlap_begins_and_ends_where_the_grown_disc_meets_the_band() -> None:
+    found = _find([Walker(30.0, -1.75 - 2.6, 0.0, 1.3)])
+    assert found.enter[0] == pytest.approx(2.0)
+    assert found.leave[0] == pytest.approx(2.0 + 2 * REACH / 1.3)
+    assert found.across_speed[0] == 1.3
+
+
+def test_the_overlap_is_the_same_from_the_other_side() -> None:
+    right, left = _find([Walker(30.0, -4.0, 0.0, 1.1)]), _find([Walker(30.0, 4.0, 0.0, -1.1)])
+    assert right.enter[0] == pytest.approx(left.enter[0])
+    assert right.leave[0] == pytest.approx(left.leave[0])
+
+
+def test_somebody_in_the_band_has_entered_already_and_leaves_ahead() -> None:
+    found = _find([Walker(30.0, 0.0, 0.0, 1.0)])
+    assert found.enter[0] == 0.0
+    assert found.leave[0] == pytest.approx(REACH)
+
+
+def test_whoever_walks_away_or_comes_later_than_the_horizon_is_no_conflict() -> None:
+    assert len(_find([Walker(30.0, -2.0, 0.0, -1.3)])) == 0
+    assert len(_find([Walker(30.0, -REACH - 1.3 * HORIZON - 0.1, 0.0, 1.3)])) == 0
+    assert len(_find([Walker(30.0, -REACH - 1.3 * HORIZON + 0.1, 0.0, 1.3)])) == 1
+
+
+def test_conflicts_are_sorted_by_entry_and_ties_keep_their_order() -> None:
+    walkers = [Walker(30.0, -8.0, 0.0, 1.3), Walker(40.0, 3.0, 0.0, -1.3), Walker(35.0, -3.0, 0.0, 1.3)]
+    found = _find(walkers)
+    assert found.names == ("person1", "person2", "person0")
+    assert found.index.tolist() == [1, 2, 0]
+    assert (np.diff(found.enter) >= 0.0).all()
+
+
+def test_somebody_behind_the_car_is_no_conflict_and_does_not_hide_who_is_ahead() -> None:
+    behind = Walker(-3.0, 0.0, 3.0, 0.0)
+    ahead = Walker(8.0, -3.0, 0.0, 1.3)
+    found = _find([], perception(ego(speed=0.0), walkers=[behind, ahead]))
+    assert found.names == ("person1",)
+    assert len(_find([], perception(ego(speed=0.0), walkers=[replace(behind, along=8.0)]))) == 1
+
+
+def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_he_moves() -> None:
+    waiting = Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)
+    assert len(_find([], _on_zebra([waiting]))) == 0
+    assert len(_find([], _on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=True))) == 1
+    # Walking along the kerb counts as being about to turn, at no less than the assumed speed.
+    found = _find([], _on_zebra([replace(waiting, along_speed=0.9)]))
+    assert found.across_speed[0] == pytest.approx(1.2)
+    from_left = _find([], _on_zebra([replace(waiting, across=5.0, along_speed=-1.5)]))
+    assert from_left.across_speed[0] == pytest.approx(-1.5)
+
+
+def test_somebody_who_waits_where_vehicles_have_priority_is_expected_to_wait() -> None:
+    waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)
+    assert len(_find([], _on_zebra([waiting], CrossingKind.UNMARKED))) == 0
+
+
+@pytest.mark.parametrize("green", [True, False])
+def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: bool) -> None:
+    waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)
+    crossing = replace(zebra(28.0, CrossingKind.SIGNAL), pedestrians_have_green=green)
+    scene = perception(road=straight_road(3, 1), walkers=[waiting], crossings=[crossing])
+    assert len(_find([], scene)) == int(green)
+
+
+def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_came() -> None:
+    headings: dict[str, float] = {}
+    _find([], _on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), headings)
+    assert headings == {"person0": 1.0}
+    standing = _find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), headings)
+    assert standing.across_speed[0] == pytest.approx(1.2)
+    # Of a stranger nothing is known: he stands where he stands.
+    assert len(_find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
+
+
+def test_somebody_who_stands_in_the_path_stays_there() -> None:
+    found = _find([Walker(25.0, 0.5)])
+    assert found.enter[0] == 0.0
+    assert found.leave[0] == np.inf
+
+
+def test_somebody_who_strolls_off_the_road_is_not_considered() -> None:
+    assert len(_find([Walker(30.0, -3.0, 1.0, 0.4)])) == 0
+    assert len(_find([Walker(30.0, -3.0, 1.0, 0.6)])) == 1
+
+
+def test_a_class_is_named_after_who_is_let_pass() -> None:
+    found = _find([Walker(30.0, -3.0, 0.0, 1.3), Walker(40.0, -4.0, 0.0, 1.3)])
+    assert class_name(found, 0) == "behind= ahead=person0|person1"
+    assert class_name(found, 1) == "behind=person0 ahead=person1"
+    assert class_name(_find([]), 0) == ""
+
+
+def test_passing_behind_bounds_the_front_until_the_pedestrian_has_left() -> None:
+    # Enters at 1 s, leaves at 1 + 3.5 / 1.4 = 3.5 s.
+    found = _find([Walker(30.0, -REACH - 1.4, 0.0, 1.4)])
+    assert found.enter[0] == pytest.approx(1.0)
+    assert found.leave[0] == pytest.approx(3.5)
+    upper, lower, freeze = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
+    limit = 30.0 - 0.25 - 1.0 - FRONT
+    # Before he enters as well: the bound is that the ego has not passed when he comes.
+    assert np.allclose(upper[TIMES <= 3.5], limit)
+    assert np.isinf(upper[TIMES > 4.0]).all()
+    assert np.isinf(-lower).all()
+    # Only while he is expected in the band, from the last grid time before he enters.
+    assert np.allclose(freeze[(TIMES >= 1.0) & (TIMES <= 3.5)], limit - 0.25)
+    assert np.isinf(freeze[TIMES < 1.0 - 1e-9][:1]).all()
+
+
+def test_a_bound_that_ends_between_two_times_moves_on_with_the_expected_speed() -> None:
+    found = _find([Walker(30.0, -REACH - 1.4, 0.0, 1.4)])
+    times = np.array([1.0, 3.0, 4.0])
+    upper, *_ = position_bounds(found, 1, times, FRONT, REAR, 1.0, np.full(3, 8.0))
+    limit = 30.0 - 1.25 - FRONT
+    assert upper == pytest.approx([limit, limit, limit + 8.0 * 0.5])
+
+
+def test_passing_ahead_asks_to_have_passed_when_the_pedestrian_enters() -> None:
+    found = _find([Walker(30.0, -REACH - 1.4 * 2.2, 0.0, 1.4)])
+    upper, lower, freeze = position_bounds(found, 0, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
+    past = 30.0 + 0.25 + 1.0 + REAR
+    assert np.isinf(-lower[TIMES < 2.2]).all()
+    # 2.5 s is the first grid time after entry: the bound is carried on at the expected speed.
+    assert lower[TIMES == 2.5] == pytest.approx(past + 10.0 * 0.3)
+    assert np.allclose(lower[(TIMES >= 3.0) & (TIMES <= 2.2 + 2.5)], past)
+    assert np.isinf(upper).all()
+    assert np.isinf(freeze).all()
+
+
+def test_of_several_pedestrians_the_tightest_bound_counts() -> None:
+    found = _find([Walker(30.0, 0.0, 0.0, 1.0), Walker(20.0, -3.0, 0.0, 1.0), Walker(40.0, -5.0, 0.0, 1.0)])
+    assert found.names == ("person0", "person1", "person2")
+    upper, lower, _ = position_bounds(found, 2, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
+    assert upper.min() == pytest.approx(20.0 - 1.25 - FRONT)
+    assert lower.max() >= 40.0 + 1.25 + REAR
+
+
+def test_who_yields_stops_at_the_stop_line_unless_the_bumper_is_past_it() -> None:
+    walker = Walker(30.0, -2.0, 0.0, 1.3, 0, True)
+    before = _find([], _on_zebra([walker]))
+    assert before.stop_line[0] == 27.0
+    speed = np.full(len(TIMES), 5.0)
+    upper, *_ = position_bounds(before, 1, TIMES, FRONT, REAR, 1.0, speed)
+    assert upper.min() == pytest.approx(27.0 - FRONT)
+    near = perception(road=straight_road(3, 1), walkers=[replace(walker, along=6.0)], crossings=[zebra(4.0)])
+    past = _find([], near)
+    assert past.stop_line[0] == 3.0
+    upper, *_ = position_bounds(past, 1, TIMES, FRONT, REAR, 1.0, speed)
+    assert upper.min() == pytest.approx(6.0 - 1.25 - FRONT)
+
+
+def test_a_pedestrian_who_walks_along_the_road_moves_the_bound_for_three_seconds() -> None:
+    found = _find([Walker(30.0, 0.0, -1.0, 0.3)])
+    upper, *_ = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
+    active = np.isfinite(upper)
+    wanted = 30.0 - np.minimum(TIMES, 3.0) - 1.25 - FRONT
+    assert np.allclose(upper[active], wanted[active])
