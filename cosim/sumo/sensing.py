@@ -57,24 +57,18 @@ class Frame:
 
     def __init__(self, plant: Plant, track: Track, near: FloatArray) -> None:
         self.path: LanePath = track.path
-        body, x, y = plant.body, plant.x, plant.y
+        curve, body, x, y = self.path.curve, plant.body, plant.x, plant.y
         east, north = math.cos(plant.heading), math.sin(plant.heading)
-        own = np.array(
-            [
-                [x, y],
-                [x + body.front * east, y + body.front * north],
-                [x - body.rear_overhang * east, y - body.rear_overhang * north],
-            ]
-        )
-        along, across, heading = self.path.curve.project(np.concatenate([own, near]))
-        self.origin = float(along[0])
-        """Along coordinate of the rear axle on the path [m]."""
-        self.across = float(across[0])
-        self.heading_error = wrapped(plant.heading - float(heading[0]))
-        self.front = float(along[1]) - self.origin
+        # Found near the front bumper's last place: a path that crosses itself has two nearest points.
+        self.origin, self.across = curve.place_near(x, y, track.along - body.front)
+        """Along coordinate of the rear axle on the path, and its offset to the left [m]."""
+        self.heading_error = wrapped(plant.heading - curve.heading_at(self.origin))
+        self.front = track.along - self.origin
         """Along coordinate of the front bumper [m]."""
-        self.back = float(along[2]) - self.origin
-        self.near = (along[3:] - self.origin, across[3:], heading[3:])
+        tail_x, tail_y = x - body.rear_overhang * east, y - body.rear_overhang * north
+        self.back = curve.place_near(tail_x, tail_y, self.origin - body.rear_overhang)[0] - self.origin
+        along, across, heading = curve.project(near)
+        self.near = (along - self.origin, across, heading)
         """Along and across coordinates of everybody [m], and the path's heading there [rad]."""
 
     def to_world(self, along: FloatArray, across: FloatArray) -> FloatArray:

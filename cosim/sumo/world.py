@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Command, Drive, EgoState, Perception, constant_command
-from cosim.errors import InputError
+from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
 from cosim.plant import Plant, body_of
 from cosim.sumo.actuation import Actuation, Executed, Method
@@ -304,7 +304,10 @@ class SumoWorld:
         edges = tuple(vehicle.getRoute(name))
         key = (edges, kind)
         if key not in self._routes:
-            self._routes[key] = Route(self._network, edges, kind)
+            try:
+                self._routes[key] = Route(self._network, edges, kind)
+            except InputError as error:
+                raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
         body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         seen = self._seen(name)
         heading = heading_of(vehicle.getAngle(name))
