@@ -282,3 +282,22 @@ def test_help_loads_neither_numpy_nor_a_simulator() -> None:
 def test_debug_adds_the_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "nowhere", "--debug"]) == 2
     assert "Traceback" in capsys.readouterr().err
+
+
+def test_folders_that_cannot_be_analysed_are_named_each(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "empty").mkdir()
+    assert main(["analyse", "gone", "empty"]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 3
+    assert "gone" in lines[0]
+    assert "empty" in lines[1]
+    assert "2 of 2 folders not analysed: gone, empty" in lines[2]
+
+
+def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exist(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert "severity_ttc" in refused(capsys, "analyse", "gone", "--set", "severity_ttc=1.2")
+    assert "blind_step" in refused(capsys, "conformance", "no_such_case")
