@@ -31,26 +31,32 @@ def encounter_and_run_rows(case: Case) -> tuple[Sequence[Row], Row]:
             summary.update(metric.summarise(case, values))
     rows = [
         _plain(
-            {**_described(case, number, one), **{name: values[number] for name, values in columns.items()}}
+            schema.ENCOUNTERS,
+            {**_described(case, number, one), **{name: values[number] for name, values in columns.items()}},
         )
         for number, one in enumerate(case.encounters)
     ]
-    return rows, _plain({**_run(case), **summary})
+    return rows, _plain(schema.RUNS, {**_run(case), **summary})
 
 
-def _plain(row: Row) -> dict[str, Any]:
-    """Return the row with Python's own types, and ``None`` for what is undefined."""
+def _plain(table: schema.Table, row: Row) -> dict[str, Any]:
+    """Return the row with the table's types, and ``None`` for what is undefined."""
     plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in row.items()}
-    return {
+    known = {
         name: None if isinstance(value, float) and not np.isfinite(value) else value
         for name, value in plain.items()
     }
+    for column in table.columns:
+        if column.kind == "boolean" and known.get(column.name) is not None:
+            known[column.name] = bool(known[column.name])
+    return known
 
 
 def overlap_rows(case: Case) -> Sequence[Row]:
     """Return the rows of vehicle_overlaps.csv."""
     return [
         _plain(
+            schema.VEHICLE_OVERLAPS,
             {
                 "schema_version": schema.SCHEMA_VERSION,
                 "run_id": case.run.meta["run_id"],
@@ -68,7 +74,7 @@ def overlap_rows(case: Case) -> Sequence[Row]:
                 "other_speed_mps": one.other_speed,
                 "x_m": one.x,
                 "y_m": one.y,
-            }
+            },
         )
         for number, one in enumerate(case.overlaps, start=1)
     ]

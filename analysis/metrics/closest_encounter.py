@@ -36,7 +36,8 @@ def compute(case: Case) -> Values:
         samples.half_width[exposed],
         samples.radius[exposed],
     )
-    low, at = samples.smallest(dce)
+    # Equal distances on a steady course are equal only up to rounding; the first of them counts.
+    low, at = samples.smallest(np.round(dce, 6))
     when = np.where(np.isfinite(low), ttce[at] if len(at) else low, np.nan)
     for contact in case.collisions():
         low[contact.encounter], when[contact.encounter] = 0.0, 0.0
