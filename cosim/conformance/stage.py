@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import importlib
 import math
 import shutil
@@ -9,6 +10,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +59,7 @@ def scene(
     """
     with tempfile.TemporaryDirectory(prefix="cosim-conformance-") as name:
         folder = Path(name)
-        network = build(net, folder)
+        network = _built(net)
         routes = folder / "traffic.rou.xml"
         routes.write_text(f"<routes>{TYPES}{traffic}</routes>")
         options = ["--net-file", str(network), "--route-files", str(routes)]
@@ -74,6 +76,19 @@ def scene(
             yield connection.sumo
         finally:
             connection.close()
+
+
+@cache
+def _built(net: str) -> Path:
+    """Make a net once in this process."""
+    return build(net, _shared_folder())
+
+
+@cache
+def _shared_folder() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="cosim-nets-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 def build(net: str, folder: Path) -> Path:

@@ -64,6 +64,8 @@ class _Ego:
     parameters: tuple[tuple[str, str], ...]
     lane: str
     """Where we believe it to be."""
+    speed: float
+    """At the beginning of the step [m/s]."""
     route: tuple[str, ...] = ()
     """Edges still to drive, as they were before the first of a series of moves."""
     moved: bool = False
@@ -131,6 +133,7 @@ class Actuation:
             if hybrid
             else (),
             lane=lane,
+            speed=vehicle.getSpeed(name),
         )
         vehicle.setSpeedMode(name, OBEY_SPEED)
         vehicle.setLaneChangeMode(name, OBEY_LANE)
@@ -160,6 +163,7 @@ class Actuation:
         native = trusted and self._method is Method.HYBRID
         if not native or not self._native(name, ego, here, ego.aim, speed):
             self._move(name, ego, here, ego.aim, trusted, heading, speed)
+        ego.speed = speed
 
     def executed(self, name: str) -> Executed:
         """Return where SUMO put the vehicle, after the step; repairs what the step broke.
@@ -240,7 +244,8 @@ class Actuation:
         position, across = target
         vehicle = self._connection.vehicle
         asked = (position - vehicle.getLanePosition(name)) / self._step
-        if abs(asked - speed) > 0.1 * speed + 0.2:
+        slowest, fastest = sorted((ego.speed, speed))
+        if not 0.9 * slowest - 0.2 <= asked <= 1.1 * fastest + 0.2:
             return False
         ego.asked_speed = max(0.0, asked)  # a negative speed would hand the vehicle back to SUMO's driver
         shift = across - vehicle.getLateralLanePosition(name) + (self._dither if ego.moved else 0.0)
@@ -267,7 +272,8 @@ class Actuation:
         ego.asked_speed = speed
         if self._method is Method.HYBRID and trusted:
             rate = (way - vehicle.getLanePosition(name)) / self._step
-            ego.asked_speed = min(max(rate, 0.9 * speed), 1.1 * speed)
+            slowest, fastest = sorted((ego.speed, speed))
+            ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
         vehicle.moveToXY(name, lane.edge, lane.index, *aim, degrees_of(heading), EXACT_POSITION)
         ego.lane = lane.name

@@ -85,6 +85,21 @@ def test_a_lane_change_is_followed_on_lanes_without_a_single_move() -> None:
         assert actuation.moves("ego") == 0
 
 
+@pytest.mark.parametrize("step", [0.1, 1.0])
+def test_hard_braking_needs_no_move(step: float) -> None:
+    with on_the_road("straight", traffic("ab bc", speed=14.0), step) as sumo:
+        actuation = Actuation(sumo, step)
+        actuation.take_over("ego")
+        begin = pose_of(sumo, "ego")
+        track = Track(begin.x, begin.y, begin.speed, brakes_at=2.0, deceleration=8.0)
+        for number in range(1, round(6.0 / step)):
+            pose = track.at(number * step)
+            actuation.drive("ego", *pose)
+            sumo.simulationStep()
+            assert math.dist(actuation.executed("ego")[:2], pose[:2]) < 1e-6
+        assert actuation.moves("ego") == 0
+
+
 def test_an_ego_that_stops_stays_stopped_and_drives_off_again() -> None:
     with on_the_road("straight", traffic("ab bc", speed=10.0)) as sumo:
         actuation = Actuation(sumo, 0.1)
