@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from controllers.collision_cone import ConeRows, ConeSettings, Motion, Walkers, rows
 from controllers.horizon import ACCELERATION, ACROSS, COMMAND, HEADING, POSITION, SPEED, STEERING_COMMAND
 from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.longitudinal import SLACK_UNIT, LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.qp import Program
 
 FloatArray = NDArray[np.float64]
@@ -115,7 +115,7 @@ class ConeProgram:
         jerks, rates, slack = solution.z[:split], solution.z[split:end], solution.z[end:]
         lane = response.steering_free + response.steering_gain @ rates[:n]
         road = response.speed_free + self.speed.horizon.gain @ jerks[:n]
-        extra = jerks[n:]
+        extra = SLACK_UNIT * jerks[n:]
         positions = max(extra[self.speed.SLACK_UPPER], extra[self.speed.SLACK_LOWER])
         constant = self.speed.constant_cost(response.speed_free, speed)
         constant += self.steering.constant_cost(response.steering_free, steering)
@@ -153,7 +153,8 @@ class ConeProgram:
             m, n = len(part.h), len(part.q)
             rows_at, at = slice(row, row + m), slice(variable, variable + n)
             if constant:
-                self.program.lower[at], self.program.upper[at] = part.lower, part.upper
+                self.program.lower[at] = part.lower
+            self.program.upper[at] = part.upper
             self.program.P[at, at] = part.P
             self.program.q[at] = part.q
             self.program.G[rows_at, at] = part.G

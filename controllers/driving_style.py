@@ -33,5 +33,7 @@ class DrivingStyle:
     """Heading to which the ego swings out past a standing vehicle [rad]."""
     swing_curvature: float = 0.18
     """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
+    room_to_swing: float = 7.0
+    """Gap to a standing vehicle at which a change waits that cannot yet swing out past it [m]."""
     room_to_change: float = 10.0
     """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""

@@ -75,9 +75,19 @@ ACROSS, HEADING, STEERING, STEERING_COMMAND = range(4)
 
 
 class LongitudinalHorizon:
-    """Position, speed, acceleration and commanded acceleration, driven by the jerk of the command.
+    """Position, speed, acceleration and commanded acceleration, driven by the change of the command.
 
-    The maps do not depend on the state, so they are built once.
+    An input is what the command has changed by since now at the end of an interval; in between it ramps.
+    Jerks would say the same, but as inputs of a triple integrator they make the quadratic program so
+    badly conditioned that OSQP needs several times the iterations. The maps do not depend on the state,
+    so they are built once.
+
+    Attributes
+    ----------
+    gain
+        States by inputs, shape (4, N, N).
+    jerk
+        Jerks by inputs, shape (N, N), bidiagonal.
 
     Parameters
     ----------
@@ -92,6 +102,7 @@ class LongitudinalHorizon:
         r = lagged_ramp(dt, lag)
         self._start = np.zeros((4, n, 4))
         self.gain = np.zeros((4, n, n))
+        self.jerk = (np.eye(n) - np.eye(n, k=-1)) / dt[:, None]
         start = np.eye(4)
         gain = np.zeros((4, n))
         for k in range(n):
@@ -107,7 +118,7 @@ class LongitudinalHorizon:
             gain = step @ gain
             gain[:, k] += (r.triple[k], r.double[k], r.ramp[k], dt[k])
             self._start[:, k] = start
-            self.gain[:, k] = gain
+            self.gain[:, k] = gain @ self.jerk
 
     def free(self, speed: float, acceleration: float, command: float) -> FloatArray:
         """Return the states without input, shape (4, N), from position 0."""

@@ -44,8 +44,11 @@ def neighbours_ahead(
     ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
     passed = [one for one in seen if one not in ahead]
     own_gap = style.standstill_gap
-    if leaving and gaps.ahead is not None and gaps.ahead.speed < STANDING:
-        own_gap = style.room_to_change
+    if gaps.ahead is not None and gaps.ahead.speed < STANDING:
+        if target_lane != road.reference:
+            own_gap = style.room_to_swing
+        elif leaving:
+            own_gap = style.room_to_change
     leaders = [
         Leader(
             one.name,

@@ -1,4 +1,4 @@
-"""The speed plan: a quadratic program over the jerk of the commanded acceleration.
+"""The speed plan: a quadratic program over the changes of the commanded acceleration.
 
 ``minimise sum dt [w_v (v - v_ref)^2 + w_a a^2 + w_j j^2] + slacks`` subject to bounds on the position
 (pedestrians, stop lines, vehicles), on speed, command and jerk. Whatever bounds the position alone is
@@ -18,6 +18,10 @@ from controllers.qp import Program
 FloatArray = NDArray[np.float64]
 
 
+SLACK_UNIT = 0.1
+"""Slack variables are in tenths of a metre (of a m/s^2): as large as the other variables, for the solver."""
+
+
 @dataclass(frozen=True, slots=True)
 class SpeedWeights:
     """Weights of the objective; each is per second of horizon."""
@@ -28,14 +32,15 @@ class SpeedWeights:
     """[1/(m/s^2)^2]"""
     jerk: float = 0.6
     """[1/(m/s^3)^2]"""
-    violation: float = 400.0
+    violation: float = 100.0
     """Per metre that a position bound is violated."""
-    violation_squared: float = 2000.0
+    violation_squared: float = 100.0
     headway: float = 8.0
     """Per metre that the time gap to the vehicle ahead is short."""
-    emergency: float = 60.0
+    headway_squared: float = 1.0
+    emergency: float = 20.0
     """Per m/s^2 of braking beyond the comfortable limit."""
-    emergency_squared: float = 20.0
+    emergency_squared: float = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +106,9 @@ class LongitudinalProgram:
     """
 
     # Blocks of N rows each.
-    UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, PUSH, BRAKE = range(8)
-    BLOCKS = 8
-    # Slack variables behind the N jerks.
+    UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE, JERK_UP, JERK_DOWN = range(9)
+    BLOCKS = 9
+    # Slack variables behind the N inputs.
     SLACK_UPPER, SLACK_LOWER, SLACK_HEADWAY, EMERGENCY = range(4)
     SLACKS = 4
 
@@ -121,6 +126,7 @@ class LongitudinalProgram:
         self.weights = weights
         self.limits = limits
         self.horizon = LongitudinalHorizon(dt, lag)
+        self._scale: dict[int, FloatArray] = {}
         self.program = Program(self._cost_pattern(n), self._row_pattern(n), solver, tolerance)
         self._fill_constant_parts()
 
@@ -134,23 +140,24 @@ class LongitudinalProgram:
         p.q[:n] = 2.0 * (v.T @ weighted_speed) + 2.0 * w.acceleration * (
             self.horizon.gain[ACCELERATION].T @ (self.dt * free[ACCELERATION])
         )
-        p.h[self._rows(self.UPPER)] = task.upper - free[POSITION]
-        p.h[self._rows(self.LOWER)] = free[POSITION] - task.lower
+        self._bound(self.UPPER, task.upper - free[POSITION])
+        self._bound(self.LOWER, free[POSITION] - task.lower)
         slope = np.maximum(task.expected, 0.0) / limits.freeze_braking
-        p.G[self._rows(self.STOPPABLE), :n] = s + slope[:, None] * v
-        p.h[self._rows(self.STOPPABLE)] = (
-            task.stoppable + 0.5 * slope * task.expected - free[POSITION] - slope * free[SPEED]
+        p.G[self._rows(self.STOPPABLE), :n] = self._scale[self.STOPPABLE][:, None] * (s + slope[:, None] * v)
+        self._bound(
+            self.STOPPABLE,
+            task.stoppable + 0.5 * slope * task.expected - free[POSITION] - slope * free[SPEED],
         )
-        p.h[self._rows(self.HEADWAY)] = task.headway - free[POSITION] - limits.headway * free[SPEED]
+        self._bound(self.HEADWAY, task.headway - free[POSITION] - limits.headway * free[SPEED])
         # Bounds that the state may already violate are moved to what is still reachable: the program
         # must have a solution from any state.
         fastest = max(float(task.reference.max()), task.speed + 0.5 * max(task.acceleration, 0.0)) + 0.3
-        slowed = free[SPEED] - v @ np.full(n, limits.jerk)
-        p.h[self._rows(self.FAST)] = np.maximum(fastest, slowed + 0.05) - free[SPEED]
-        recovered = free[SPEED] + v @ np.full(n, limits.jerk)
-        p.h[self._rows(self.SLOW)] = free[SPEED] - np.minimum(0.0, recovered - 0.05)
-        p.h[self._rows(self.PUSH)] = max(limits.acceleration, task.command) - free[COMMAND]
-        p.h[self._rows(self.BRAKE)] = limits.comfortable_braking + free[COMMAND]
+        slowed = free[SPEED] + v @ self._towards(-limits.comfortable_braking, task.command)
+        self._bound(self.FAST, np.maximum(fastest, slowed + 0.05) - free[SPEED])
+        recovered = free[SPEED] + v @ self._towards(limits.acceleration, task.command)
+        self._bound(self.SLOW, free[SPEED] - np.minimum(0.0, recovered - 0.05))
+        self._bound(self.BRAKE, limits.comfortable_braking + free[COMMAND])
+        p.upper[:n] = max(limits.acceleration - task.command, 0.0)
         return free
 
     def solve(self, task: SpeedTask, warm: FloatArray | None = None) -> SpeedPlan:
@@ -159,7 +166,7 @@ class LongitudinalProgram:
         solution = self.program.solve(warm)
         n = self.steps
         states = free + self.horizon.gain @ solution.z[:n]
-        slack = solution.z[n:]
+        slack = SLACK_UNIT * solution.z[n:]
         return SpeedPlan(
             found=solution.found,
             position=states[POSITION],
@@ -180,8 +187,16 @@ class LongitudinalProgram:
             @ (w.speed * (free[SPEED] - task.reference) ** 2 + w.acceleration * free[ACCELERATION] ** 2)
         )
 
+    def _towards(self, command: float, present: float) -> FloatArray:
+        """Return the inputs that lead half way to a command, at half the jerk allowed: room to drive is left."""
+        reach = 0.5 * self.limits.jerk * np.cumsum(self.dt)
+        return np.clip(0.5 * command - present, -reach, reach)
+
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)
+
+    def _bound(self, block: int, values: FloatArray) -> None:
+        self.program.h[self._rows(block)] = self._scale[block] * values
 
     def _cost_pattern(self, n: int) -> NDArray[np.bool_]:
         pattern = np.zeros((n + self.SLACKS, n + self.SLACKS), dtype=bool)
@@ -191,8 +206,12 @@ class LongitudinalProgram:
 
     def _row_pattern(self, n: int) -> NDArray[np.bool_]:
         pattern = np.zeros((self.BLOCKS * n, n + self.SLACKS), dtype=bool)
+        lower_triangle = np.tril(np.ones((n, n), dtype=bool))
+        diagonal = np.eye(n, dtype=bool)
+        neighbours = diagonal | np.eye(n, k=-1, dtype=bool)
         for block in range(self.BLOCKS):
-            pattern[self._rows(block), :n] = np.tril(np.ones((n, n), dtype=bool))
+            sparse = {self.BRAKE: diagonal, self.JERK_UP: neighbours, self.JERK_DOWN: neighbours}
+            pattern[self._rows(block), :n] = sparse.get(block, lower_triangle)
         for block, slack in self._softened():
             pattern[self._rows(block), n + slack] = True
         return pattern
@@ -209,25 +228,36 @@ class LongitudinalProgram:
     def _fill_constant_parts(self) -> None:
         n, p, w, limits = self.steps, self.program, self.weights, self.limits
         s, v, a, c = self.horizon.gain
+        jerk = self.horizon.jerk
         p.P[:n, :n] = 2.0 * (
-            w.speed * (v.T * self.dt) @ v + w.acceleration * (a.T * self.dt) @ a + w.jerk * np.diag(self.dt)
+            w.speed * (v.T * self.dt) @ v
+            + w.acceleration * (a.T * self.dt) @ a
+            + w.jerk * (jerk.T * self.dt) @ jerk
         )
-        squares = (w.violation_squared, w.violation_squared, 0.0, w.emergency_squared)
-        p.P[range(n, n + self.SLACKS), range(n, n + self.SLACKS)] = 2.0 * np.array(squares)
-        p.q[n:] = (w.violation, w.violation, w.headway, w.emergency)
+        squares = (w.violation_squared, w.violation_squared, w.headway_squared, w.emergency_squared)
+        p.P[range(n, n + self.SLACKS), range(n, n + self.SLACKS)] = 2.0 * SLACK_UNIT**2 * np.array(squares)
+        p.q[n:] = SLACK_UNIT * np.array((w.violation, w.violation, w.headway, w.emergency))
         signed = {
             self.UPPER: s,
             self.LOWER: -s,
             self.HEADWAY: s + limits.headway * v,
             self.FAST: v,
             self.SLOW: -v,
-            self.PUSH: c,
             self.BRAKE: -c,
+            self.JERK_UP: jerk,
+            self.JERK_DOWN: -jerk,
+        }
+        # Rows of equal length: a metre at the end of the horizon then weighs no more than one at its
+        # beginning in the solver's stopping criterion.
+        self._scale = {
+            block: 1.0 / np.sqrt((rows**2).sum(axis=1) + SLACK_UNIT**2)
+            for block, rows in {**signed, self.STOPPABLE: s}.items()
         }
         for block, rows in signed.items():
-            p.G[self._rows(block), :n] = rows
+            p.G[self._rows(block), :n] = self._scale[block][:, None] * rows
         for block, slack in self._softened():
-            p.G[self._rows(block), n + slack] = -1.0
-        p.lower[:n], p.upper[:n] = -limits.jerk, limits.jerk
+            p.G[self._rows(block), n + slack] = -SLACK_UNIT * self._scale[block]
+        for block in (self.JERK_UP, self.JERK_DOWN):
+            self._bound(block, np.full(n, limits.jerk))
         p.lower[n:] = 0.0
-        p.upper[n + self.EMERGENCY] = limits.emergency_braking - limits.comfortable_braking
+        p.upper[n + self.EMERGENCY] = (limits.emergency_braking - limits.comfortable_braking) / SLACK_UNIT

@@ -26,10 +26,22 @@ class PlanMemory:
     command: Command | None = None
     position: FloatArray | None = None
     speed: FloatArray | None = None
+    shift: FloatArray | None = None
+    """Planned movement across the road from where the ego was, left positive [m]."""
 
-    def keep(self, time: float, command: Command, position: FloatArray, speed: FloatArray) -> None:
+    def keep(
+        self, time: float, command: Command, position: FloatArray, speed: FloatArray, shift: FloatArray
+    ) -> None:
         """Remember a plan."""
         self.made_at, self.command, self.position, self.speed = time, command, position, speed
+        self.shift = shift
+
+    def shifted_by(self, distance: float) -> float:
+        """Return the time until the ego has moved ``distance`` across the road; inf if it will not [s]."""
+        if self.shift is None:
+            return float("inf")
+        there = np.flatnonzero(np.sign(distance) * self.shift >= abs(distance))
+        return float(self.times[there[0]]) if len(there) else float("inf")
 
     def age(self, time: float) -> float:
         """Return the time since the plan was made; inf without one [s]."""

@@ -62,12 +62,15 @@ class Program:
         A name that qpsolvers knows, or ``osqp`` for the persistent workspace.
     tolerance
         Absolute and relative tolerance, used with OSQP.
+    equilibrate
+        Passes of OSQP's own scaling; 0 for a program that is well scaled as it is.
     """
 
     cost_pattern: BoolArray
     row_pattern: BoolArray
     solver: str = "osqp"
     tolerance: float = 1e-4
+    equilibrate: int = 10
     P: FloatArray = field(init=False)
     q: FloatArray = field(init=False)
     G: FloatArray = field(init=False)
@@ -85,7 +88,9 @@ class Program:
         self.lower = np.full(n, -np.inf)
         self.upper = np.full(n, np.inf)
         if self.solver == "osqp":
-            self._workspace = _Workspace(self.cost_pattern, self.row_pattern, self.tolerance)
+            self._workspace = _Workspace(
+                self.cost_pattern, self.row_pattern, self.tolerance, self.equilibrate
+            )
         elif self.solver not in qpsolvers.available_solvers:
             known = ", ".join(sorted({*qpsolvers.available_solvers} - {PERSISTENT_OSQP}))
             raise ValueError(f"unknown solver '{self.solver}'; installed are: {known}")
@@ -150,7 +155,9 @@ class Program:
 class _Workspace:
     """A warm OSQP solver for one pattern; ``discard`` makes the next solve set it up afresh."""
 
-    def __init__(self, cost_pattern: BoolArray, row_pattern: BoolArray, tolerance: float) -> None:
+    def __init__(
+        self, cost_pattern: BoolArray, row_pattern: BoolArray, tolerance: float, equilibrate: int
+    ) -> None:
         n = cost_pattern.shape[0]
         upper_triangle = np.triu(cost_pattern)
         all_rows = np.vstack([row_pattern, np.eye(n, dtype=bool)])
@@ -168,6 +175,7 @@ class _Workspace:
             "max_iter": 4000,
             "check_termination": 10,
             "polishing": False,
+            "scaling": equilibrate,
             "warm_starting": True,
         }
         self._solver: Any = None

@@ -48,15 +48,17 @@ def reference_speed(
     return np.asarray(np.sqrt(np.minimum(reach.min(axis=1), 1e4)))
 
 
-def keep_clear_line(perception: Perception, leader_rest: float, gap: float) -> tuple[float, str]:
+def keep_clear_line(
+    perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
+) -> tuple[float, str]:
     """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
 
     Parameters
     ----------
     perception
         What the ego is told.
-    leader_rest
-        Where the rear bumper of the vehicle ahead will be when the ego gets there; inf for none [m].
+    times, leader_rest
+        Where the rear bumper of the vehicle ahead could come to rest, by time; inf for none [s, m].
     gap
         Kept to it at a standstill [m].
     """
@@ -65,8 +67,10 @@ def keep_clear_line(perception: Perception, leader_rest: float, gap: float) -> t
         on_it = body.front > crossing.entry
         if on_it or crossing.stop_line < body.front - 0.5:
             continue
-        if leader_rest - gap < crossing.exit + body.length + 0.5:
-            room = crossing.stop_line - body.front
-            if ego.speed**2 / (2.0 * 4.0) <= max(room, 0.0) + 0.5:
-                return crossing.stop_line, crossing.name
+        room = crossing.stop_line - body.front
+        arrival = max(room, 0.0) / max(ego.speed, 3.0)
+        beyond = crossing.exit + body.length + 0.5
+        can_stop = ego.speed**2 / (2.0 * 4.0) <= max(room, 0.0) + 0.5
+        if can_stop and np.interp(arrival, times, leader_rest) - gap < beyond:
+            return crossing.stop_line, crossing.name
     return float("inf"), ""

@@ -64,7 +64,7 @@ def blockade(
 ) -> Blockade:
     """Return what vehicles ahead, in the band or about to be in it, leave free.
 
-    A vehicle that brakes is expected to go on braking for 2 s, one that does not to keep its speed.
+    A vehicle that brakes is expected to go on braking for 2 s, one that speeds up to go on for 1 s.
 
     Parameters
     ----------
@@ -105,12 +105,15 @@ def blockade(
         np.minimum(times[None, :], 2.0),
         np.where(braking > 0, speed / np.maximum(braking, 1e-9), 0.0)[:, None],
     )
-    later_speed = speed[:, None] - braking[:, None] * brake_time
+    gain = np.where(box.same_way[chosen], np.clip(vehicles.acceleration[chosen], 0.0, 1.5), 0.0)
+    push = np.minimum(times, 1.0)[None, :]
+    later_speed = speed[:, None] - braking[:, None] * brake_time + gain[:, None] * push
     rear = (
         box.rear[chosen][:, None]
         + speed[:, None] * brake_time
         - 0.5 * braking[:, None] * brake_time**2
-        + later_speed * (times[None, :] - brake_time)
+        + (speed[:, None] - braking[:, None] * brake_time) * (times[None, :] - brake_time)
+        + gain[:, None] * push * (times[None, :] - 0.5 * push)
     )
     rest = rear + later_speed**2 / (2.0 * hard_braking)
     nearest = chosen[np.argmin(box.rear[chosen])]
