@@ -97,8 +97,11 @@ class Observer:
         self._step = step
         self._person_kinds: dict[str, str] = {}
         self._car_types: dict[str, tuple[float, float, str]] = {}
-        self._last_persons: dict[str, tuple[float, float]] = {}
-        self._last_cars: dict[str, tuple[float, float]] = {}
+        self._last_persons: Mapping[str, Sequence[float]] = {}
+        self._last_cars: Mapping[str, Sequence[float]] = {}
+        at, on, following, self._rider_key = (sumo_constant(sumo, name) for name in _PERSON_VARIABLES)
+        self._person_keys = (at, on, following)
+        self._car_keys = tuple(sumo_constant(sumo, name) for name in _CAR_VARIABLES)
 
     def follow(self, ego: str) -> None:
         """Begin to look around a vehicle."""
@@ -129,8 +132,7 @@ class Observer:
         known : states to be believed instead of SUMO's, by name
         """
         sumo = self._sumo
-        two, three = sumo_constant(sumo, "VAR_POSITION"), sumo_constant(sumo, "VAR_POSITION3D")
-        rider = sumo_constant(sumo, "VAR_VEHICLE")
+        two, three, rider = self._person_keys[0], self._car_keys[0], self._rider_key
         person_rows: dict[str, int] = {}
         car_rows: dict[str, int] = {}
         found_persons: list[Mapping[int, Any]] = []
@@ -166,112 +168,96 @@ class Observer:
         )
 
     def _persons(self, names: tuple[str, ...], found: Sequence[Mapping[int, Any]]) -> Persons:
-        sumo = self._sumo
-        at, on, following = (
-            sumo_constant(sumo, name) for name in ("VAR_POSITION", "VAR_ROAD_ID", "VAR_NEXT_EDGE")
-        )
-        position = np.array([values[at][:2] for values in found]).reshape(-1, 2)
-        velocity = np.zeros_like(position)
-        edges, crossings, phases, kinds = [], [], [], []
-        places: dict[str, tuple[float, float]] = {}
-        known_crossings = self._network.crossings
-        for row, (name, values) in enumerate(zip(names, found, strict=True)):
-            place = values[at]
-            velocity[row] = self._walked(name, (place[0], place[1]))
-            places[name] = (place[0], place[1])
-            edge = values[on]
-            onward = values.get(following, "")
+        sumo, known_crossings, kinds = self._sumo, self._network.crossings, self._person_kinds
+        at, on, following = self._person_keys
+        places = {name: values[at][:2] for name, values in zip(names, found, strict=True)}
+        position = np.array(list(places.values()), dtype=np.float64).reshape(-1, 2)
+        velocity = self._moved(position, names, self._last_persons)
+        edges = tuple(values[on] for values in found)
+        crossings, phases = [], []
+        for edge, values in zip(edges, found, strict=True):
             if edge in known_crossings:
-                crossing, phase = edge, PedestrianPhase.CROSSING
-            elif onward in known_crossings:
-                crossing, phase = onward, PedestrianPhase.WAITING
-            else:
-                crossing, phase = "", PedestrianPhase.WALKING
-            kind = self._person_kinds.get(name)
-            if kind is None:
-                kind = self._person_kinds[name] = sumo.person.getTypeID(name)
-            edges.append(edge)
-            crossings.append(crossing)
-            phases.append(phase.value)
-            kinds.append(kind)
+                crossings.append(edge)
+                phases.append(PedestrianPhase.CROSSING.value)
+                continue
+            onward = values.get(following, "")
+            is_next = onward in known_crossings
+            crossings.append(onward if is_next else "")
+            phases.append(PedestrianPhase.WAITING.value if is_next else PedestrianPhase.WALKING.value)
+        for name in names:
+            if name not in kinds:
+                kinds[name] = sumo.person.getTypeID(name)
+        # It is what the person really moved: SUMO's speed leaves out the lateral part, and its angle is that
+        # of the lane. Whoever is new, or was put elsewhere between two lanes, has speed and angle only.
+        unknown = ~(np.hypot(velocity[:, 0], velocity[:, 1]) <= MAX_WALKING_SPEED)
+        for row in np.flatnonzero(unknown).tolist():
+            speed = sumo.person.getSpeed(names[row])
+            heading = heading_of(sumo.person.getAngle(names[row]))
+            velocity[row] = speed * math.cos(heading), speed * math.sin(heading)
         self._last_persons = places
         return Persons(
             names,
             position,
             velocity,
-            tuple(edges),
+            edges,
             tuple(crossings),
-            np.array([phase == PedestrianPhase.CROSSING for phase in phases], dtype=np.bool_),
+            np.array([phase == PedestrianPhase.CROSSING.value for phase in phases], dtype=np.bool_),
             tuple(phases),
-            tuple(kinds),
+            tuple(kinds[name] for name in names),
         )
 
-    def _walked(self, name: str, place: tuple[float, float]) -> tuple[float, float]:
-        """Return the velocity of the last step.
-
-        It is what the person really moved: SUMO's speed leaves out the lateral part, and its angle is that
-        of the lane. Where SUMO puts a person elsewhere between two lanes, speed and angle are used.
-        """
-        before = self._last_persons.get(name)
-        if before is not None:
-            moved = ((place[0] - before[0]) / self._step, (place[1] - before[1]) / self._step)
-            if math.hypot(*moved) <= MAX_WALKING_SPEED:
-                return moved
-        person = self._sumo.person
-        speed, heading = person.getSpeed(name), heading_of(person.getAngle(name))
-        return speed * math.cos(heading), speed * math.sin(heading)
+    def _moved(
+        self, position: FloatArray, names: Sequence[str], last: Mapping[str, Sequence[float]]
+    ) -> FloatArray:
+        """Return velocities from positions now and one step ago [m/s]; nan for the new ones."""
+        before = np.array([last.get(name, _NOWHERE) for name in names], dtype=np.float64).reshape(-1, 2)
+        return (position - before) / self._step
 
     def _cars(
         self, names: tuple[str, ...], found: Sequence[Mapping[int, Any]], known: Mapping[str, KnownState]
     ) -> Cars:
-        sumo = self._sumo
-        at, speed, angle, acceleration, lane, lane_position = (
-            sumo_constant(sumo, name) for name in _CAR_VARIABLES
-        )
-        count = len(names)
-        table = np.zeros((count, 9))
-        lanes, kinds = [], []
-        places: dict[str, tuple[float, float]] = {}
-        for row, (name, values) in enumerate(zip(names, found, strict=True)):
-            size = self._car_types.get(name)
-            if size is None:
-                vehicle = sumo.vehicle
-                size = (vehicle.getLength(name), vehicle.getWidth(name), vehicle.getTypeID(name))
-                self._car_types[name] = size
+        vehicle, types = self._sumo.vehicle, self._car_types
+        at, speed, angle, acceleration, lane, lane_position = self._car_keys
+        for name in names:
+            if name not in types:
+                size = (vehicle.getLength(name), vehicle.getWidth(name))
+                types[name] = (*size, vehicle.getTypeID(name))
+        rows = [
+            (*values[at][:2], values[angle], values[speed], values[acceleration], values[lane_position])
+            for values in found
+        ]
+        table = np.array(rows, dtype=np.float64).reshape(-1, 6)
+        front, pace, change = table[:, 0:2].copy(), table[:, 3].copy(), table[:, 4].copy()
+        heading = np.radians(90.0 - table[:, 2])
+        for row, name in enumerate(names):
             own = known.get(name)
-            if own is None:
-                x, y = values[at][:2]
-                heading = math.radians(90.0 - values[angle])
-                pace, change = values[speed], values[acceleration]
-            else:
-                x, y, heading, pace, change = own.x, own.y, own.heading, own.speed, own.acceleration
-            east, north = pace * math.cos(heading), pace * math.sin(heading)
-            before = self._last_cars.get(name)
-            if before is not None:
-                moved = ((x - before[0]) / self._step, (y - before[1]) / self._step)
-                # A plain lane change of SUMO's is a jump, and no speed.
-                if abs(moved[0] - east) + abs(moved[1] - north) <= MAX_SIDEWAYS_SPEED:
-                    east, north = moved
-            places[name] = (x, y)
-            table[row] = (x, y, east, north, heading, pace, change, size[0], size[1])
-            lanes.append(values[lane])
-            kinds.append(size[2])
-        self._last_cars = places
+            if own is not None:
+                front[row] = own.x, own.y
+                heading[row], pace[row], change[row] = own.heading, own.speed, own.acceleration
+        cosine, sine = np.cos(heading), np.sin(heading)
+        velocity = self._moved(front, names, self._last_cars)
+        ahead = np.column_stack([pace * cosine, pace * sine])
+        # A plain lane change of SUMO's is a jump, and no speed; whoever is new has none of the last step.
+        jumped = ~(np.abs(velocity - ahead).sum(axis=1) <= MAX_SIDEWAYS_SPEED)
+        velocity[jumped] = ahead[jumped]
+        self._last_cars = dict(zip(names, front.tolist(), strict=True))
+        sizes = [types[name] for name in names]
         return Cars(
             names,
-            table[:, 0:2],
-            table[:, 2:4],
-            np.arctan2(np.sin(table[:, 4]), np.cos(table[:, 4])),
+            front,
+            velocity,
+            np.arctan2(sine, cosine),
+            pace,
+            change,
+            np.array([size[0] for size in sizes], dtype=np.float64),
+            np.array([size[1] for size in sizes], dtype=np.float64),
+            tuple(values[lane] for values in found),
             table[:, 5],
-            table[:, 6],
-            table[:, 7],
-            table[:, 8],
-            tuple(lanes),
-            np.array([values[lane_position] for values in found]),
-            tuple(kinds),
+            tuple(size[2] for size in sizes),
         )
 
 
+_NOWHERE = (math.nan, math.nan)
 MAX_WALKING_SPEED = 3.0
 """Faster persons were put elsewhere by SUMO [m/s]."""
 MAX_SIDEWAYS_SPEED = 3.0
