@@ -36,7 +36,7 @@ FloatArray = NDArray[np.float64]
 
 REPETITIONS = 5
 NAIVE = "naive"
-NAIVE_STEPS = 24
+NAIVE_STEPS = 20
 """Control steps per repetition that the naive controller repeats; it is the slow one."""
 PARTS = ("conflicts", "assembly", "solve", "steering", OTHER)
 PLACES = (

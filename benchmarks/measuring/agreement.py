@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import qpsolvers
-from measuring import perceptions
-from measuring.perceptions import Case
-from naive import NaiveSpeedProgram, NaiveSteeringProgram, twin
+from naive import twin
 from numpy.typing import NDArray
 
 from controllers.interface import Drive
 from controllers.lateral import LateralProgram, SteeringTask
 from controllers.longitudinal import LongitudinalProgram
+from measuring import perceptions
+from measuring.perceptions import Case
 
 FloatArray = NDArray[np.float64]
 
@@ -60,8 +60,9 @@ class Comparison:
 
     def __init__(self, original: Any, drive: Drive) -> None:
         self.speed, self.steering = Differences(), Differences()
-        self._speed = [_speed(original._speed.program, drive, solver) for solver in (EXACT, "osqp")]
-        self._steering = [_steering(original._steering, drive, solver) for solver in (EXACT, "osqp")]
+        speed, steering = original._speed.program, original._steering
+        self._speed = _speed(speed, drive, EXACT), _speed(speed, drive, "osqp")
+        self._steering = _steering(steering, drive, EXACT), _steering(steering, drive, "osqp")
 
     def watch(self, naive: Any) -> None:
         """Look at every program that this controller solves from now on."""
@@ -70,7 +71,7 @@ class Comparison:
 
     def _comparing(
         self,
-        naive: NaiveSpeedProgram | NaiveSteeringProgram,
+        naive: Any,
         exact: LongitudinalProgram | LateralProgram,
         osqp: LongitudinalProgram | LateralProgram,
         into: Differences,
@@ -78,9 +79,9 @@ class Comparison:
         def solve(task: Any, warm: FloatArray | None = None) -> Any:
             arrays = naive.build(task)
             dense = {name: value.toarray() if name in "PGA" else value for name, value in arrays.items()}
-            # Positions cost nothing, so the naive form needs DAQP's proximal term; it vanishes at the optimum.
+            # Positions cost nothing, so the naive form needs DAQP's proximal term, which vanishes at the end.
             z = qpsolvers.solve_qp(**dense, solver=EXACT, eps_prox=1e-4)
-            reference = exact.solve(task)
+            reference: Any = exact.solve(task)
             if z is None or not reference.found:
                 raise SystemExit(f"{EXACT} found no optimum of a program: agreement cannot be shown")
             optimum = reference.cost

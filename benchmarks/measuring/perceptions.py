@@ -13,9 +13,9 @@ from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, Toy
 
 STEP = 0.1
 """Of the simulation [s]."""
-APPROACHES = 3
+APPROACHES = 2
 """Independent approaches per number of pedestrians."""
-LONGEST = 6.0
+LONGEST = 5.0
 """What is recorded of each [s]."""
 
 OFFSET = 0.3
@@ -85,6 +85,4 @@ def _pedestrian(number: int, rng: np.random.Generator, crossing: ToyCrossing) ->
     reached = rng.uniform(1.0, 8.0)
     edge = 1.75 if upwards else 5.25
     direction = 1.0 if upwards else -1.0
-    return ToyPedestrian(
-        f"p{number}", walk(x, edge - direction * speed * reached, 0.0, direction * speed)
-    )
+    return ToyPedestrian(f"p{number}", walk(x, edge - direction * speed * reached, 0.0, direction * speed))

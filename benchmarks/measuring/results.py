@@ -147,6 +147,6 @@ def _control_over_sumo(loop: Mapping[str, Any]) -> list[str]:
     return [
         "## One loop with SUMO",
         f"`{loop['scenario']}`, {loop['steps']} steps of {loop['step_s']:g} s, on average "
-        f"{loop['vehicles']:.0f} vehicles and {loop['persons']:.0f} persons in the simulation; mean ms per step.",
+        f"{loop['vehicles']:.0f} vehicles and {loop['persons']:.0f} persons in it; mean ms per step.",
         markdown(rows),
     ]
