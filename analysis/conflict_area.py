@@ -21,7 +21,8 @@ IntArray = NDArray[np.int64]
 
 _POINT_SPACING_M = 0.05
 _POSE_SPACING_M = 0.1
-_BLOCK = 1_000_000
+_BLOCK = 100_000
+_SAME_PLACE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +69,15 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     near_person = _inside_box(person, ego, margin, near_ego)
     if len(near_person) == 0:
         return []
-    ego_depth = _depth(ego, near_ego, person, _thinned(person, near_person, _POINT_SPACING_M), by_pose=True)
-    ego_visits = _visits(_time(ego, grid), near_ego, ego_depth - radius)
+    # Standing users repeat themselves; only samples that moved are worth the work.
+    poses, again = _moved(ego, near_ego)
+    ego_depth = _depth(ego, poses, person, _thinned(person, near_person, _POINT_SPACING_M), by_pose=True)
+    ego_visits = _visits(_time(ego, grid), near_ego, ego_depth[again] - radius)
     if not ego_visits:
         return []
-    person_depth = _depth(ego, _thinned(ego, near_ego, _POSE_SPACING_M), person, near_person, by_pose=False)
-    person_visits = _visits(_time(person, grid), near_person, person_depth - radius)
+    points, again = _moved(person, near_person)
+    person_depth = _depth(ego, _thinned(ego, near_ego, _POSE_SPACING_M), person, points, by_pose=False)
+    person_visits = _visits(_time(person, grid), near_person, person_depth[again] - radius)
     areas = []
     for own in ego_visits:
         candidates = [
@@ -100,8 +104,9 @@ def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -
     )
     if len(near) == 0:
         return []
-    depth = _smallest_distance(ego, near, points[:, 0], points[:, 1], by_pose=True)
-    return _visits(_time(ego, grid), near, depth - half_width)
+    poses, again = _moved(ego, near)
+    depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], by_pose=True)
+    return _visits(_time(ego, grid), near, depth[again] - half_width)
 
 
 def _area(own: Visit, other: Visit, person: Track) -> ConflictArea:
@@ -125,6 +130,14 @@ def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | No
     near = (track.x >= x.min() - margin) & (track.x <= x.max() + margin)
     near &= (track.y >= y.min() - margin) & (track.y <= y.max() + margin)
     return np.flatnonzero(near)
+
+
+def _moved(track: Track, index: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the samples at which the track is elsewhere than before, and which of them each sample is."""
+    x, y, heading = track.x[index], track.y[index], np.nan_to_num(track.heading[index])
+    change = np.hypot(np.diff(x), np.diff(y)) + np.abs(np.diff(heading))
+    moved = np.concatenate([[True], change > _SAME_PLACE])
+    return np.asarray(index[moved]), np.asarray(np.cumsum(moved) - 1)
 
 
 def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:

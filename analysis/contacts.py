@@ -137,7 +137,7 @@ def closest_approaches(samples: Samples, allowed: BoolArray | None = None) -> Ap
     low, _ = samples.smallest(clear)
     # Only a segment that may come below the smallest sampled clearance needs the exact check.
     reach = np.where(both, np.minimum(clear, clear[j]) - 0.5 * _jump(samples), np.inf)
-    check = np.flatnonzero(reach <= low[samples.owner])
+    check = np.flatnonzero(both & (reach <= low[samples.owner]))
     distance = clear.copy()
     when = samples.time.copy()
     k = j[check]

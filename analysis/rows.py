@@ -113,6 +113,7 @@ def _described(case: Case, number: int, one: Encounter) -> dict[str, Any]:
         "ego_length_m": one.ego.length,
         "ego_width_m": one.ego.width,
         "ped_radius_m": 0.5 * one.person.width,
+        "entered": bool(case.entered[number]),
         "x_conflict_m": None if one.area is None else one.area.x,
         "y_conflict_m": None if one.area is None else one.area.y,
     }
@@ -132,14 +133,15 @@ def _first_user(one: Encounter) -> str:
 def _conflict_type(case: Case, one: Encounter) -> str:
     """Return turning for an ego that turns before or inside the area, else by the angle of the paths."""
     limits = case.thresholds
-    ego = slice(one.first - one.ego.first, one.last - one.ego.first + 1)
-    person = slice(one.first - one.person.first, one.last - one.person.first + 1)
+    first, last = one.first - one.ego.first, one.last - one.ego.first
     if one.area is not None:
-        ego = slice(min(ego.start, one.area.ego.first), one.area.ego.last + 1)
-        person = slice(one.area.person.first, one.area.person.last + 1)
-    heading = one.ego.heading[ego]
+        first, last = min(first, one.area.ego.first), one.area.ego.last
+    heading = one.ego.heading[first : last + 1]
     if np.ptp(heading) > np.radians(limits.turning_angle_deg):
         return "turning"
+    if one.area is None:  # listed because of a crossing
+        return "crossing"
+    person = slice(one.area.person.first, one.area.person.last + 1)
     x, y = one.person.x[person], one.person.y[person]
     dx, dy = float(x[-1] - x[0]), float(y[-1] - y[0])
     if np.hypot(dx, dy) < 1e-6:

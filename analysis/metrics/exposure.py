@@ -1,7 +1,8 @@
 """How much was driven and met: the denominators of all rates.
 
-Egos, their way and time, pedestrians in some encounter, encounters, and passages (an ego over a crossing with
-at least one encounter).
+Egos, their way and time, pedestrians in some encounter, encounters, those in which the pedestrian was on
+the crossing or in the ego's path (n_entered: the others only waited), and passages (an ego over a
+crossing with at least one encounter).
 
 Undefined: never.
 """
@@ -15,7 +16,15 @@ UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
 COLUMNS = ()
-RUN_COLUMNS = ("ego_count", "ego_dist_km", "ego_time_h", "ped_count", "n_encounters", "n_passages")
+RUN_COLUMNS = (
+    "ego_count",
+    "ego_dist_km",
+    "ego_time_h",
+    "ped_count",
+    "n_encounters",
+    "n_entered",
+    "n_passages",
+)
 
 
 def compute(case: Case) -> Values:
@@ -26,5 +35,6 @@ def compute(case: Case) -> Values:
         "ego_time_h": float(case.steps.duration.sum()) / 3600.0,
         "ped_count": len({one.person.name for one in case.encounters}),
         "n_encounters": len(case),
+        "n_entered": int(case.entered.sum()),
         "n_passages": len({one.passage_id for one in case.encounters if one.traversal is not None}),
     }

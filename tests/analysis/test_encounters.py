@@ -122,6 +122,9 @@ def test_a_person_waiting_at_the_kerb_is_no_conflict(tmp_path: Path) -> None:
     phase = crosses(1e9, 1e9, waits_from=0.0)
     row = only(analyse(tmp_path, Ego(line(-21.2, 0, 10, 0)), Person(to_the_kerb, phase=phase)))
     assert row["severity"] == "none"
+    assert row["entered"] is False
+    assert row["clearance_min_m"] is None
+    assert row["min_dist_m"] == pytest.approx(2.6 - 0.9 - 0.25, abs=1e-6)
     assert row["ttc_status"] == "not_entered"
     assert row["pet_status"] == "no_crossing"
     assert row["first_user"] == "none"
