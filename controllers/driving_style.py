@@ -29,9 +29,9 @@ class DrivingStyle:
     """Distance at which a standing vehicle is driven past [m]."""
     passing_speed: float = 4.0
     """Speed past a standing vehicle that juts out [m/s]."""
-    swing_angle: float = 0.4
+    swing_angle: float = 0.55
     """Heading to which the ego swings out past a standing vehicle [rad]."""
-    swing_curvature: float = 0.18
+    swing_curvature: float = 0.22
     """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
     room_to_swing: float = 7.0
     """Gap to a standing vehicle at which a change waits that cannot yet swing out past it [m]."""

@@ -34,7 +34,7 @@ class LaneKeeping:
     """What ``heading_time`` becomes at low speed, as a distance [m]."""
     lateral_speed: float = 1.3
     """Fastest movement across the road [m/s]."""
-    approach_angle: float = 0.4
+    approach_angle: float = 0.55
     """Steepest angle to the lane at low speed [rad]."""
     correction: float = 2.0
     """Lateral acceleration beyond that of the curve that a correction may use [m/s^2]."""

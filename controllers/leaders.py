@@ -79,9 +79,9 @@ def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, 
     reach = half + 0.5 * ego.body.width + style.side_clearance
     place = float(others.across[index])
     front = ego.across + ego.body.front * math.sin(ego.heading_error)
-    if target_lane != perception.road.reference and neighbour.gap > 0.0:
+    if target_lane != perception.road.reference and neighbour is perception.gaps.ahead:
         side = math.copysign(1.0, target_lane - perception.road.reference)
-        return side * (_swung_out(ego, side, neighbour.gap, style) - place) < reach
+        return side * (_swung_out(ego, side, max(neighbour.gap, 0.0), style) - place) < reach
     lane = perception.road.lane(target_lane)
     goal = lane.offset if lane is not None else 0.0
     return min(ego.across, front, goal) - reach < place < max(ego.across, front, goal) + reach

@@ -147,10 +147,37 @@ def test_the_aeb_driver_gets_around_a_standing_vehicle(blocked_until: float) -> 
 
     rows = drive(catalog.build("aeb"), scene, 12.0, 45.0)
     assert rows[-1, 1] > 160.0
+    # From far away, or from where it waits with room to steer.
     beside = rows[(rows[:, 1] + FRONT > 120.0) & (rows[:, 1] - 0.95 < 124.5)]
     # The bodies are 1.8 m wide each; the ego's corner moves with its heading, which is small by then.
     assert beside[:, 2].min() > 1.8
     assert rows[:, 4].min() > -5.0
+
+
+@pytest.mark.parametrize("gap", [3.0, 4.5, 7.0])
+def test_a_car_that_stands_close_behind_swings_out_without_touching(gap: float) -> None:
+    rear = FRONT + gap
+
+    def scene(state: EgoState, travelled: float) -> Perception:
+        reference = int(state.across > 0.5 * LANE_WIDTH)
+        seen = ego(
+            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
+            state.acceleration, state.steering,
+        )  # fmt: skip
+        car = Car(rear + 4.5 - travelled, -reference * LANE_WIDTH, 0.0, width=2.2)
+        return perception(seen, straight_road(2, reference), cars=[car])
+
+    rows = drive(catalog.build("aeb"), scene, 0.0, 20.0)
+    assert rows[-1, 1] > rear + 20.0
+    headings = np.arctan2(np.gradient(rows[:, 2]), np.maximum(np.gradient(rows[:, 1]), 1e-9))
+    for (_, along, across, _, _), heading in zip(rows, headings, strict=True):
+        # The right flank against the left rear corner, and the right front corner against the left side.
+        corner = across + FRONT * np.sin(heading) - 0.9 * np.cos(heading)
+        reached = along + FRONT * np.cos(heading) + 0.9 * np.sin(heading)
+        assert reached < rear or reached > rear + 4.5 or corner > 1.1
+        if along < rear < reached:
+            flank = across + (rear - along) * np.tan(heading) - 0.9 / np.cos(heading)
+            assert flank > 1.1
 
 
 def test_a_car_in_an_equal_queue_keeps_its_lane() -> None:
