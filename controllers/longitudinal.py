@@ -190,7 +190,7 @@ class LongitudinalProgram:
     def _towards(self, command: float, present: float) -> FloatArray:
         """Return the inputs that lead half way to a command, at half the jerk allowed: room to drive is left."""
         reach = 0.5 * self.limits.jerk * np.cumsum(self.dt)
-        return np.clip(0.5 * command - present, -reach, reach)
+        return np.asarray(np.clip(0.5 * command - present, -reach, reach))
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)
