@@ -59,7 +59,7 @@ def _number(value: float | str) -> str:
         return value or "none"
     if float(value).is_integer():
         return str(int(value))
-    return f"{value:.3f}"
+    return "0" if abs(value) < 0.0005 else f"{value:.3f}"
 
 
 def _line(cells: Sequence[str]) -> str:
