@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from controllers.interface import JunctionFoe
+from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.network import Connection, Network
-from cosim.sumo.route import PathJunction
 from cosim.sumo.sensing import View
 from cosim.sumo.surroundings import Surroundings
 

@@ -1,21 +1,18 @@
-"""A route through the network, lane by lane: where each lane leads, and the curve that follows it."""
+"""A route through the network, lane by lane: where each lane leads, and the path that follows it."""
 
 from __future__ import annotations
 
 import difflib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import CrossingKind
 from cosim.errors import InputError
-from cosim.sumo.network import Connection, NetCrossing, NetLane, Network
-from cosim.sumo.path import Path, arc_lengths, crossing_point
+from cosim.sumo.lane_path import LanePath, joined
+from cosim.sumo.network import Connection, NetLane, Network
 
 FloatArray = NDArray[np.float64]
 
@@ -23,198 +20,6 @@ VIEW = 250.0
 """How far a path reaches beyond the end of its edge [m]."""
 BEHIND = 80.0
 """How far a path reaches back before its edge [m]."""
-STRAIGHT_ON = 60.0
-"""How far a path goes straight on where its lanes end [m]."""
-STOP_MARGIN = 1.0
-"""Distance from a stop line to the crossing behind it [m]."""
-SAME_APPROACH = 8.0
-"""A crossing that begins at most this far behind a lane's end is the one that lane stops for [m]."""
-JOG_LENGTH = 10.0
-"""An internal lane longer than this is a bend and no side step [m]."""
-JOG_REACH = 10.0
-"""How far before and behind it a side step is drawn out [m]."""
-JOG_TURN = math.radians(25.0)
-"""Edges in line differ by less than this."""
-JOG_ANGLE = math.radians(8.0)
-"""A side step leaves the direction of its edge by more than this."""
-DIVERGED = 12.0
-"""Lanes further apart than this are not beside each other [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class PathCrossing:
-    """A crossing where a path meets it; distances along the path."""
-
-    source: NetCrossing
-    middle: float
-    entry: float
-    exit: float
-    stop_line: float
-    origin: FloatArray
-    """World position of the meeting point [m]."""
-    heading: float
-    """Of the path there [rad]."""
-    right: float
-    left: float
-
-    @property
-    def kind(self) -> CrossingKind:
-        """Who has to wait."""
-        return self.source.kind
-
-
-@dataclass(frozen=True, slots=True)
-class PathSignal:
-    """A traffic light over a path."""
-
-    name: str
-    index: int
-    stop_line: float
-
-
-@dataclass(frozen=True, slots=True)
-class PathJunction:
-    """Where a path goes through a junction."""
-
-    connection: Connection
-    start: float
-    """End of the lane before it; also the stop line [m]."""
-    end: float
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """The part of a path that one lane makes."""
-
-    lane: NetLane
-    step: int
-    """Index of the route's edge that the lane belongs to, or that its junction follows; −1 before it."""
-    start: float
-    end: float
-
-
-class LanePath:
-    """What lies along one lane of one edge of a route, and along the lanes that continue it.
-
-    ``along`` is 0 where the edge begins and negative before it.
-    """
-
-    def __init__(
-        self, polyline: FloatArray, origin: float, pieces: Sequence[Piece], leads_to_end: bool, step: int
-    ) -> None:
-        self.curve = Path(*_without_jogs(polyline, origin, pieces))
-        knots = arc_lengths(polyline) + origin
-
-        def along(station: float) -> float:
-            # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
-            x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
-            return self.curve.place_near(x, y, self.curve.station_along(station))[0]
-
-        self.pieces = tuple(
-            Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
-        )
-        ahead = self.pieces[next(number for number, piece in enumerate(pieces) if piece.start > -1e-6) :]
-        self.own = ahead[0]
-        self.edge_end = self.own.end
-        following = [piece for piece in ahead if piece.step > step and not piece.lane.internal]
-        self.next_start = following[0].start if following else math.inf
-        """Where the next edge of the route begins [m]; inf when this lane does not lead there."""
-        self.chain_end = ahead[-1].end
-        """Where the lanes that were followed end [m]."""
-        self.leads_to_end = leads_to_end
-        """Whether the chain ends because the route does."""
-        self._limits = self._speed_limits()
-        self.crossings: tuple[PathCrossing, ...] = ()
-        self.signals: tuple[PathSignal, ...] = ()
-        self.junctions: tuple[PathJunction, ...] = ()
-        self._offsets: dict[int, FloatArray] = {}
-
-    @property
-    def limits(self) -> tuple[FloatArray, FloatArray]:
-        """Where speed limits begin [m], and the limits [m/s]."""
-        return self._limits
-
-    @cached_property
-    def widths(self) -> FloatArray:
-        """Lane width at each sample of the curve [m]."""
-        starts = np.array([piece.start for piece in self.pieces])
-        index = np.clip(np.searchsorted(starts, self.curve.along, side="right") - 1, 0, None)
-        return np.array([piece.lane.width for piece in self.pieces])[index]
-
-    def piece_at(self, along: float) -> Piece:
-        """Return the piece there; the first or last one beyond the ends."""
-        for piece in self.pieces:
-            if along < piece.end:
-                return piece
-        return self.pieces[-1]
-
-    def beside(self, other: LanePath) -> FloatArray:
-        """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""
-        key = id(other)
-        if key not in self._offsets:
-            along, across, _ = other.curve.project(self.curve.points)
-            # `across` is this curve seen from the other one: the offset has the other sign.
-            gone = (np.abs(across) > DIVERGED) | (along > other.chain_end + 5.0)
-            self._offsets[key] = np.where(gone, np.nan, -across)
-        return self._offsets[key]
-
-    def _speed_limits(self) -> tuple[FloatArray, FloatArray]:
-        starts: list[float] = []
-        limits: list[float] = []
-        for piece in self.pieces:
-            if not limits or piece.lane.speed != limits[-1]:
-                starts.append(piece.start)
-                limits.append(piece.lane.speed)
-        return np.array(starts), np.array(limits)
-
-    def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
-        """Find the crossings, signals and junctions along the path."""
-        ends = [piece.end for piece in self.pieces if not piece.lane.internal]
-        found = [self._meeting(crossing, ends) for crossing in crossings]
-        self.crossings = tuple(sorted((c for c in found if c is not None), key=lambda c: c.entry))
-        end_of = {piece.lane.name: piece.end for piece in self.pieces}
-        self.signals = tuple(
-            PathSignal(connection.signal, connection.signal_index, end_of[connection.source])
-            for connection in connections
-            if connection.signal and connection.source in end_of
-        )
-        self.junctions = tuple(
-            PathJunction(connection, end_of[connection.source], end_of[connection.via[-1]])
-            for connection in connections
-            if connection.via and connection.source in end_of
-        )
-
-    def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
-        axis = _lengthened(crossing.axis, 0.5)
-        meeting = crossing_point(self.curve.points, axis)
-        if meeting is None:
-            return None
-        station, _, axis_direction = meeting
-        middle = float(self.curve.along[0]) + station
-        heading = self.curve.heading_at(middle)
-        forward = np.array([math.cos(heading), math.sin(heading)])
-        leftward = np.array([-forward[1], forward[0]])
-        sine = max(abs(float(forward[0] * axis_direction[1] - forward[1] * axis_direction[0])), 0.3)
-        half = 0.5 * crossing.width / sine
-        entry = middle - half
-        # An oblique crossing begins earlier for a corner of the car than for its centre line.
-        skew = min(0.9 * math.sqrt(1.0 - sine * sine) / sine, 3.0)
-        stop_line = entry - STOP_MARGIN - skew
-        for end in ends:
-            if entry - SAME_APPROACH <= end <= middle + half:
-                stop_line = min(stop_line, end)
-        origin = self.curve.at(np.array([middle]), np.zeros(1))[0]
-        sides = (crossing.axis[[0, -1]] - origin) @ leftward
-        return PathCrossing(
-            crossing, middle, entry, middle + half, stop_line, origin, heading, sides.min(), sides.max()
-        )
-
-
-def _lengthened(line: FloatArray, by: float) -> FloatArray:
-    first, last = line[0] - line[1], line[-1] - line[-2]
-    return np.concatenate(
-        [[line[0] + by * first / np.hypot(*first)], line[1:-1], [line[-1] + by * last / np.hypot(*last)]]
-    )
 
 
 class Route:
@@ -329,7 +134,7 @@ class Route:
             beyond += sum(part.shape_length for part in added) + self.lane(at, lane).shape_length
             leads_to_end = False
         before, entering, shift = self._before(step, index)
-        polyline, origin, pieces = _joined([(part, step - 1) for part in before], lanes, shift)
+        polyline, origin, pieces = joined([(part, step - 1) for part in before], lanes, shift)
         path = LanePath(polyline, origin, pieces, leads_to_end, step)
         edges = {part.edge for part, _ in lanes if not part.internal}
         edges |= {part.edge for part in before if not part.internal}
@@ -366,81 +171,6 @@ class Route:
                 break
             connection = self._backward(at, lane)
         return lanes, connections, shift
-
-
-def _joined(
-    before: Sequence[tuple[NetLane, int]], ahead: Sequence[tuple[NetLane, int]], shift: FloatArray
-) -> tuple[FloatArray, float, list[Piece]]:
-    """Return one polyline over all lanes, the station of its first point, and where each lane lies.
-
-    Station 0 is where the first lane of ``ahead`` begins; those before are shifted. Gaps between lanes are
-    bridged straight.
-    """
-    points: list[FloatArray] = []
-    spans: list[tuple[NetLane, int, float, float]] = []
-    length, origin = 0.0, 0.0
-    everything = [*before, *ahead]
-    for number, (lane, step) in enumerate(everything):
-        if number == len(before):
-            origin = length
-        shape = lane.shape + shift if number < len(before) else lane.shape
-        if points:
-            jump = float(np.hypot(*(shape[0] - points[-1][-1])))
-            if jump < 0.05:
-                shape = shape[1:]
-                jump = 0.0
-            length += jump
-            if number == len(before):
-                origin = length
-        spans.append((lane, step, length, length + lane.shape_length))
-        points.append(shape)
-        length += lane.shape_length
-    polyline = np.concatenate([part for part in points if len(part)])
-    first, last = polyline[0] - polyline[1], polyline[-1] - polyline[-2]
-    head = polyline[0] + STRAIGHT_ON * first / np.hypot(*first)
-    tail = polyline[-1] + STRAIGHT_ON * last / np.hypot(*last)
-    polyline = np.concatenate([[head], polyline, [tail]])
-    pieces = [Piece(lane, step, start - origin, end - origin) for lane, step, start, end in spans]
-    return polyline, -origin - STRAIGHT_ON, pieces
-
-
-def _without_jogs(
-    polyline: FloatArray, origin: float, pieces: Sequence[Piece]
-) -> tuple[FloatArray, float, FloatArray]:
-    """Return points, origin and knots of a polyline whose sudden side steps are drawn out.
-
-    Where a network shifts lanes sideways between two edges in line, SUMO's cars slide over a few metres. No
-    car can, so the side step becomes a cubic that begins and ends `JOG_REACH` away. Stations stay.
-    """
-    knots = arc_lengths(polyline)
-    end = knots[-1]
-    for piece in pieces:
-        shape = piece.lane.shape
-        start, stop = piece.start - origin, piece.end - origin
-        low, high = start - JOG_REACH, stop + JOG_REACH
-        if not piece.lane.internal or stop - start > JOG_LENGTH or low <= 0.0 or high >= end:
-            continue
-        ends = np.column_stack([np.interp([low, start, stop, high], knots, polyline[:, i]) for i in (0, 1)])
-        inward, outward = (_unit(ends[1] - ends[0]), _unit(ends[3] - ends[2]))
-        middle = _unit(shape[-1] - shape[0])
-        if inward @ outward < math.cos(JOG_TURN) or inward @ middle > math.cos(JOG_ANGLE):
-            continue
-        share = np.linspace(0.0, 1.0, int(high - low) + 1)[:, None]
-        reach = float(np.hypot(*(ends[3] - ends[0])))
-        cubic = (
-            (2 * share**3 - 3 * share**2 + 1) * ends[0]
-            + (share**3 - 2 * share**2 + share) * reach * inward
-            + (3 * share**2 - 2 * share**3) * ends[3]
-            + (share**3 - share**2) * reach * outward
-        )
-        before, after = knots < low, knots > high
-        polyline = np.concatenate([polyline[before], cubic, polyline[after]])
-        knots = np.concatenate([knots[before], low + share[:, 0] * (high - low), knots[after]])
-    return polyline, origin, knots
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    return vector / max(float(np.hypot(*vector)), 1e-9)
 
 
 def check_route(network: Network, edges: Sequence[str], vehicle_class: str) -> None:

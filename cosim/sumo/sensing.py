@@ -24,7 +24,8 @@ from controllers.interface import (
 from cosim.frames import wrapped
 from cosim.plant import Plant
 from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
-from cosim.sumo.route import VIEW, LanePath, PathCrossing, PathSignal
+from cosim.sumo.lane_path import LanePath, PathCrossing, PathSignal
+from cosim.sumo.route import VIEW
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.track import Track
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from cosim.sumo.route import LanePath, Route
+from cosim.sumo.lane_path import LanePath
+from cosim.sumo.route import Route
 
 HYSTERESIS = 0.15
 """The front bumper's centre has to be this far beyond a lane line to count as in the other lane [m]."""

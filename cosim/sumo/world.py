@@ -18,6 +18,7 @@ from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.foes import FoeFinder, near
+from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
 from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
@@ -272,7 +273,7 @@ class SumoWorld:
             ego.intervention = off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
             ego.travelled += plant.speed * self.step
         ego.track.update(*plant.front)
-        self._visited.add((round(plant.x / 20.0), round(plant.y / 20.0)))
+        self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _seen(self, name: str) -> Executed:
         vehicle = self._sumo.vehicle
@@ -397,38 +398,3 @@ def _free(sumo: Any, name: str) -> None:
         vehicle.replaceStop(name, 0, "")
     if vehicle.getParameter(name, "has.rerouting.device") == "true":
         vehicle.setParameter(name, "device.rerouting.period", "0")
-
-
-def areas_near(network: Network, cells: set[tuple[int, int]], reach: float = 80.0) -> list[MapArea]:
-    """Return everything near cells of 20 m that egos have been in.
-
-    Parameters
-    ----------
-    network
-    cells : world positions divided by 20 m, rounded
-    reach : [m]
-    """
-    if not cells:
-        return []
-    places = 20.0 * np.array(sorted(cells), dtype=np.float64)
-
-    def near(shape: FloatArray) -> bool:
-        low, high = shape.min(axis=0) - reach, shape.max(axis=0) + reach
-        return bool(((places >= low) & (places <= high)).all(axis=1).any())
-
-    lanes = [
-        MapArea(lane.name, "lane", lane.width, lane.shape)
-        for lane in network.lanes.values()
-        if near(lane.shape)
-    ]
-    crossings = [
-        MapArea(crossing.name, "crossing", crossing.width, crossing.axis, crossing.kind.value)
-        for crossing in network.crossings.values()
-        if near(crossing.axis)
-    ]
-    walking_areas = [
-        MapArea(area.name, "walkingarea", 0.0, area.outline)
-        for area in network.walking_areas.values()
-        if near(area.outline)
-    ]
-    return [*lanes, *crossings, *walking_areas]
