@@ -179,7 +179,7 @@ class NaiveSpeedProgram:
             self.cost(task, z),
             float(max(slack[UPPER], slack[LOWER], 0.0)),
             float(max(slack[EMERGENCY], 0.0)),
-            np.concatenate((table[:, 4], slack)),
+            z,
         )
 
     def cost(self, task: SpeedTask, z: FloatArray) -> float:
@@ -196,7 +196,7 @@ class NaiveSpeedProgram:
         slack = z[5 * n :]
         total += w.violation * (slack[UPPER] + slack[LOWER])
         total += w.violation_squared * (slack[UPPER] ** 2 + slack[LOWER] ** 2)
-        total += w.headway * slack[HEADWAY]
+        total += w.headway * slack[HEADWAY] + w.headway_squared * slack[HEADWAY] ** 2
         total += w.emergency * slack[EMERGENCY] + w.emergency_squared * slack[EMERGENCY] ** 2
         return float(total)
 
@@ -207,7 +207,10 @@ class NaiveSpeedProgram:
         start = np.array([0.0, task.speed, task.acceleration, task.command])
         ramp = lagged_ramp(dt, self.lag)
         fastest = max(float(task.reference.max()), task.speed + 0.5 * max(task.acceleration, 0.0)) + 0.3
-        slowing, speeding = start, start
+        # Half way to the strongest braking and to full acceleration: what speed is within reach at least.
+        slowing = self._half_way(-limits.comfortable_braking, task.command)
+        speeding = self._half_way(limits.acceleration, task.command)
+        slowed, sped_up = start, start
         for k in range(n):
             matrix = np.array(
                 [
@@ -219,15 +222,15 @@ class NaiveSpeedProgram:
             )
             inputs = np.array([ramp.triple[k], ramp.double[k], ramp.ramp[k], dt[k]])
             qp.dynamics(k, matrix, inputs, np.zeros(4), start)
-            slowing = matrix @ slowing - limits.jerk * inputs
-            speeding = matrix @ speeding + limits.jerk * inputs
+            slowed = matrix @ slowed + slowing[k] * inputs
+            sped_up = matrix @ sped_up + speeding[k] * inputs
             p, v, a, c, u = (5 * k + i for i in range(5))
             qp.square(v, dt[k] * w.speed, task.reference[k])
             qp.square(a, dt[k] * w.acceleration)
             qp.square(u, dt[k] * w.jerk)
             qp.lower[u], qp.upper[u] = -limits.jerk, limits.jerk
-            qp.upper[v] = max(fastest, slowing[V] + 0.05)
-            qp.lower[v] = min(0.0, speeding[V] - 0.05)
+            qp.upper[v] = max(fastest, slowed[V] + 0.05)
+            qp.lower[v] = min(0.0, sped_up[V] - 0.05)
             qp.upper[c] = max(limits.acceleration, task.command)
             qp.at_most([(c, -1.0), (qp.slack(EMERGENCY), -1.0)], limits.comfortable_braking)
             qp.at_most([(p, 1.0), (qp.slack(UPPER), -1.0)], base.upper[k])
@@ -239,7 +242,7 @@ class NaiveSpeedProgram:
             (
                 (w.violation, w.violation_squared),
                 (w.violation, w.violation_squared),
-                (w.headway, 0.0),
+                (w.headway, w.headway_squared),
                 (w.emergency, w.emergency_squared),
             )
         ):
@@ -248,6 +251,17 @@ class NaiveSpeedProgram:
             qp.lower[qp.slack(i)] = 0.0
         qp.upper[qp.slack(EMERGENCY)] = limits.emergency_braking - limits.comfortable_braking
         return qp.arrays()
+
+    def _half_way(self, command: float, present: float) -> list[float]:
+        """Return jerks that lead half way to a command, at half the jerk allowed."""
+        jerks, time, before = [], 0.0, 0.0
+        for dt in self.dt:
+            time += dt
+            reach = 0.5 * self.limits.jerk * time
+            change = min(max(0.5 * command - present, -reach), reach)
+            jerks.append((change - before) / dt)
+            before = change
+        return jerks
 
     def _stoppable(self, qp: LoopBuilt, k: int, place: float, expected: float) -> None:
         slope = max(expected, 0.0) / self.limits.freeze_braking
@@ -302,11 +316,8 @@ class NaiveSteeringProgram:
             none = np.zeros(n)
             return SteeringPlan(False, none, none, none, np.inf, 0.0, none)
         table = z[: 5 * n].reshape(n, 5)
-        inputs = np.append(table[:, 4], z[-1])
-        cost = self.cost(task, z)
-        return SteeringPlan(
-            True, table[:, Y], table[:, HEADING], table[:, ANGLE_COMMAND], cost, float(max(z[-1], 0)), inputs
-        )
+        cost, outside = self.cost(task, z), float(max(z[-1], 0.0))
+        return SteeringPlan(True, table[:, Y], table[:, HEADING], table[:, ANGLE_COMMAND], cost, outside, z)
 
     def cost(self, task: SteeringTask, z: FloatArray) -> float:
         """Return the objective, constants included."""

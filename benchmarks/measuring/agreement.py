@@ -12,7 +12,7 @@ from naive import twin
 from numpy.typing import NDArray
 
 from controllers.interface import Drive
-from controllers.lateral import LateralProgram, SteeringTask
+from controllers.lateral import LateralProgram
 from controllers.longitudinal import LongitudinalProgram
 from measuring import perceptions
 from measuring.perceptions import Case
@@ -21,9 +21,11 @@ FloatArray = NDArray[np.float64]
 
 OBJECTIVE_TOLERANCE = 1e-5
 """Largest difference of the two exact optima, relative to max(1, optimum)."""
-INPUT_TOLERANCE = 1e-3
-"""Largest difference of the two first inputs [m/s^3, rad/s]."""
+COMMAND_TOLERANCE = 1e-4
+"""Largest difference of the two first commands [m/s^2, rad]."""
 EXACT = "daqp"
+COMMAND = 3
+"""Variable of the naive programs that is commanded at the end of the first interval."""
 EVERY = 5
 """Every fifth control step is looked at."""
 
@@ -34,10 +36,10 @@ class Differences:
 
     objective: list[float] = field(default_factory=list)
     """Relative difference of the exact optima."""
-    first_input: list[float] = field(default_factory=list)
-    """Difference of the exact first inputs."""
+    first_command: list[float] = field(default_factory=list)
+    """Difference of the exact first commands."""
     ours: list[float] = field(default_factory=list)
-    """Error of OSQP's first input, the controller's own program."""
+    """Error of OSQP's first command, the controller's own program."""
     naive: list[float] = field(default_factory=list)
     """The same, the naive program."""
     unsolved: int = 0
@@ -48,7 +50,7 @@ class Differences:
         return {
             "programs": len(self.objective),
             "objective_difference": max(self.objective, default=0.0),
-            "first_input_difference": max(self.first_input, default=0.0),
+            "first_command_difference": max(self.first_command, default=0.0),
             "osqp_error_p99": float(np.percentile(self.ours, 99)) if self.ours else 0.0,
             "naive_osqp_error_p99": float(np.percentile(self.naive, 99)) if self.naive else 0.0,
             "naive_unsolved": self.unsolved,
@@ -86,29 +88,19 @@ class Comparison:
                 raise SystemExit(f"{EXACT} found no optimum of a program: agreement cannot be shown")
             optimum = reference.cost
             if isinstance(exact, LateralProgram):
-                optimum += constant_of(exact, task)
-            first = float(reference.inputs[0])
+                optimum += exact.constant_cost(exact.build(task)[0], task)
+            first = float(reference.command[0])
             into.objective.append(abs(naive.cost(task, z) - optimum) / max(1.0, abs(optimum)))
-            into.first_input.append(abs(float(z[4]) - first))
-            into.ours.append(abs(float(osqp.solve(task, warm).inputs[0]) - first))
+            into.first_command.append(abs(float(z[COMMAND]) - first))
+            into.ours.append(abs(float(osqp.solve(task).command[0]) - first))
             plain = type(naive).solve(naive, task)
             if plain.found:
-                into.naive.append(abs(float(plain.inputs[0]) - first))
+                into.naive.append(abs(float(plain.command[0]) - first))
             else:
                 into.unsolved += 1
             return plain if plain.found else reference
 
         return solve
-
-
-def constant_of(program: LateralProgram, task: SteeringTask) -> float:
-    """Return the part of the steering objective that does not depend on the inputs."""
-    free, _ = program.build(task)
-    w = program.weights
-    angle = w.steering + w.lateral_acceleration * (task.speed**2 / program.wheelbase) ** 2
-    error = free[2] - program.wheelbase * task.curvature
-    total = w.across * (free[0] - task.target) ** 2 + w.heading * free[1] ** 2 + angle * error**2
-    return float(program.dt @ total)
 
 
 def compare(case: Case) -> tuple[Differences, Differences]:
@@ -132,7 +124,7 @@ def agrees(summary: dict[str, float]) -> bool:
     """Return whether both forms have the same optimum within the stated tolerances."""
     return (
         summary["objective_difference"] <= OBJECTIVE_TOLERANCE
-        and summary["first_input_difference"] <= INPUT_TOLERANCE
+        and summary["first_command_difference"] <= COMMAND_TOLERANCE
     )
 
 
@@ -146,9 +138,9 @@ def check(cases: tuple[Case, ...]) -> dict[str, dict[str, float]]:
     """
     print(
         f"exact optima of both forms ({EXACT}): objective within {OBJECTIVE_TOLERANCE:g} relative, "
-        f"first input within {INPUT_TOLERANCE:g}; OSQP's errors of the first input, 99th percentile"
+        f"first command within {COMMAND_TOLERANCE:g}; OSQP's errors of the first command, 99th percentile"
     )
-    print(f"{'N/peds':8}{'program':10}{'count':>6}{'objective':>11}{'input':>10}{'osqp':>10}{'naive':>10}")
+    print(f"{'N/peds':8}{'program':10}{'count':>6}{'objective':>11}{'command':>10}{'osqp':>10}{'naive':>10}")
     found = {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # OSQP's hint that it stopped early; such programs are counted
@@ -157,7 +149,7 @@ def check(cases: tuple[Case, ...]) -> dict[str, dict[str, float]]:
                 s = found[f"{case} {kind}"] = differences.summary()
                 print(
                     f"{case!s:8}{kind:10}{s['programs']:6.0f}{s['objective_difference']:11.1e}"
-                    f"{s['first_input_difference']:10.1e}{s['osqp_error_p99']:10.1e}"
+                    f"{s['first_command_difference']:10.1e}{s['osqp_error_p99']:10.1e}"
                     f"{s['naive_osqp_error_p99']:10.1e}"
                     + (f"  naive unsolved {s['naive_unsolved']:.0f}" if s["naive_unsolved"] else "")
                 )

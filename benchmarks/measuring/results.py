@@ -118,7 +118,7 @@ def _agreement(found: Mapping[str, Mapping[str, float]]) -> list[str]:
             "N/pedestrians, program": name,
             "programs": f"{s['programs']:.0f}",
             "objective, relative": f"{s['objective_difference']:.0e}",
-            "first input": f"{s['first_input_difference']:.0e}",
+            "first command": f"{s['first_command_difference']:.0e}",
             "OSQP error p99": f"{s['osqp_error_p99']:.0e}",
             "naive OSQP error p99": f"{s['naive_osqp_error_p99']:.0e}",
             "naive unsolved": f"{s['naive_unsolved']:.0f}",
@@ -127,8 +127,8 @@ def _agreement(found: Mapping[str, Mapping[str, float]]) -> list[str]:
     ]
     return [
         "## Agreement: the naive programs are the same problems",
-        "Largest differences of the exact optima (DAQP) of both forms; and OSQP's errors of the first input "
-        "(jerk in m/s³, steering rate in rad/s) against them, both at the controller's tolerance.",
+        "Largest differences of the exact optima (DAQP) of both forms; and OSQP's errors of the first command "
+        "(m/s², rad) against them, both at the controller's tolerance.",
         markdown(rows),
     ]
 
