@@ -121,7 +121,7 @@ def _time(track: Track, grid: Grid) -> FloatArray:
 def _largest_step(track: Track) -> float:
     if len(track.x) < 2:
         return 0.0
-    return float(np.hypot(np.diff(track.x), np.diff(track.y)).max())
+    return float(np.diff(track.path).max())
 
 
 def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | None = None) -> IntArray:

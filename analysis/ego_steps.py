@@ -49,9 +49,8 @@ def ego_steps(run: RecordedRun, egos: Sequence[Track], grid: Grid, thresholds: T
         time, speed = number["time_s"][rows], number["speed_mps"][rows]
         acceleration = number["acceleration_mps2"][rows]
         step = np.diff(time)
-        path = np.hypot(np.diff(track.x), np.diff(track.y))
         duration[rows[:-1]] = step
-        distance[rows[:-1]] = np.add.reduceat(path, np.arange(0, len(path), grid.factor))
+        distance[rows[:-1]] = np.diff(track.path[:: grid.factor])
         yaw = np.diff(track.heading[:: grid.factor]) / step
         lateral[rows[:-1]] = 0.5 * (speed[1:] + speed[:-1]) * yaw
         if len(rows) > window:

@@ -143,8 +143,8 @@ def _crossing(person: Track, first: int, last: int, area: ConflictArea | None, r
     else:
         rows = person.rows[_slice(person, first, last)]
     phase = run.neighbours.texts["phase"]
-    crossing = rows[phase.equal("crossing")[rows]]
-    waiting = rows[phase.equal("waiting")[rows]]
+    crossing = rows[phase.equal("crossing", rows)]
+    waiting = rows[phase.equal("waiting", rows)]
     for chosen in (crossing, waiting):
         codes = texts.codes[chosen]
         known = chosen[codes >= 0]
@@ -194,7 +194,7 @@ def exposed_samples(encounter: Encounter, run: RecordedRun, standing_speed: floa
     ego = _slice(encounter.ego, encounter.first, encounter.last)
     rows = encounter.person.rows[_slice(encounter.person, encounter.first, encounter.last)]
     moving = encounter.ego.speed[ego] > standing_speed
-    on_crossing: BoolArray = run.neighbours.texts["phase"].equal("crossing")[rows]
+    on_crossing: BoolArray = run.neighbours.texts["phase"].equal("crossing", rows)
     if on_crossing.any():
         meets = encounter.area is not None or encounter.passes_crossing or encounter.censored
         return on_crossing & moving if meets else np.zeros_like(moving)

@@ -34,20 +34,17 @@ class Ride:
 
 def ride_of(case: Case, track: Track) -> Ride:
     """Return a track's path length and speed over time."""
-    step = np.hypot(np.diff(track.x), np.diff(track.y))
-    return Ride(
-        case.grid.time[track.first : track.last + 1], np.concatenate([[0.0], np.cumsum(step)]), track.speed
-    )
+    return Ride(case.grid.time[track.first : track.last + 1], track.path, track.speed)
 
 
 def phase_samples(case: Case, encounter: Encounter, *phases: str) -> BoolArray:
     """Return where the person's track is in one of the phases at this encounter's crossing."""
     texts = case.run.neighbours.texts
     rows = encounter.person.rows
-    there = texts["crossing_id"].equal(encounter.crossing_id)[rows]
+    there = texts["crossing_id"].equal(encounter.crossing_id, rows)
     inside = np.zeros(len(rows), dtype=np.bool_)
     for phase in phases:
-        inside |= texts["phase"].equal(phase)[rows]
+        inside |= texts["phase"].equal(phase, rows)
     return np.asarray(inside & there)
 
 

@@ -46,11 +46,12 @@ class Texts:
     codes: IntArray
     names: tuple[str, ...]
 
-    def equal(self, text: str) -> BoolArray:
-        """Return where the column holds that text."""
+    def equal(self, text: str, rows: IntArray | None = None) -> BoolArray:
+        """Return where the column, or the given rows of it, holds that text."""
+        codes = self.codes if rows is None else self.codes[rows]
         if text not in self.names:
-            return np.zeros(len(self.codes), dtype=np.bool_)
-        return np.asarray(self.codes == self.names.index(text))
+            return np.zeros(len(codes), dtype=np.bool_)
+        return np.asarray(codes == self.names.index(text))
 
     def at(self, row: int) -> str:
         """Return the text of a row, empty for null."""

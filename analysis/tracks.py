@@ -55,6 +55,8 @@ class Track:
     speed: FloatArray
     acceleration: FloatArray
     """Recorded acceleration of an ego [m/s^2]; nan for others."""
+    path: FloatArray
+    """Way from the first sample on [m]."""
     length: float
     width: float
 
@@ -103,19 +105,21 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
                     (axle_y, speed * np.sin(heading)),
                 )
             ]
+            x, y = axle[0] + ahead * np.cos(fine_heading), axle[1] + ahead * np.sin(fine_heading)
             tracks.append(
                 Track(
                     name=name,
                     kind="",
                     first=_step(run, time[0]) * grid.factor,
                     rows=_row_of_sample(index[piece], grid.factor),
-                    x=axle[0] + ahead * np.cos(fine_heading),
-                    y=axle[1] + ahead * np.sin(fine_heading),
+                    x=x,
+                    y=y,
                     heading=fine_heading,
                     x_speed=fine_speed * np.cos(fine_heading),
                     y_speed=fine_speed * np.sin(fine_heading),
                     speed=fine_speed,
                     acceleration=_refine(number["acceleration_mps2"][piece], grid.factor),
+                    path=path_length(x, y),
                     length=length,
                     width=width,
                 )
@@ -156,11 +160,17 @@ def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
                     y_speed=y_speed,
                     speed=np.hypot(x_speed, y_speed),
                     acceleration=np.full_like(x, np.nan),
+                    path=path_length(x, y),
                     length=length,
                     width=width,
                 )
             )
     return tracks
+
+
+def path_length(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the way from the first point on [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
 
 
 def _by_name(rows: Columns, key: str, chosen: IntArray | None = None) -> Iterator[tuple[str, IntArray]]:

@@ -25,7 +25,7 @@ def compute(case: Case) -> Values:
     """Return the number of plans under each rule."""
     rule = case.run.egos.texts["rule"]
     return {
-        f"n_{name}": np.array([int(rule.equal(name)[rows].sum()) for rows in case.ego_rows], dtype=np.int64)
+        f"n_{name}": np.array([int(rule.equal(name, rows).sum()) for rows in case.ego_rows], dtype=np.int64)
         for name in _RULES
     }
 

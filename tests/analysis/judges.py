@@ -15,7 +15,7 @@ import shapely
 from analysis import geometry
 from analysis.conflict_area import conflict_areas
 from analysis.prediction import required_deceleration
-from analysis.tracks import Grid, Track
+from analysis.tracks import Grid, Track, path_length
 
 Array = np.ndarray
 
@@ -239,6 +239,7 @@ def _track(start: Array, velocity: Array, heading: float, length: float, width: 
         y_speed=velocity[1] * ones,
         speed=np.hypot(*velocity) * ones,
         acceleration=0.0 * ones,
+        path=path_length(*position.T),
         length=length,
         width=width,
     )
