@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import libsumo
@@ -12,6 +13,7 @@ from controllers.interface import HAND_BACK, Command, CrossingKind, Perception, 
 from cosim.errors import InputError, SimulationError
 from cosim.sumo.world import SumoWorld
 from cosim.world import Snapshot
+from sumo_scenarios.library import load, prepare
 from sumo_scenarios.model import Egos
 
 from .conftest import OpenWorld, keep_lane
@@ -361,3 +363,22 @@ def test_what_sumo_refuses_is_one_line(open_world: OpenWorld) -> None:
     with pytest.raises(InputError, match=r"SUMO cannot start: .*nowhere") as caught:
         open_world('<flow id="f" type="car" begin="0" end="9" period="3" from="nowhere" to="jb"/>', STRAIGHT)
     assert "\n" not in str(caught.value)
+
+
+def test_a_library_scenario_runs_with_its_pedestrians(tmp_path: Path) -> None:
+    scenario = load("midblock_zebra")
+    scenario = replace(scenario, duration_s=scenario.warmup_s + 15.0)
+    world = SumoWorld(scenario, prepare(scenario, 3, tmp_path), 3)
+    kinds: set[CrossingKind] = set()
+    try:
+        snapshots = drive(
+            world,
+            lambda perception: keep_lane(perception, wish=8.0),
+            lambda perception: kinds.update(crossing.kind for crossing in perception.road.crossings),
+        )
+    finally:
+        world.close()
+    assert kinds == {CrossingKind.ZEBRA}
+    assert snapshots[0].time > scenario.warmup_s
+    assert any(snapshot.persons.names for snapshot in snapshots)
+    assert not any(ego.intervention for snapshot in snapshots for ego in snapshot.egos)
