@@ -73,9 +73,7 @@ def measure(folder: Path) -> str:
 
 def main() -> None:
     """Print the table."""
-    print(
-        "| run | simulated s | encounters | sample pairs | analysis, CPU ms | pairs per s | of the run's time |"
-    )
+    print("| run | simulated s | encounters | sample pairs | analysis ms | pairs per s | of the run's time |")
     print("|---|---|---|---|---|---|---|")
     folders = [Path(name) for name in sys.argv[1:]]
     with tempfile.TemporaryDirectory() as name:
