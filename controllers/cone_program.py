@@ -21,6 +21,11 @@ from controllers.qp import Program
 FloatArray = NDArray[np.float64]
 
 
+FIRST = 1.0
+"""Velocities are asked for from one of the paper's steps ahead on. Nearer ones cannot be changed enough, and
+their violation would excuse all later ones, because a pedestrian has one slack [s]."""
+
+
 @dataclass(frozen=True, slots=True)
 class JointPlan:
     """Both plans; ``speed.cost`` is the whole objective, ``speed.slack`` counts the cones too."""
@@ -64,6 +69,7 @@ class ConeProgram:
     ) -> None:
         self.speed, self.steering, self.settings, self.slots = speed, steering, settings, slots
         self.steps = speed.steps
+        self._asked = np.cumsum(speed.dt) >= FIRST - 1e-9
         # First row and variable of the steering program, then of the cones.
         self._rows_at = (len(speed.program.h), len(speed.program.h) + len(steering.program.h))
         self._variables_at = (len(speed.program.q), len(speed.program.q) + len(steering.program.q))
@@ -97,7 +103,7 @@ class ConeProgram:
             p.G[at, jerk] -= _rows(cones.speed[slot], v) + _shifted(cones.speed_before[slot], v)
             p.G[at, angle] = -_rows(cones.across[slot], d)
             p.G[at, angle] -= _rows(cones.heading[slot], psi) + _shifted(cones.heading_before[slot], psi)
-            p.h[at] = constant[slot]
+            p.h[at] = np.where(self._asked, constant[slot], np.inf)
         return JointResponse(speed_free, steering_free, steering_gain)
 
     def solve(

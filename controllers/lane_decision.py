@@ -23,6 +23,8 @@ class ChangeSettings:
     allowed: bool
     cost: float
     """What a change costs, in units of the objective."""
+    reconsider: float
+    """The cost of other lanes is looked at only this often [s]."""
     pause: float
     """Time between two changes that the route does not ask for [s]."""
     before_crossing: float
@@ -48,6 +50,7 @@ class LaneDecision:
         self.settings = settings
         self.manoeuvre = manoeuvre
         self._rule = Rule.STRAIGHT  # under which the running change began
+        self._looked = -np.inf
 
     def decide(self, perception: Perception, cost: CostOfLane) -> Decision:
         """Return what to do; begins or aborts the manoeuvre accordingly."""
@@ -65,19 +68,22 @@ class LaneDecision:
         g_min = decision_rules.least_gap(perception.ego.speed, s.standstill_gap, s.headway)
         here = road.lane(road.reference)
         rules = [Rule.STRAIGHT]
+        due = perception.ego.time - self._looked >= s.reconsider - 1e-9
+        keeping: float | None = None
         for lane in self._open_lanes(perception):
             side = lane.number - road.reference
             rule = decision_rules.rule(decision_rules.towards(gaps, side), g_min)
             rules.append(rule)
-            if rule is Rule.STRAIGHT or here is None:
+            if not due or rule is Rule.STRAIGHT or here is None:
                 continue
+            self._looked = perception.ego.time
             # The rule LANE CHANGE finds the own lane too tight already: half the reason is enough.
             price = s.cost if rule is Rule.AUTONOMOUS else 0.5 * s.cost
-            keeping = cost(here)
+            keeping = cost(here) if keeping is None else keeping
             # Staying that costs less than the change itself needs no second look.
-            if keeping < price or cost(lane) + price >= keeping:
+            if keeping < price or blocker(perception, lane.number, s.gaps) is not None:
                 continue
-            if blocker(perception, lane.number, s.gaps) is None:
+            if cost(lane) + price < keeping:
                 self.manoeuvre.begin(perception, lane.number)
                 self._rule = rule
                 return Decision(_change(side), lane.number, rule, ahead)

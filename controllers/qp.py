@@ -174,7 +174,8 @@ class _Workspace:
             "eps_rel": tolerance,
             "max_iter": 4000,
             "check_termination": 10,
-            "polishing": False,
+            # The active set that ADMM ends with almost always gives the exact solution for one more solve.
+            "polishing": True,
             "scaling": equilibrate,
             "warm_starting": True,
         }

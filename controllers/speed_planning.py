@@ -34,6 +34,8 @@ class PassingSettings:
     lock: float
     max_classes: int
     passes: int
+    reconsider: float
+    """While the present class is reachable, others are tried only this often [s]."""
     standstill_gap: float
     bend_acceleration: float
     assume: passing.PedestrianAssumptions
@@ -61,6 +63,7 @@ class SpeedPlanner:
     memory: PlanMemory
     right_of_way: RightOfWay
     _ahead: dict[str, bool] = field(default_factory=dict)
+    _reconsidered: float = -np.inf
     _headings: dict[str, float] = field(default_factory=dict)
     _stops: list[StopPlace] = field(default_factory=list)
 
@@ -68,8 +71,10 @@ class SpeedPlanner:
         """Take note of signals and of vehicles with priority; once per plan."""
         self._stops = self.right_of_way.stops(perception)
 
-    def commit(self, chosen: Chosen) -> None:
+    def commit(self, perception: Perception, chosen: Chosen) -> None:
         """Remember the passing class that is followed from now on."""
+        if self._due(perception):
+            self._reconsidered = perception.ego.time
         self._ahead = {name: i >= chosen.behind for i, name in enumerate(chosen.conflicts.names)}
 
     def cheapest(self, perception: Perception, lane: Lane | None, leaving_for: float) -> Chosen:
@@ -140,10 +145,12 @@ class SpeedPlanner:
             short += np.maximum(slowest - bounded.upper, 0.0).max()
             scored.append((short > 0.5, self._flips(conflicts, behind), -behind, behind))
         chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
-        if self._locked(perception, conflicts):
+        if self._locked(perception, conflicts) or not self._due(perception):
             kept = [behind for behind in range(n + 1) if self._flips(conflicts, behind) == 0]
             reachable = {behind for far, *_, behind in scored if not far}
-            return [behind for behind in kept if behind in reachable][: s.max_classes] or chosen
+            same = [behind for behind in kept if behind in reachable][: s.max_classes]
+            if same and all(name in self._ahead for name in conflicts.names):
+                return same
         # Letting everybody pass is always worth a try.
         return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
 
@@ -156,6 +163,10 @@ class SpeedPlanner:
         t = np.minimum(times, speed / limits.comfortable_braking)
         nearest = speed * t - 0.5 * limits.comfortable_braking * t**2
         return np.minimum(farthest, task.upper), nearest
+
+    def _due(self, perception: Perception) -> bool:
+        """Return whether it is time to look at all passing classes again."""
+        return perception.ego.time - self._reconsidered >= self.settings.reconsider - 1e-9
 
     def _locked(self, perception: Perception, conflicts: passing.Conflicts) -> bool:
         """Return whether the class is kept because the ego is about to arrive."""

@@ -25,6 +25,7 @@ from controllers.interface import (
     Controller,
     Decision,
     Lane,
+    Manoeuvre,
     Perception,
     Plan,
     constant_command,
@@ -91,6 +92,7 @@ class VelocityObstacleMpc:
         self._decision = LaneDecision(settings.change, self._lanes)
         self._blocked = BlockedLanes()
         self._view: tuple[Perception, Perception] | None = None
+        self._kept: Chosen | None = None
         self._speed: SpeedPlanner | None = None
         self._steering: LateralProgram | None = None
 
@@ -99,16 +101,25 @@ class VelocityObstacleMpc:
         perception = self._seen(perception)
         planner = self._planner(perception)
         planner.look(perception)
-        return self._decision.decide(
-            perception, lambda lane: planner.cheapest(perception, lane, leaving_for=0.0).plan.cost
-        )
+        self._kept = None
+
+        def cost(lane: Lane) -> float:
+            chosen = planner.cheapest(perception, lane, leaving_for=0.0)
+            if lane.number == perception.road.reference:
+                self._kept = chosen
+            return chosen.plan.cost
+
+        return self._decision.decide(perception, cost)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
-        chosen = planner.cheapest(perception, lane, self._leaving(perception, lane))
+        if self._kept is not None and decision.manoeuvre is Manoeuvre.KEEP:
+            chosen = self._kept  # the decision has already found out what keeping the lane costs
+        else:
+            chosen = planner.cheapest(perception, lane, self._leaving(perception, lane))
         steering = chosen.steering
         if steering is None and chosen.plan.found:
             steering = self._steering_program(perception).solve(
@@ -116,7 +127,7 @@ class VelocityObstacleMpc:
             )
         if steering is None or not steering.found:
             return self._fallback(perception, chosen)
-        planner.commit(chosen)
+        planner.commit(perception, chosen)
         command = self._command(perception, chosen.plan, steering)
         ego, plan = perception.ego, chosen.plan
         self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
@@ -270,6 +281,7 @@ def build(
     class_hysteresis: float = 0.85,
     class_lock_s: float = 2.5,
     max_classes: int = 3,
+    reconsider_s: float = 0.3,
     standstill_gap_m: float = 2.5,
     headway_s: float = 1.0,
     lane_changes: bool = True,
@@ -290,7 +302,7 @@ def build(
     disc_radius_m: float = 2.0,
     truncation_s: float = float("inf"),
     solver: str = "osqp",
-    tolerance: float = 1e-4,
+    tolerance: float = 2e-4,
 ) -> Controller:
     """Build the controller.
 
@@ -308,6 +320,8 @@ def build(
         Nearer than this to a pedestrian's path the class is kept.
     max_classes
         Passing classes solved per step.
+    reconsider_s
+        While the present class is reachable, other classes and other lanes are tried only this often.
     standstill_gap_m, headway_s
         ``G_min = standstill_gap + headway * v``.
     lane_changes
@@ -360,6 +374,7 @@ def build(
                 lock=class_lock_s,
                 max_classes=max(max_classes, 1),
                 passes=max(passes, 1),
+                reconsider=reconsider_s,
                 standstill_gap=standstill_gap_m,
                 bend_acceleration=bend_acceleration_mps2,
                 assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
@@ -369,6 +384,7 @@ def build(
                 allowed=lane_changes,
                 cost=change_cost,
                 pause=change_pause_s,
+                reconsider=reconsider_s,
                 before_crossing=clear_before_crossing_m,
                 after_crossing=clear_after_crossing_m,
                 least_speed=2.0,
