@@ -3,7 +3,9 @@
 Each is listed in vehicle_overlaps.csv. The ego closed it if, in the step that closed the last gap, its
 own motion along the separating axis closed at least as much as the other's, and more than nothing.
 
-Undefined: never.
+Undefined: never. The other vehicle's heading is SUMO's, which leans while it changes lanes almost at a
+standstill (by half a radian in a recording of the Braunschweig network): there an overlap may be an
+artefact of the heading.
 """
 
 from __future__ import annotations
