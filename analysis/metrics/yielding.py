@@ -5,8 +5,8 @@ yield (yieldable) if it was then further from the crossing than v t + v^2 / (2 a
 yield_reaction_s and yield_deceleration_mps2, and at its speed would have reached the crossing before
 he left it. It yielded if he was on the crossing before the ego was.
 
-Undefined: empty where it could not have yielded, where it does not pass the crossing, or where the
-person does not come to it. yield_rate is yields over yieldable encounters.
+Undefined: empty where it could not have yielded, where signals decide, where it does not pass the
+crossing, or where the person does not come to it. yield_rate is yields over yieldable encounters.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def compute(case: Case) -> Values:
 
 
 def _yielded(case: Case, one: Encounter) -> float:
-    if one.traversal is None or one.traversal.track is not one.ego:
+    if one.crossing_kind == "signal" or one.traversal is None or one.traversal.track is not one.ego:
         return np.nan
     stay = crossing_stay(case, one)
     standing = one.person.speed < case.thresholds.pedestrian_standing_speed_mps

@@ -10,7 +10,7 @@ import pytest
 
 from analysis.report import RunReport, analyse_run
 from analysis.thresholds import Thresholds
-from tests.analysis.recorded import Ego, Motion, Person, line, write_run
+from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
 
 
 def crosses(start: float, end: float, waits_from: float = -1e9) -> Callable[[float], str]:
@@ -130,6 +130,15 @@ def test_a_person_waiting_at_the_kerb_is_no_conflict(tmp_path: Path) -> None:
     assert row["first_user"] == "none"
     assert row["min_ttc_s"] is None
     assert row["yielded"] is False, "he stood there in time for the ego to stop"
+
+
+def test_where_signals_decide_nobody_yields(tmp_path: Path) -> None:
+    area = {**ZEBRA, "crossing_kind": "signal"}
+    person = Person(line(32.5, -2.6, 0, 0), phase=crosses(1e9, 1e9, waits_from=0.0))
+    report = analyse(tmp_path, Ego(line(-21.2, 0, 10, 0)), person, areas=(area,))
+    assert only(report)["yielded"] is None
+    assert only(report)["priority"] == "none"
+    assert report.run["yieldable"] == 0
 
 
 def test_a_passer_by_on_the_sidewalk_is_no_encounter(tmp_path: Path) -> None:
