@@ -1,7 +1,7 @@
 """Speed and steering in one quadratic program, with collision cones that couple them.
 
 Variables are the jerks and slacks of the speed program, the steering rates and slack of the steering
-program, and one slack per pedestrian slot; the objective is the sum of both. The two programs are built as
+program, and two slacks per pedestrian slot; the objective is the sum of both. The two programs are built as
 they are and copied in blocks; below their rows stand those of the cones, linearised about a nominal plan.
 """
 
@@ -21,9 +21,9 @@ from controllers.qp import Program
 FloatArray = NDArray[np.float64]
 
 
-FIRST = 1.0
-"""Velocities are asked for from one of the paper's steps ahead on. Nearer ones cannot be changed enough, and
-their violation would excuse all later ones, because a pedestrian has one slack [s]."""
+NEAR = 1.0
+"""Velocities nearer ahead can hardly be changed any more. They have a slack of their own, so that their
+violation does not excuse later ones [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,19 +69,20 @@ class ConeProgram:
     ) -> None:
         self.speed, self.steering, self.settings, self.slots = speed, steering, settings, slots
         self.steps = speed.steps
-        self._asked = np.cumsum(speed.dt) >= FIRST - 1e-9
+        near = np.cumsum(speed.dt) < NEAR
+        self._slacks = np.stack((near, ~near), axis=1)
         # First row and variable of the steering program, then of the cones.
         self._rows_at = (len(speed.program.h), len(speed.program.h) + len(steering.program.h))
         self._variables_at = (len(speed.program.q), len(speed.program.q) + len(steering.program.q))
         self.program = Program(self._cost_pattern(), self._row_pattern(), solver, tolerance)
         self._place(constant=True)
         first, weights = self._variables_at[1], speed.weights
-        slack = range(first, first + slots)
+        slack = range(first, len(self.program.q))
         self.program.P[slack, slack] = 2.0 * weights.violation_squared
         self.program.q[first:] = weights.violation
         self.program.lower[first:] = 0.0
         for slot in range(slots):
-            self.program.G[self._slot(slot), first + slot] = -1.0
+            self.program.G[self._slot(slot), self._slack(slot)] = np.where(self._slacks, -1.0, 0.0)
 
     def build(
         self, speed: SpeedTask, steering: SteeringTask, walkers: Walkers, nominal: Motion
@@ -103,7 +104,7 @@ class ConeProgram:
             p.G[at, jerk] -= _rows(cones.speed[slot], v) + _shifted(cones.speed_before[slot], v)
             p.G[at, angle] = -_rows(cones.across[slot], d)
             p.G[at, angle] -= _rows(cones.heading[slot], psi) + _shifted(cones.heading_before[slot], psi)
-            p.h[at] = np.where(self._asked, constant[slot], np.inf)
+            p.h[at] = constant[slot]
         return JointResponse(speed_free, steering_free, steering_gain)
 
     def solve(
@@ -150,7 +151,7 @@ class ConeProgram:
 
     def start(self, plan: JointPlan) -> FloatArray:
         """Return the variables of both plans, to start a solve from."""
-        return np.concatenate((plan.speed.inputs, plan.steering.inputs, np.zeros(self.slots)))
+        return np.concatenate((plan.speed.inputs, plan.steering.inputs, np.zeros(2 * self.slots)))
 
     def _place(self, constant: bool) -> None:
         """Copy the blocks of the two programs; those that never change only once."""
@@ -171,23 +172,27 @@ class ConeProgram:
         first = self._rows_at[1] + slot * self.steps
         return slice(first, first + self.steps)
 
+    def _slack(self, slot: int) -> slice:
+        first = self._variables_at[1] + 2 * slot
+        return slice(first, first + 2)
+
     def _cost_pattern(self) -> NDArray[np.bool_]:
         split, end = self._variables_at
-        pattern = np.eye(end + self.slots, dtype=bool)
+        pattern = np.eye(end + 2 * self.slots, dtype=bool)
         pattern[:split, :split] = self.speed.program.cost_pattern
         pattern[split:end, split:end] = self.steering.program.cost_pattern
         return pattern
 
     def _row_pattern(self) -> NDArray[np.bool_]:
         (speed_rows, rows_end), (split, end), n = self._rows_at, self._variables_at, self.steps
-        pattern = np.zeros((rows_end + self.slots * n, end + self.slots), dtype=bool)
+        pattern = np.zeros((rows_end + self.slots * n, end + 2 * self.slots), dtype=bool)
         pattern[:speed_rows, :split] = self.speed.program.row_pattern
         pattern[speed_rows:rows_end, split:end] = self.steering.program.row_pattern
         lower_triangle = np.tril(np.ones((n, n), dtype=bool))
         for slot in range(self.slots):
             pattern[self._slot(slot), :n] = lower_triangle
             pattern[self._slot(slot), split : split + n] = lower_triangle
-            pattern[self._slot(slot), end + slot] = True
+            pattern[self._slot(slot), self._slack(slot)] = self._slacks
         return pattern
 
 
