@@ -5,7 +5,8 @@ their velocity; the smallest one of the encounter is reported, with its time and
 
 Undefined: empty with ttc_status `no_collision_course` where the two would never touch, `not_entered`
 for a person who never was on the crossing nor in the ego's path. 0 with status `collision` after a
-contact. Steps with a standing ego, or with the person still at the kerb, do not count.
+contact. Steps with a standing ego, or with the person still at the kerb, do not count. Both are taken to go
+straight on: for a turning ego that may predict a collision beside its path.
 """
 
 from __future__ import annotations

@@ -75,6 +75,11 @@ def test_shapely_agrees(judge: judges.Judge, count: int, bound: float) -> None:
     assert found.largest <= bound
 
 
+@pytest.mark.parametrize(("step", "bound"), [(0.1, 0.005), (1.0, 0.02)])
+def test_shapely_agrees_on_curved_rides_at_any_step(step: float, bound: float) -> None:
+    assert judges.curved_rides(step, 12).largest <= bound
+
+
 def test_the_deceleration_is_what_a_search_over_braking_finds() -> None:
     found = judges.braking()
     assert found.largest <= 1e-6
