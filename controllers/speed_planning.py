@@ -18,6 +18,8 @@ FloatArray = NDArray[np.float64]
 
 SIDE_CLEARANCE = 0.3
 """Distance kept beside other vehicles [m]."""
+BESIDE = 0.1
+"""The same for those in the lane that is being left: only who is really in the way counts [m]."""
 BODY_GAP = 1.0
 """Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
 SLOWING_FOR_THE_ROAD = 1.5
@@ -218,7 +220,8 @@ class SpeedPlanner:
         then = traffic.blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
             return then.rear, then.rest, then.name
-        now = traffic.blockade(perception, (ego.across - reach, ego.across + reach), times)
+        body = 0.5 * ego.body.width + BESIDE
+        now = traffic.blockade(perception, (ego.across - body, ego.across + body), times)
         left = times > leaving_for
         rear = np.minimum(np.where(left, np.inf, now.rear), then.rear)
         rest = np.minimum(np.where(left, np.inf, now.rest), then.rest)

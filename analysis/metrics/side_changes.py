@@ -1,14 +1,12 @@
 """Changes of the passing class: from passing behind a pedestrian to passing ahead, or back.
 
-Counted between consecutive plans about the same number of pedestrians whose classes differ, such as
-`behind:1 ahead:1` after `behind:2`. A plan about more or fewer pedestrians starts afresh.
+The `passing` column names who is let pass and who is not: `behind=p1|p2 ahead=p3`. A change is counted
+when a pedestrian's side differs from the last plan of the same ego that named him.
 
 Undefined: never; 0 for controllers without passing classes.
 """
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 
@@ -21,37 +19,46 @@ SOURCE = "own definition"
 COLUMNS = ("side_changes",)
 RUN_COLUMNS = ("side_changes",)
 
-_COUNT = re.compile(r"(behind|ahead):(\d+)")
-
 
 def compute(case: Case) -> Values:
     """Return the number of changes in each encounter."""
-    changed = _changes(case)
-    return {
-        "side_changes": np.array([int(changed[rows[1:]].sum()) for rows in case.ego_rows], dtype=np.int64)
-    }
+    changes = _changes(case)
+    rows = [[row for row, name in changes if name == one.person.name] for one in case.encounters]
+    counts = [
+        int(np.isin(changed, ego_rows).sum()) for changed, ego_rows in zip(rows, case.ego_rows, strict=True)
+    ]
+    return {"side_changes": np.array(counts, dtype=np.int64)}
 
 
 def summarise(case: Case, columns: Values) -> Values:
     """Return the number of changes in the run."""
-    return {"side_changes": int(_changes(case).sum())}
+    return {"side_changes": len(_changes(case))}
 
 
-def _changes(case: Case) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return the rows of the egos at which the class differs from the plan before."""
+def sides(text: str) -> dict[str, str]:
+    """Return pedestrian -> side of a passing class.
+
+    >>> sides("behind=a|b ahead=c")
+    {'a': 'behind', 'b': 'behind', 'c': 'ahead'}
+    """
+    parts = (part.partition("=") for part in text.split())
+    return {name: side for side, _, names in parts for name in names.split("|") if name}
+
+
+def _changes(case: Case) -> list[tuple[int, str]]:
+    """Return row of the ego and name of the pedestrian for every change."""
     passing = case.run.egos.texts["passing"]
-    behind = np.zeros(len(passing.names) + 1, dtype=np.int64)
-    total = np.zeros(len(passing.names) + 1, dtype=np.int64)
-    for code, text in enumerate(passing.names):
-        counts = {side: int(number) for side, number in _COUNT.findall(text)}
-        behind[code] = counts.get("behind", 0)
-        total[code] = sum(counts.values())
-    changed = np.zeros(len(case.run.egos), dtype=np.bool_)
     planned = case.run.egos.flags["planned"]
+    by_code = [sides(text) for text in passing.names]
+    found: list[tuple[int, str]] = []
     for track in case.egos:
         rows = track.rows[:: case.grid.factor]
-        rows = rows[planned[rows]]
-        codes = passing.codes[rows]
-        same = total[codes[1:]] == total[codes[:-1]]
-        changed[rows[1:]] = same & (behind[codes[1:]] != behind[codes[:-1]])
-    return changed
+        last: dict[str, str] = {}
+        for row in rows[planned[rows]]:
+            code = passing.codes[row]
+            if code < 0 or code >= len(by_code):
+                continue
+            now = by_code[code]
+            found += [(int(row), name) for name, side in now.items() if last.get(name, side) != side]
+            last |= now
+    return found

@@ -79,23 +79,23 @@ def test_a_fallback_within_an_encounter_is_its_status(tmp_path: Path) -> None:
         assert analyse_run(folder).encounters[0]["controller_status"] == expected
 
 
-def test_only_a_flip_of_side_with_the_same_pedestrians_is_a_side_change(tmp_path: Path) -> None:
+def test_only_a_pedestrian_who_changes_sides_is_a_side_change(tmp_path: Path) -> None:
     classes = [
         "",
-        "behind:1",
-        "behind:2",
-        "behind:1 ahead:1",
-        "ahead:2",
-        "ahead:1",
-        "ahead:1",
-        "behind:1",
+        "behind=a ahead=",
+        "behind=a|b ahead=",
+        "behind=b ahead=a",
+        "behind= ahead=b|a",
+        "behind= ahead=b",
+        "",
+        "behind=b ahead=",
         "",
     ]
 
     def passing(t: float) -> str:
         return classes[min(int(t + 1e-6), len(classes) - 1)]
 
-    # behind 2 -> 1+1 -> ahead 2, and ahead 1 -> behind 1; a pedestrian more or fewer is no flip.
+    # a goes ahead, b goes ahead, and b behind again although no plan in between named him.
     assert summary(tmp_path, recorded(passing=passing))["side_changes"] == 3
 
 
