@@ -188,7 +188,7 @@ class LongitudinalProgram:
         )
 
     def _towards(self, command: float, present: float) -> FloatArray:
-        """Return the inputs that lead half way to a command, at half the jerk allowed: room to drive is left."""
+        """Return the inputs that lead half way to a command at half the jerk: there is room left to drive."""
         reach = 0.5 * self.limits.jerk * np.cumsum(self.dt)
         return np.asarray(np.clip(0.5 * command - present, -reach, reach))
 
