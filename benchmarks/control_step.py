@@ -123,6 +123,10 @@ def measure(case: Case) -> dict[str, Any]:
                 "median": float(np.median(ratios)),
                 "least": float(min(ratios)),
                 "most": float(max(ratios)),
+                "of_sums": float(
+                    sum(run[NAIVE]["compared"].sum() for run in runs)
+                    / sum(run[name]["compared"].sum() for run in runs)
+                ),
             }
         watch, steps = split[name]["watch"], len(split[name]["times"])
         entry["parts_ms"][name] = {part: 1e3 * watch.seconds.get(part, 0.0) / steps for part in PARTS}
@@ -133,12 +137,12 @@ def measure(case: Case) -> dict[str, Any]:
 def show(case: Case, entry: dict[str, Any]) -> None:
     """Print one case."""
     for name, times in entry["times"].items():
-        ratio = entry["ratio"].get(name, {"median": 1.0, "least": 1.0, "most": 1.0})
+        ratio = entry["ratio"].get(name, {"median": 1.0, "least": 1.0, "most": 1.0, "of_sums": 1.0})
         parts = "  ".join(f"{part} {value:.2f}" for part, value in entry["parts_ms"][name].items())
         print(
             f"{case!s:6}{name:6} median {times['median_ms']:7.2f}  p95 {times['p95_ms']:7.2f}  "
             f"p99 {times['p99_ms']:7.2f} ms   naive/it {ratio['median']:5.1f} "
-            f"({ratio['least']:.1f} to {ratio['most']:.1f})   {parts}",
+            f"({ratio['least']:.1f} to {ratio['most']:.1f}; of sums {ratio['of_sums']:.1f})   {parts}",
             flush=True,
         )
 
