@@ -25,7 +25,7 @@ def publish(section: str, content: Mapping[str, Any]) -> None:
     everything = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     everything["environment"] = environment()
     everything[section] = content
-    path.write_text(json.dumps(everything, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     (FOLDER / "results.md").write_text(page(everything), encoding="utf-8")
 
 
