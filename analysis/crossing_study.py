@@ -1,8 +1,8 @@
 """The comparison of controllers at crossings: one row per scenario, demand and controller.
 
-Reads the CSV files of recorded runs only. A passage is an ego over a crossing with at least one pedestrian
-who entered the ego's path; clearances and times to collision are the smallest of a passage, decelerations and jerks
-the largest.
+Reads the CSV files of recorded runs only. A passage is an ego over a crossing with at least one
+pedestrian who entered the ego's path; clearances and times to collision are the smallest of a passage,
+decelerations and jerks the largest.
 """
 
 from __future__ import annotations

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+from typing import Any
+
 import pandas as pd
 
 ORDER = ("vo_mpc", "sumo", "aeb")
@@ -58,6 +61,10 @@ def markdown(table: pd.DataFrame) -> str:
             "|---|" + "---|" * len(names),
         ]
         for label, text in _LINES:
-            lines.append(f"| {label} | " + " | ".join(text.format(**rows[name]) for name in names) + " |")
+            lines.append(f"| {label} | " + " | ".join(_cell(text, rows[name]) for name in names) + " |")
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks) + "\n"
+
+
+def _cell(text: str, row: dict[Hashable, Any]) -> str:
+    return text.format(**{str(key): value for key, value in row.items()})
