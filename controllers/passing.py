@@ -166,24 +166,38 @@ def class_name(conflicts: Conflicts, behind: int) -> str:
     return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
 
 
-def position_bounds(
+@dataclass(frozen=True, slots=True)
+class ClassBounds:
+    """What each passing class asks of the rear axle's position, shape (n + 1, N) each.
+
+    Row j is the class that lets the first j pass. Every half-plane of this formulation bounds the position
+    alone, so per time only the tightest one matters: the program does not grow with the number of
+    pedestrians, and nothing is lost.
+    """
+
+    upper: FloatArray
+    """Largest position while somebody who is let pass has not left; inf where free [m]."""
+    lower: FloatArray
+    """Least position once somebody who is passed ahead of enters; −inf where free [m]."""
+    freeze: FloatArray
+    """As ``upper``, but only while somebody is expected in the band: where the ego must still be able to
+    stop should they stop walking [m]."""
+
+
+def class_bounds(
     conflicts: Conflicts,
-    behind: int,
     times: FloatArray,
     front: float,
     rear: float,
     margin_along: float,
     speed: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return what one passing class asks of the rear axle's position at each time.
-
-    Every half-plane of this formulation bounds the position alone, so per time only the tightest one
-    matters: the program does not grow with the number of pedestrians, and nothing is lost.
+) -> ClassBounds:
+    """Return the bounds of all passing classes.
 
     Parameters
     ----------
     conflicts
-        By time of entry; the first ``behind`` are let pass.
+        By time of entry.
     times
         Horizon, shape (N,) [s].
     front, rear
@@ -193,39 +207,43 @@ def position_bounds(
     speed
         Expected speed at each time: carries a bound from the instant it holds to the next grid time,
         shape (N,) [m/s].
-
-    Returns
-    -------
-    upper
-        Largest position while somebody who is let pass has not left, shape (N,); inf where free.
-    lower
-        Least position once somebody who is passed ahead of enters, −inf where free.
-    freeze
-        As ``upper``, but only while somebody is expected in the band: where the ego must still be able
-        to stop should they stop walking.
     """
-    n = len(times)
-    upper = np.full(n, np.inf)
-    lower = np.full(n, -np.inf)
-    freeze = np.full(n, np.inf)
+    n, count = len(conflicts), len(times)
+    upper = np.full((n + 1, count), np.inf)
+    lower = np.full((n + 1, count), -np.inf)
+    freeze = np.full((n + 1, count), np.inf)
+    if n == 0:
+        return ClassBounds(upper, lower, freeze)
     previous = np.concatenate(([0.0], times[:-1]))
     following = np.concatenate((times[1:], [np.inf]))
-    for i in range(len(conflicts)):
-        x = conflicts.along[i] + conflicts.along_speed[i] * np.minimum(times, 3.0)
-        reach = conflicts.radius[i] + margin_along
-        if i < behind:
-            limit = x - reach
-            line = conflicts.stop_line[i]
-            # Once the bumper is past the stop line only the pedestrian counts.
-            if front <= line + 0.3:
-                limit = np.minimum(limit, max(line, front))
-            active = previous < conflicts.leave[i]
-            late = np.where(active, speed * np.maximum(times - conflicts.leave[i], 0.0), 0.0)
-            upper = np.where(active, np.minimum(upper, limit - front + late), upper)
-            occupied = active & (following > conflicts.enter[i])
-            freeze = np.where(occupied, np.minimum(freeze, limit - 0.25 - front), freeze)
-        else:
-            active = (times >= conflicts.enter[i]) & (previous < conflicts.leave[i])
-            late = speed * np.where(previous < conflicts.enter[i], times - conflicts.enter[i], 0.0)
-            lower = np.where(active, np.maximum(lower, x + reach + rear + late), lower)
-    return upper, lower, freeze
+    enter, leave = conflicts.enter[:, None], conflicts.leave[:, None]
+    line = conflicts.stop_line[:, None]
+    x = conflicts.along[:, None] + conflicts.along_speed[:, None] * np.minimum(times, 3.0)
+    reach = (conflicts.radius + margin_along)[:, None]
+    # Once the bumper is past the stop line only the pedestrian counts.
+    limit = np.where(front <= line + 0.3, np.minimum(x - reach, np.maximum(line, front)), x - reach)
+    active = previous < leave
+    late = np.where(active, speed * np.maximum(times - leave, 0.0), 0.0)
+    upper[1:] = np.where(active, limit - front + late, np.inf)
+    freeze[1:] = np.where(active & (following > enter), limit - 0.25 - front, np.inf)
+    late = speed * np.where(previous < enter, times - enter, 0.0)
+    lower[:-1] = np.where((times >= enter) & active, x + reach + rear + late, -np.inf)
+    return ClassBounds(
+        np.minimum.accumulate(upper, axis=0),
+        np.maximum.accumulate(lower[::-1], axis=0)[::-1],
+        np.minimum.accumulate(freeze, axis=0),
+    )
+
+
+def position_bounds(
+    conflicts: Conflicts,
+    behind: int,
+    times: FloatArray,
+    front: float,
+    rear: float,
+    margin_along: float,
+    speed: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return upper, lower and freeze bound of one passing class, shape (N,) each; see `class_bounds`."""
+    bounds = class_bounds(conflicts, times, front, rear, margin_along, speed)
+    return bounds.upper[behind], bounds.lower[behind], bounds.freeze[behind]

@@ -68,6 +68,8 @@ class SpeedPlanner:
     _reconsidered: float = -np.inf
     _headings: dict[str, float] = field(default_factory=dict)
     _stops: list[StopPlace] = field(default_factory=list)
+    _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
+    # Of the conflicts and task they were worked out for.
 
     def look(self, perception: Perception) -> None:
         """Take note of signals and of vehicles with priority; once per plan."""
@@ -104,6 +106,8 @@ class SpeedPlanner:
         best: Chosen | None = None
         best_cost = np.inf
         for behind in self._candidates(perception, conflicts, task):
+            if best is not None and self._least_cost(perception, task, conflicts, behind) > best_cost:
+                continue
             plan, steering = self._solve_class(perception, lane, task, conflicts, behind)
             # A change of mind has to be worth it.
             cost = plan.cost / (s.hysteresis if self._flips(conflicts, behind) else 1.0)
@@ -140,12 +144,13 @@ class SpeedPlanner:
         if n == 0:
             return [0]
         fastest, slowest = self._reach(perception.ego.speed, task)
-        scored = []
-        for behind in range(n + 1):
-            bounded = self._bounded(perception, task, conflicts, behind)
-            short = np.maximum(bounded.lower - fastest, 0.0).max()
-            short += np.maximum(slowest - bounded.upper, 0.0).max()
-            scored.append((short > 0.5, self._flips(conflicts, behind), -behind, behind))
+        bounds = self._class_bounds(perception, task, conflicts)
+        short = np.maximum(bounds.lower - fastest, 0.0).max(axis=1)
+        short += np.maximum(slowest - bounds.upper, 0.0).max(axis=1)
+        scored = [
+            (bool(short[behind] > 0.5), self._flips(conflicts, behind), -behind, behind)
+            for behind in range(n + 1)
+        ]
         chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
         if self._locked(perception, conflicts) or not self._due(perception):
             kept = [behind for behind in range(n + 1) if self._flips(conflicts, behind) == 0]
@@ -165,6 +170,20 @@ class SpeedPlanner:
         t = np.minimum(times, speed / limits.comfortable_braking)
         nearest = speed * t - 0.5 * limits.comfortable_braking * t**2
         return np.minimum(farthest, task.upper), nearest
+
+    def _least_cost(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
+    ) -> float:
+        """Return what a class costs at least for violated bounds, however hard the ego brakes or pushes."""
+        limits, weights, times = self.program.limits, self.program.weights, self.memory.times
+        speed = perception.ego.speed
+        farthest = speed * times + 0.5 * limits.acceleration * times**2
+        t = np.minimum(times, speed / limits.emergency_braking)
+        nearest = speed * t - 0.5 * limits.emergency_braking * t**2
+        bounds = self._class_bounds(perception, task, conflicts)
+        late = float(np.maximum(bounds.lower[behind] - farthest, 0.0).max())
+        soon = float(np.maximum(nearest - bounds.upper[behind], 0.0).max())
+        return weights.violation * (late + soon) + weights.violation_squared * (late**2 + soon**2)
 
     def _due(self, perception: Perception) -> bool:
         """Return whether it is time to look at all passing classes again."""
@@ -241,22 +260,31 @@ class SpeedPlanner:
         self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
     ) -> SpeedTask:
         """Return the task with the pedestrians of one passing class in it."""
-        body = perception.ego.body
-        upper, lower, freeze = passing.position_bounds(
-            conflicts,
-            behind,
-            self.memory.times,
-            body.front,
-            body.rear_overhang,
-            self.settings.margin_along,
-            task.expected,
-        )
+        bounds = self._class_bounds(perception, task, conflicts)
         return replace(
             task,
-            upper=np.minimum(task.upper, upper),
-            lower=np.maximum(task.lower, lower),
-            stoppable=np.minimum(task.stoppable, freeze),
+            upper=np.minimum(task.upper, bounds.upper[behind]),
+            lower=np.maximum(task.lower, bounds.lower[behind]),
+            stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),
         )
+
+    def _class_bounds(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts
+    ) -> passing.ClassBounds:
+        """Return the bounds of all classes, worked out once for the same conflicts and task."""
+        known = self._bounds
+        if known is None or known[0] is not conflicts or known[1] is not task:
+            body = perception.ego.body
+            bounds = passing.class_bounds(
+                conflicts,
+                self.memory.times,
+                body.front,
+                body.rear_overhang,
+                self.settings.margin_along,
+                task.expected,
+            )
+            known = self._bounds = (conflicts, task, bounds)
+        return known[2]
 
     def _nothing(self, speed: float) -> SpeedPlan:
         times = self.memory.times
