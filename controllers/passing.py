@@ -7,7 +7,7 @@ pass (it goes *behind* them) and goes *ahead* of the rest.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,54 @@ class PedestrianAssumptions:
     """Speed at which somebody who stands on a crossing may walk on [m/s]."""
     standing_below: float = 0.2
     """Slower than this is standing [m/s]."""
-    yield_to_standing: bool = False
+    yield_to_standing: bool = True
     """Whether somebody who stands at the kerb of a zebra is expected to step out."""
+    patience: float = 3.0
+    """Somebody who has stood this long while the ego waited is taken to let it go first [s]."""
+    careful_speed: float = 5.0
+    """With which the ego passes somebody who lets it go [m/s]."""
+    waiting_below: float = 0.5
+    """A slower ego waits [m/s]."""
+
+
+@dataclass(slots=True)
+class Watch:
+    """What is remembered of each pedestrian, by name."""
+
+    heading: dict[str, float] = field(default_factory=dict)
+    """Sign of the last clear movement across the path."""
+    waited: dict[str, float] = field(default_factory=dict)
+    """How long both have stood [s]."""
+    seen: float = -np.inf
+    """When it was looked at last [s]."""
+
+    def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
+        """Bring it up to date; looking twice at the same instant changes nothing."""
+        ego, people = perception.ego, perception.pedestrians
+        passed = min(ego.time - self.seen, 1.0)
+        self.seen = ego.time
+        waited: dict[str, float] = {}
+        for i, name in enumerate(people.names):
+            if abs(people.across_speed[i]) > assume.standing_below:
+                self.heading[name] = float(np.sign(people.across_speed[i]))
+            if np.hypot(people.along_speed[i], people.across_speed[i]) <= assume.standing_below:
+                waits = passed if ego.speed < assume.waiting_below else 0.0
+                waited[name] = self.waited.get(name, 0.0) + waits
+        self.waited = waited
+
+    def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
+        """Return the along coordinates of those who let the ego go: it should not race past them [m]."""
+        people = perception.pedestrians
+        at = [
+            float(people.along[i])
+            for i, name in enumerate(people.names)
+            if (people.on_crossing[i] or people.waiting[i]) and self.lets_go_first(name, assume)
+        ]
+        return np.array(at, dtype=np.float64)
+
+    def lets_go_first(self, name: str, assume: PedestrianAssumptions) -> bool:
+        """Return whether somebody has stood so long before a waiting ego that it may go."""
+        return self.waited.get(name, 0.0) >= assume.patience
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +102,7 @@ class Conflicts:
 
 def find(
     perception: Perception,
-    headings: dict[str, float],
+    watch: Watch,
     band: tuple[float, float],
     side_margin: float,
     horizon: float,
@@ -68,8 +114,8 @@ def find(
     ----------
     perception
         What the ego is told.
-    headings
-        Sign of the last clear movement across the path, by name; updated here.
+    watch
+        What is remembered of the pedestrians; updated here.
     band
         Right and left end of what the ego's body sweeps (across) [m].
     side_margin
@@ -84,7 +130,8 @@ def find(
     n = len(people)
     if n == 0:
         return _empty()
-    across_speed, considered = _expected_motion(perception, headings, assume)
+    watch.look(perception, assume)
+    across_speed, considered = _expected_motion(perception, watch, assume)
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
     enter, leave = _overlap(people.across, across_speed, low, high)
@@ -110,7 +157,7 @@ def find(
 
 
 def _expected_motion(
-    perception: Perception, headings: dict[str, float], assume: PedestrianAssumptions
+    perception: Perception, watch: Watch, assume: PedestrianAssumptions
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the expected speed across the path and who has to be considered at all."""
     people = perception.pedestrians
@@ -118,16 +165,18 @@ def _expected_motion(
     speed = people.across_speed.copy()
     considered = np.ones(len(people), dtype=bool)
     for i, name in enumerate(people.names):
-        if abs(speed[i]) > assume.standing_below:
-            headings[name] = float(np.sign(speed[i]))
         crossing = road.crossings[people.crossing[i]] if people.crossing[i] >= 0 else None
         if people.on_crossing[i]:
-            if abs(speed[i]) < assume.standing_below and name in headings:
-                speed[i] = headings[name] * assume.resume_speed
+            stands = abs(speed[i]) < assume.standing_below
+            if stands and name in watch.heading and not watch.lets_go_first(name, assume):
+                speed[i] = watch.heading[name] * assume.resume_speed
         elif people.waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
             pace = float(np.hypot(people.along_speed[i], people.across_speed[i]))
-            if not has_priority or (pace < assume.standing_below and not assume.yield_to_standing):
+            stays = pace < assume.standing_below and (
+                not assume.yield_to_standing or watch.lets_go_first(name, assume)
+            )
+            if not has_priority or stays:
                 considered[i] = False
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.

@@ -20,6 +20,8 @@ SIDE_CLEARANCE = 0.3
 """Distance kept beside other vehicles [m]."""
 BESIDE = 0.1
 """The same for those in the lane that is being left: only who is really in the way counts [m]."""
+CAREFUL_BEFORE = 5.0
+"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 BODY_GAP = 1.0
 """Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
 SLOWING_FOR_THE_ROAD = 1.5
@@ -66,7 +68,7 @@ class SpeedPlanner:
     right_of_way: RightOfWay
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
-    _headings: dict[str, float] = field(default_factory=dict)
+    _watch: passing.Watch = field(default_factory=passing.Watch)
     _stops: list[StopPlace] = field(default_factory=list)
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
@@ -96,7 +98,7 @@ class SpeedPlanner:
         s, times = self.settings, self.memory.times
         conflicts = passing.find(
             perception,
-            self._headings,
+            self._watch,
             _swept(perception, lane),
             s.margin_across,
             float(times[-1]),
@@ -213,13 +215,17 @@ class SpeedPlanner:
         rear, rest, leader = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, rest)
         short = front + s.standstill_gap + limits.headway * ego.speed - float(rear[0])
+        reference = road_profile.reference_speed(
+            perception, positions, s.bend_acceleration, SLOWING_FOR_THE_ROAD
+        )
+        for along in self._watch.carefully_past(perception, s.assume):
+            beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
+            reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
         task = SpeedTask(
             speed=ego.speed,
             acceleration=ego.acceleration,
             command=self.memory.commanded(ego)[0],
-            reference=road_profile.reference_speed(
-                perception, positions, s.bend_acceleration, SLOWING_FOR_THE_ROAD
-            ),
+            reference=reference,
             expected=expected,
             upper=np.minimum(rear - BODY_GAP, line - 0.5) - front,
             lower=np.full(len(times), -np.inf),

@@ -296,7 +296,7 @@ def build(
     emergency_braking_mps2: float = 8.0,
     max_jerk_mps3: float = 12.0,
     freeze_braking_mps2: float = 7.0,
-    yield_to_standing: bool = False,
+    yield_to_standing: bool = True,
     cone: Cone = Cone.STEP,
     shape: Shape = Shape.RECTANGLE,
     disc_radius_m: float = 2.0,

@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from controllers.interface import CrossingKind, Perception
-from controllers.passing import Conflicts, PedestrianAssumptions, class_name, find, position_bounds
+from controllers.passing import (
+    Conflicts,
+    PedestrianAssumptions,
+    Watch,
+    class_name,
+    find,
+    position_bounds,
+)
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 
 BAND = (-0.9, 0.9)
@@ -24,13 +31,13 @@ REAR = 0.95
 def _find(
     walkers: Sequence[Walker],
     scene: Perception | None = None,
-    headings: dict[str, float] | None = None,
+    watch: Watch | None = None,
     assume: PedestrianAssumptions | None = None,
 ) -> Conflicts:
     scene = scene or perception(walkers=walkers)
     return find(
         scene,
-        {} if headings is None else headings,
+        watch or Watch(),
         BAND,
         MARGIN,
         HORIZON,
@@ -85,7 +92,7 @@ def test_somebody_behind_the_car_is_no_conflict_and_does_not_hide_who_is_ahead()
 
 def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_he_moves() -> None:
     waiting = Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)
-    assert len(_find([], _on_zebra([waiting]))) == 0
+    assert len(_find([], _on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=False))) == 0
     assert len(_find([], _on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=True))) == 1
     # Walking along the kerb counts as being about to turn, at no less than the assumed speed.
     found = _find([], _on_zebra([replace(waiting, along_speed=0.9)]))
@@ -108,10 +115,10 @@ def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: boo
 
 
 def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_came() -> None:
-    headings: dict[str, float] = {}
-    _find([], _on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), headings)
-    assert headings == {"person0": 1.0}
-    standing = _find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), headings)
+    watch = Watch()
+    _find([], _on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), watch)
+    assert watch.heading == {"person0": 1.0}
+    standing = _find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), watch)
     assert standing.across_speed[0] == pytest.approx(1.2)
     # Of a stranger nothing is known: he stands where he stands.
     assert len(_find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0

@@ -86,7 +86,7 @@ def test_five_crossings_span_six_lanes_220_m_apart(name: str, priority: bool, tm
     assert len(found) == 5
     assert [b - a for a, b in pairwise(places)] == pytest.approx([220.0] * 4)
     for crossing in found:
-        assert crossing.getLength() == pytest.approx(6 * 3.25)
+        assert crossing.getLength() == pytest.approx(6 * 3.25 + 2 * 1.0)
         crossed = crossing.getCrossingEdges()
         lanes = [lane for edge in crossed for lane in edge.getLanes() if lane.allows("passenger")]
         assert len(lanes) == 6
