@@ -15,6 +15,9 @@ from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception, Ro
 from controllers.lane_incentive import IncentiveRule, better_lane
 from controllers.leaders import LANE_END
 
+SAME_END = 10.0
+"""Lanes whose ends differ by less end at the same place: in a bend their lengths differ [m]."""
+
 
 @dataclass(frozen=True, slots=True)
 class GapRule:
@@ -127,7 +130,8 @@ def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int
     Notes
     -----
     Of the adjacent lanes the one that follows the route for longer is taken. Where none does, several
-    changes are needed, and they lead to the side on which the road goes on beyond the lanes in view.
+    changes are needed, and they lead to the side on which the road goes on beyond the lanes in view, but
+    never into a lane that serves the route worse than the present one: from there the way would lead back.
     """
     rule = rule or RouteRule()
     road, ego = perception.road, perception.ego
@@ -135,8 +139,9 @@ def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int
     if here is None or here.follows_route_for >= road.route_end:
         return None
     beside = [lane for lane in road.lanes if abs(lane.number - here.number) == 1]
-    better = [lane for lane in beside if lane.follows_route_for > here.follows_route_for + 1.0]
-    candidates = better or [lane for lane in beside if _road_goes_on(lane, here, road)] or beside
+    better = [lane for lane in beside if lane.follows_route_for > here.follows_route_for + SAME_END]
+    as_good = [lane for lane in beside if lane.follows_route_for >= here.follows_route_for - SAME_END]
+    candidates = better or [lane for lane in as_good if _road_goes_on(lane, here, road)] or as_good
     if not candidates:
         return None
     changes = 1 if better and np.isinf(max(lane.follows_route_for for lane in better)) else 2

@@ -52,6 +52,18 @@ def test_several_changes_lead_to_the_side_where_there_are_more_lanes() -> None:
     assert lane_for_route(perception(road=road)) == 2
 
 
+def test_a_lane_that_serves_the_route_worse_is_never_changed_to() -> None:
+    # The right lane turns with the route and ends an edge later, the left one ends at this junction.
+    assert lane_for_route(perception(road=_ending(lane0=200.0, lane1=80.0))) is None
+    assert lane_for_route(perception(road=_ending(reference=1, lane0=200.0, lane1=80.0))) == 0
+
+
+def test_lanes_that_differ_by_a_bend_s_width_end_at_the_same_place() -> None:
+    # Four lanes, the ego in the second; the fourth goes on, and the first is longer by the bend alone.
+    road = _ending(4, 1, lane0=105.0, lane1=100.0, lane2=95.0)
+    assert lane_for_route(perception(road=road)) == 2
+
+
 @pytest.mark.parametrize(
     "car",
     [
