@@ -22,7 +22,7 @@ HELD_FOR = 3.0
 FRONT_DEPTH = 0.5
 """How far behind the front bumper a contact still is one of the front [m]."""
 SAME_WAY = math.radians(60.0)
-"""Vehicles turned further from the lane's direction are crossing or oncoming; those are not braked for."""
+"""Moving vehicles turned further from the lane's direction cross or come; those are not braked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ def _people(perception: Perception, speed: float, rule: BrakingRule) -> tuple[Fl
 
 
 def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]:
-    """Return when each vehicle ahead that goes the same way is met [s], and how fast it goes [m/s]."""
+    """Return when each vehicle that stands or goes the same way is met [s], and how fast it goes [m/s]."""
     them, ego = perception.vehicles, perception.ego
     along = them.along - 0.5 * them.length * np.cos(them.heading_error)
     x, y, x_speed, y_speed = _seen_from(ego, along, them.across, them.along_speed, them.across_speed)
@@ -164,7 +164,9 @@ def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]
         relative,
         y_speed,
     )
-    met = (np.abs(turned) < SAME_WAY) & _at_front(times, x - half_length, relative, body.front)
+    # Whoever stands, perhaps to turn across the ego's way, will not have left it in time.
+    concerned = (np.abs(turned) < SAME_WAY) | (np.hypot(them.along_speed, them.across_speed) < STANDING)
+    met = concerned & _at_front(times, x - half_length, relative, body.front)
     return np.where(met, times, np.inf), x_speed
 
 

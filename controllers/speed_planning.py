@@ -245,8 +245,9 @@ class SpeedPlanner:
         then = traffic.blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
             return then.rear, then.rest, then.name
-        body = 0.5 * ego.body.width + BESIDE
-        now = traffic.blockade(perception, (ego.across - body, ego.across + body), times)
+        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
+        body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
+        now = traffic.blockade(perception, (at - body, at + body), times)
         left = times > leaving_for
         rear = np.minimum(np.where(left, np.inf, now.rear), then.rear)
         rest = np.minimum(np.where(left, np.inf, now.rest), then.rest)
@@ -296,6 +297,12 @@ class SpeedPlanner:
         times = self.memory.times
         none = np.zeros(len(times))
         return SpeedPlan(False, speed * times, none + speed, none, none, np.inf, 0.0, 0.0, none)
+
+
+def front_across(perception: Perception) -> float:
+    """Return the across coordinate of the front bumper's centre [m]."""
+    ego = perception.ego
+    return ego.across + ego.body.front * float(np.sin(ego.heading_error))
 
 
 def _swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:

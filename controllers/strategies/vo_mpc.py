@@ -37,7 +37,7 @@ from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask, Stee
 from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
 from controllers.plan_memory import PlanMemory, sampled_command
 from controllers.right_of_way import RightOfWay
-from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner
+from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across
 from controllers.velocity_obstacle import Cone
 
 FloatArray = NDArray[np.float64]
@@ -151,11 +151,9 @@ class VelocityObstacleMpc:
         """Return how long vehicles ahead in the present lane still matter on the way into another [s]."""
         if lane is None or not self._lanes.running:
             return 0.0
-        away = perception.ego.across - (
-            lane.offset - np.sign(lane.offset - perception.ego.across) * lane.width
-        )
-        still = max(BODY_OUT_OF_LANE * lane.width - abs(float(away)), 0.0)
         towards = float(np.sign(lane.offset - perception.ego.across)) or 1.0
+        moved = lane.width - towards * (lane.offset - front_across(perception))
+        still = BODY_OUT_OF_LANE * lane.width - moved
         return max(self._memory.shifted_by(towards * still), 0.5) if still > 0.0 else 0.5
 
     def _steering_task(self, perception: Perception, speed: SpeedPlan, lane: Lane | None) -> SteeringTask:
