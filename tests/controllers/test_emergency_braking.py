@@ -107,6 +107,16 @@ def test_an_oncoming_vehicle_beside_the_lane_is_not_braked_for() -> None:
     assert controller.decide(seen).because == ""
 
 
+@pytest.mark.parametrize(("across", "braked"), [(2.4, True), (2.9, False)])
+def test_a_standing_vehicle_that_juts_into_the_way_is_braked_for_whichever_way_it_faces(
+    across: float, braked: bool
+) -> None:
+    # A van that waits to turn left across the ego's lane: 6.5 m long, 2.2 m wide, turned by 10 degrees.
+    van = Car(15.0, across, 0.0, heading_error=-2.97, length=6.5, width=2.2)
+    controller = catalog.build("aeb")
+    assert (controller.decide(perception(ego(13.0), cars=[van])).because == "car0") is braked
+
+
 @settings(deadline=None, max_examples=150)
 @given(
     speed=st.floats(0.0, 40.0),
