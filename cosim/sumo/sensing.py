@@ -107,6 +107,7 @@ def perceive(
     surroundings: Surroundings,
     lights: Mapping[str, str],
     foes: Sequence[JunctionFoe],
+    own_limit: float,
 ) -> Perception:
     """Return what an ego is told.
 
@@ -116,11 +117,12 @@ def perceive(
     surroundings : everything near any ego
     lights : states of the traffic lights over its path, by name
     foes : vehicles whose ways cross its own
+    own_limit : what its kind of vehicle drives at most, told as a speed limit [m/s]
     """
     frame = view.frame
     crossings = visible_crossings(frame)
     vehicles, back_along, back_across = _vehicles(view, surroundings)
-    road, lanes = _road(frame, track, crossings, lights, foes)
+    road, lanes = _road(frame, track, crossings, lights, foes, own_limit)
     covered = extents(vehicles, back_along, back_across)
     gaps = neighbour_gaps(vehicles, covered, lanes, (frame.back, frame.front))
     return Perception(ego_state, _pedestrians(view, surroundings, crossings), vehicles, gaps, road)
@@ -205,6 +207,7 @@ def _road(
     crossings: Sequence[PathCrossing],
     lights: Mapping[str, str],
     foes: Sequence[JunctionFoe],
+    own_limit: float,
 ) -> tuple[RoadAhead, dict[int, LaneLine]]:
     """Return the road, and the lines of its lanes: 0 for the ego's, 1 for the one left of it, −1 right."""
     path, origin = frame.path, frame.origin
@@ -242,7 +245,7 @@ def _road(
         curvature=np.interp(grid, path.curve.along, path.curve.curvature),
         curvature_step=CURVATURE_STEP,
         limit_along=limit_along,
-        limit=limits[first:],
+        limit=np.minimum(limits[first:], own_limit),
         crossings=tuple(_crossing(crossing, origin, lights) for crossing in crossings),
         signals=tuple(
             Signal(signal.name, signal.stop_line - origin, _state(lights, signal.name, signal.index))

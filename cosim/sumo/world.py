@@ -47,6 +47,8 @@ class _Ego:
     plant: Plant
     track: Track
     executed: Executed
+    own_limit: float
+    """What this kind of vehicle drives at most [m/s]."""
     command: Command = COAST
     elapsed: float = 0.0
     """Since the command was given [s]."""
@@ -320,7 +322,7 @@ class SumoWorld:
         _free(self._sumo, name)
         self._actuation.take_over(name)
         self._observer.follow(name)
-        self._egos[name] = _Ego(name, plant, track, seen)
+        self._egos[name] = _Ego(name, plant, track, seen, own_limit(self._sumo, name))
         self._any_ego = True
 
     def _observe(self) -> None:
@@ -357,7 +359,7 @@ class SumoWorld:
             self._plan_every * self.step,
         )
         foes = self._foes.find(view, self._surroundings, lights)
-        return perceive(state, view, ego.track, self._surroundings, lights, foes)
+        return perceive(state, view, ego.track, self._surroundings, lights, foes, ego.own_limit)
 
     def _truth(self, ego: _Ego) -> EgoTruth:
         plant, track = ego.plant, ego.track
@@ -380,7 +382,7 @@ class SumoWorld:
             piece.lane.edge,
             ego.executed.lane,
             ego.travelled,
-            piece.lane.speed,
+            min(piece.lane.speed, ego.own_limit),
             float(ego.command.acceleration[entry]),
             float(ego.command.steering[entry]),
             ego.executed.x,
@@ -389,6 +391,20 @@ class SumoWorld:
             ego.intervention,
             ego.handed_back,
         )
+
+
+def own_limit(sumo: Any, name: str) -> float:
+    """Return the speed that a vehicle's type drives at most, on a road that allows any [m/s].
+
+    SUMO tells ``maxSpeed``; its ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h, shows in the speed
+    that the vehicle allows itself where the lane allows more.
+    """
+    vehicle = sumo.vehicle
+    possible: float = vehicle.getMaxSpeed(name)
+    factor: float = vehicle.getSpeedFactor(name)
+    allowed: float = vehicle.getAllowedSpeed(name)
+    on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
+    return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
 
 
 def _free(sumo: Any, name: str) -> None:

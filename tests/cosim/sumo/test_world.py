@@ -227,6 +227,24 @@ def test_a_vehicle_of_the_demand_keeps_its_type_and_size(open_world: OpenWorld) 
     assert {ego.name for snapshot in snapshots for ego in snapshot.egos} == {"v"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "limit"),
+    [('vClass="bicycle"', 20 / 3.6), ('vClass="passenger" maxSpeed="7"', 7.0), ('vClass="passenger"', 13.89)],
+)
+def test_an_ego_is_told_no_higher_limit_than_its_type_drives(
+    open_world: OpenWorld, kind: str, limit: float
+) -> None:
+    demand = (
+        f'<vType id="slow" {kind} speedDev="0" speedFactor="1.1"/>'
+        '<vehicle id="v" type="slow" depart="0" departPos="20"><route edges="am mj"/></vehicle>'
+    )
+    seen: list[float] = []
+    world = open_world(demand, Egos(vehicles=("v",)), duration_s=3.0)
+    snapshots = drive(world, look=lambda perception: seen.append(float(perception.road.limit.max())))
+    assert seen == pytest.approx([limit] * len(seen))
+    assert snapshots[-1].egos[0].speed_limit == pytest.approx(limit)
+
+
 def test_a_vehicle_that_never_comes_is_told_with_those_that_did(open_world: OpenWorld) -> None:
     with pytest.raises(SimulationError, match=r'vehicle "ghost" did not depart.*"f\.0"'):
         drive(open_world(FLOW, Egos(vehicles=("ghost",)), duration_s=5.0))
