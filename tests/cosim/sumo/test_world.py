@@ -385,7 +385,7 @@ def test_what_sumo_refuses_is_one_line(open_world: OpenWorld) -> None:
 
 def test_a_library_scenario_runs_with_its_pedestrians(tmp_path: Path) -> None:
     scenario = load("midblock_zebra")
-    scenario = replace(scenario, duration_s=scenario.warmup_s + 15.0)
+    scenario = replace(scenario, duration_s=scenario.warmup_s + 30.0)
     world = SumoWorld(scenario, prepare(scenario, 3, tmp_path), 3)
     kinds: set[CrossingKind] = set()
     try:
