@@ -26,7 +26,7 @@ SLACK_UNIT = 0.1
 class SpeedWeights:
     """Weights of the objective; each is per second of horizon."""
 
-    speed: float = 0.2
+    speed: float = 0.3
     """[1/(m/s)^2]"""
     acceleration: float = 1.0
     """[1/(m/s^2)^2]"""

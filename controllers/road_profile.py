@@ -9,6 +9,9 @@ from controllers.interface import Perception
 
 FloatArray = NDArray[np.float64]
 
+KEEP_CLEAR_BRAKING = 2.5
+"""A crossing is kept clear where braking no harder than this suffices [m/s^2]."""
+
 
 def reference_speed(
     perception: Perception, positions: FloatArray, lateral_acceleration: float, braking: float
@@ -70,7 +73,7 @@ def keep_clear_line(
         room = crossing.stop_line - body.front
         arrival = max(room, 0.0) / max(ego.speed, 3.0)
         beyond = crossing.exit + body.length + 0.5
-        can_stop = ego.speed**2 / (2.0 * 4.0) <= max(room, 0.0) + 0.5
+        can_stop = ego.speed**2 / (2.0 * KEEP_CLEAR_BRAKING) + 0.3 * ego.speed <= max(room, 0.0) + 0.5
         if can_stop and np.interp(arrival, times, leader_rest) - gap < beyond:
             return crossing.stop_line, crossing.name
     return float("inf"), ""

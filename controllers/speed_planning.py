@@ -212,9 +212,9 @@ class SpeedPlanner:
         s, ego, front = self.settings, perception.ego, perception.ego.body.front
         times, limits = self.memory.times, self.program.limits
         positions, expected = self.memory.expected(ego)
-        rear, rest, leader = self._vehicles(perception, lane, leaving_for)
-        line, stop = self._line(perception, lane, rest)
-        short = front + s.standstill_gap + limits.headway * ego.speed - float(rear[0])
+        ahead = self._vehicles(perception, lane, leaving_for)
+        line, stop = self._line(perception, lane, ahead.rest)
+        short = front + s.standstill_gap + limits.headway * ego.speed - float(ahead.follow[0])
         reference = road_profile.reference_speed(
             perception, positions, s.bend_acceleration, SLOWING_FOR_THE_ROAD
         )
@@ -227,31 +227,32 @@ class SpeedPlanner:
             command=self.memory.commanded(ego)[0],
             reference=reference,
             expected=expected,
-            upper=np.minimum(rear - BODY_GAP, line - 0.5) - front,
+            upper=np.minimum(ahead.rear - BODY_GAP, line - 0.5) - front,
             lower=np.full(len(times), -np.inf),
-            stoppable=rest - BODY_GAP - front,
+            stoppable=np.minimum(ahead.rest - BODY_GAP, line) - front,
             # A time gap that is short already is opened over some seconds, not by braking hard.
-            headway=rear - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
+            headway=ahead.follow - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
         )
-        return task, stop or leader
+        return task, stop or ahead.name
 
-    def _vehicles(
-        self, perception: Perception, lane: Lane | None, leaving_for: float
-    ) -> tuple[FloatArray, FloatArray, str]:
-        """Return where rear bumpers are and come to rest, in the lane driven to and the one being left."""
+    def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
+        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
         ego, times = perception.ego, self.memory.times
         reach = 0.5 * ego.body.width + SIDE_CLEARANCE
         offset = lane.offset if lane is not None else 0.0
         then = traffic.blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
-            return then.rear, then.rest, then.name
+            return then
         # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
         body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
         now = traffic.blockade(perception, (at - body, at + body), times)
         left = times > leaving_for
-        rear = np.minimum(np.where(left, np.inf, now.rear), then.rear)
-        rest = np.minimum(np.where(left, np.inf, now.rest), then.rest)
-        return rear, rest, then.name or (now.name if leaving_for > 0.0 else "")
+        return traffic.Blockade(
+            np.minimum(np.where(left, np.inf, now.rear), then.rear),
+            np.minimum(np.where(left, np.inf, now.rest), then.rest),
+            np.minimum(np.where(left, np.inf, now.rear), then.follow),
+            then.name or (now.name if leaving_for > 0.0 else ""),
+        )
 
     def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
         """Return the place the front bumper must not pass now, and why; inf for none."""

@@ -46,25 +46,30 @@ class Blockade:
     """The rear ends ahead, as bounds for a front bumper, shape (N,); inf where nobody is."""
 
     rear: FloatArray
-    """Predicted rear bumper of the nearest vehicle [m]."""
+    """Predicted rear bumper of the nearest vehicle in the way [m]."""
     rest: FloatArray
     """Where that rear bumper comes to rest should the vehicle brake hard from there [m]."""
+    follow: FloatArray
+    """As ``rear``, of those who are about to move into the way too: to keep a time gap to [m]."""
     name: str
     """Nearest vehicle now; empty for none."""
-    speed: float
-    """Its speed; inf for none [m/s]."""
 
 
-def blockade(
-    perception: Perception,
-    band: tuple[float, float],
-    times: FloatArray,
-    hard_braking: float = 8.0,
-    merge_time: float = 2.0,
-) -> Blockade:
+HARD_BRAKING = 8.0
+"""Assumed of a vehicle ahead for ``rest`` [m/s^2]."""
+IN_THE_WAY_WITHIN = 0.5
+"""A vehicle that drifts into the band within this time is in the way already [s]."""
+MERGING_WITHIN = 2.0
+"""One that will be in the band within this time is about to [s]."""
+DRIFTING = 0.15
+"""Slower movement across the road is not taken for a change of lane [m/s]."""
+
+
+def blockade(perception: Perception, band: tuple[float, float], times: FloatArray) -> Blockade:
     """Return what vehicles ahead, in the band or about to be in it, leave free.
 
-    A vehicle that brakes is expected to go on braking for 2 s, one that speeds up to go on for 1 s.
+    A vehicle that brakes is expected to go on braking for 2 s, one that speeds up to go on for 1 s; one that
+    moves across the road to stop in the middle of the next lane.
 
     Parameters
     ----------
@@ -74,52 +79,67 @@ def blockade(
         Right and left end of what the ego's body will sweep (across) [m].
     times
         Horizon, shape (N,) [s].
-    hard_braking
-        Assumed of the vehicle ahead for ``rest`` [m/s^2].
-    merge_time
-        A vehicle that will be in the band within this time counts already [s].
     """
     vehicles = perception.vehicles
-    nobody = Blockade(np.full(len(times), np.inf), np.full(len(times), np.inf), "", float("inf"))
+    free = np.full(len(times), np.inf)
     if len(vehicles) == 0:
-        return nobody
+        return Blockade(free, free, free, "")
     box = footprints(vehicles)
-    drift = np.where(np.abs(vehicles.across_speed) > 0.15, vehicles.across_speed * merge_time, 0.0)
+    soon = _ahead(perception, box, band, IN_THE_WAY_WITHIN)
+    later = soon | _ahead(perception, box, band, MERGING_WITHIN)
+    if not later.any():
+        return Blockade(free, free, free, "")
+    chosen = np.flatnonzero(later)
+    rear, speed = _predicted(vehicles, box, chosen, times)
+    blocking = soon[chosen]
+    nearest = chosen[np.argmin(box.rear[chosen])]
+    rest = rear + speed**2 / (2.0 * HARD_BRAKING)
+    return Blockade(
+        rear[blocking].min(axis=0, initial=np.inf),
+        rest[blocking].min(axis=0, initial=np.inf),
+        rear.min(axis=0),
+        vehicles.names[nearest],
+    )
+
+
+def _ahead(
+    perception: Perception, box: Footprints, band: tuple[float, float], within: float
+) -> NDArray[np.bool_]:
+    """Return who is ahead of the ego and in the band, now or within a time."""
+    vehicles, front = perception.vehicles, perception.ego.body.front
+    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
+    drifting = box.same_way & (np.abs(vehicles.across_speed) > DRIFTING)
+    drift = np.where(drifting, vehicles.across_speed * within, 0.0)
+    centres = np.array([lane.offset for lane in perception.road.lanes])
+    way = centres[None, :] - vehicles.across[:, None]
+    towards = np.where(way * np.sign(drift)[:, None] > 0.1, np.abs(way), np.inf).min(axis=1, initial=np.inf)
+    drift = np.sign(drift) * np.minimum(np.abs(drift), towards)
     right = box.right + np.minimum(drift, 0.0)
     left = box.left + np.maximum(drift, 0.0)
-    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
-    right = np.where(box.same_way, right, box.right)
-    left = np.where(box.same_way, left, box.left)
-    inside = (right < band[1]) & (left > band[0])
-    ego_front = perception.ego.body.front
-    ahead = inside & (0.5 * (box.rear + box.front) > 0.5 * ego_front)
+    ahead = (right < band[1]) & (left > band[0]) & (0.5 * (box.rear + box.front) > 0.5 * front)
     # Somebody beside the ego who drifts towards it is not ahead; braking for the rear end would be late.
-    ahead &= (box.rear > ego_front - 1.0) | ((box.right < band[1] - 0.2) & (box.left > band[0] + 0.2))
-    if not ahead.any():
-        return nobody
-    chosen = np.flatnonzero(ahead)
-    speed = np.where(box.same_way, np.maximum(vehicles.along_speed, 0.0), 0.0)[chosen]
-    braking = np.clip(-vehicles.acceleration[chosen], 0.0, 6.0)
-    braking = np.where(braking > 0.3, braking, 0.0)
-    brake_time = np.minimum(
-        np.minimum(times[None, :], 2.0),
-        np.where(braking > 0, speed / np.maximum(braking, 1e-9), 0.0)[:, None],
-    )
-    gain = np.where(box.same_way[chosen], np.clip(vehicles.acceleration[chosen], 0.0, 1.5), 0.0)
-    push = np.minimum(times, 1.0)[None, :]
-    later_speed = speed[:, None] - braking[:, None] * brake_time + gain[:, None] * push
+    in_band = (box.right < band[1] - 0.2) & (box.left > band[0] + 0.2)
+    return np.asarray(ahead & ((box.rear > front - 1.0) | in_band))
+
+
+def _predicted(
+    vehicles: Vehicles, box: Footprints, chosen: NDArray[np.int64], times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return rear bumpers and speeds over the horizon, shape (len(chosen), N) each."""
+    same_way = box.same_way[chosen]
+    speed = np.where(same_way, np.maximum(vehicles.along_speed[chosen], 0.0), 0.0)[:, None]
+    change = vehicles.acceleration[chosen]
+    braking = np.where(change < -0.3, np.minimum(-change, 6.0), 0.0)[:, None]
+    gain = np.where(same_way, np.clip(change, 0.0, 1.5), 0.0)[:, None]
+    stopping = np.where(braking > 0.0, speed / np.maximum(braking, 1e-9), 0.0)
+    brake_time = np.minimum(np.minimum(times, 2.0), stopping)
+    push = np.minimum(times, 1.0)
+    slowed = speed - braking * brake_time
     rear = (
         box.rear[chosen][:, None]
-        + speed[:, None] * brake_time
-        - 0.5 * braking[:, None] * brake_time**2
-        + (speed[:, None] - braking[:, None] * brake_time) * (times[None, :] - brake_time)
-        + gain[:, None] * push * (times[None, :] - 0.5 * push)
+        + speed * brake_time
+        - 0.5 * braking * brake_time**2
+        + slowed * (times - brake_time)
+        + gain * push * (times - 0.5 * push)
     )
-    rest = rear + later_speed**2 / (2.0 * hard_braking)
-    nearest = chosen[np.argmin(box.rear[chosen])]
-    return Blockade(
-        rear.min(axis=0),
-        rest.min(axis=0),
-        vehicles.names[nearest],
-        float(speed[np.argmin(box.rear[chosen])]),
-    )
+    return rear, slowed + gain * push
