@@ -14,6 +14,7 @@ from controllers import catalog
 from cosim.drivers import Drivers
 from cosim.errors import InputError
 from cosim.provenance import Inputs
+from cosim.rehearsal import rehearse
 from cosim.request import RunRequest
 from cosim.sumo.world import SumoWorld
 from cosim.world import World
@@ -56,8 +57,8 @@ def compose(request: RunRequest) -> Composition:
             )
         given = _controller_parameters(request, scenario, controller_texts)
         parameters = {**catalog.parameters(request.controller), **given}
-        # Built once for nothing: values that do not fit together are refused before SUMO starts.
-        catalog.build(request.controller, seed=request.seed, **given)
+        # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
+        rehearse(request.controller, catalog.build(request.controller, seed=request.seed, **given), given)
         work_dir = TemporaryDirectory(prefix="cosim-")
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))

@@ -47,6 +47,8 @@ class RunRequest:
             raise InputError(f"{' and '.join(chosen)} exclude each other; give one of them")
         if self.ego_share is not None and not 0.0 < self.ego_share <= 1.0:
             raise InputError(f"--ego-share: a share above 0 and at most 1 expected, got {self.ego_share:g}")
+        if self.ego_vehicle is not None and not self.ego_vehicle.strip():
+            raise InputError("--ego-vehicle: the id of a vehicle of the demand expected, got none")
         if self.duration_s is not None and not 0.0 < self.duration_s < float("inf"):
             raise InputError(f"--duration-s: a number of seconds above 0 expected, got {self.duration_s:g}")
         if self.actuation is not None and self.actuation not in ACTUATIONS:
