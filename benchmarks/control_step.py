@@ -41,7 +41,7 @@ NAIVE_STEPS = 20
 PARTS = ("conflicts", "assembly", "solve", "steering", OTHER)
 PLACES = (
     (passing, "find", "conflicts"),
-    (passing, "position_bounds", "conflicts"),
+    (passing, "class_bounds", "conflicts"),
     (SpeedPlanner, "_candidates", "conflicts"),
     (LongitudinalProgram, "build", "assembly"),
     (Program, "solve", "solve"),

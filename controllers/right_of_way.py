@@ -17,8 +17,6 @@ CONFLICT_GAP = 1.0
 """Distance kept to a conflict when its stop line has been passed already [m]."""
 TIME_MARGIN = 1.0
 """Time between one leaving a conflict and the other entering it [s]."""
-FOE_LENGTH = 5.0
-"""How far a foe's front is past the conflict when its body has left; its length is not known [m]."""
 FOE_ACCELERATION = 1.5
 """A standing or slow foe may drive on with this [m/s^2]."""
 BEND_ACCELERATION = 2.0
@@ -64,7 +62,7 @@ class RightOfWay:
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
         """Say whether the ego would meet the foe in the conflict if it drove on."""
         ego = perception.ego
-        gone = foe.foe_exit + FOE_LENGTH <= 0.0
+        gone = foe.foe_exit <= 0.0
         inside = foe.foe_entry <= 0.0
         if gone or ego.body.front > foe.entry or not (foe.must_yield or inside):
             return False
@@ -79,7 +77,7 @@ class RightOfWay:
         if not inside and stood >= PATIENCE:
             return False
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
-        leaves = (foe.foe_exit + FOE_LENGTH) / foe.foe_speed if foe.foe_speed > STANDING else math.inf
+        leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf
         return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
 
     @staticmethod

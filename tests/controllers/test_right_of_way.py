@@ -11,9 +11,9 @@ from controllers.right_of_way import PATIENCE, RightOfWay, StopPlace, must_stop,
 from tests.controllers.scenes import ego, perception
 
 
-def _foe(distance: float, speed: float, must_yield: bool = True) -> JunctionFoe:
+def _foe(distance: float, speed: float, must_yield: bool = True, length: float = 5.0) -> JunctionFoe:
     """Return a foe before a conflict 5 m long, at 26 m for the ego, whose stop line is at 20 m."""
-    return JunctionFoe("foe", 26.0, 31.0, 20.0, distance, distance + 5.0, speed, must_yield)
+    return JunctionFoe("foe", 26.0, 31.0, 20.0, distance, distance + 5.0 + length, speed, must_yield)
 
 
 def _stops(seen: Perception) -> list[StopPlace]:
@@ -57,6 +57,11 @@ def test_a_foe_that_has_left_is_not_waited_for() -> None:
 
 def test_a_foe_that_leaves_before_the_ego_enters_is_not_waited_for() -> None:
     assert _stops(perception(ego(2.0), foes=[_foe(-2.0, 10.0)])) == []
+
+
+def test_a_bus_that_is_still_in_the_conflict_with_its_rear_is_waited_for() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(-11.0, 3.0, length=4.5)])) == []
+    assert _stops(perception(ego(8.0), foes=[_foe(-11.0, 3.0, length=18.0)])) == [StopPlace("foe", 20.0)]
 
 
 def test_a_foe_that_stands_in_the_conflict_is_never_driven_into() -> None:
