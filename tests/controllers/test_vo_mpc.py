@@ -220,5 +220,5 @@ def test_a_parameter_out_of_range_is_refused_by_name(parameters: dict[str, Any],
 
 
 def test_an_unknown_solver_is_refused_with_those_that_exist() -> None:
-    with pytest.raises(ValueError, match="unknown solver 'no such'; installed are.*osqp"):
+    with pytest.raises(ValueError, match=r"unknown solver 'no such'; installed are.*osqp"):
         catalog.build("vo_mpc", solver="no such")
