@@ -233,7 +233,7 @@ class JunctionFoe:
     foe_entry: float
     """Distance from the foe's front bumper to the conflict; negative once past [m]."""
     foe_exit: float
-    """Distance the foe has to drive until its rear bumper has left the conflict; its length is included [m]."""
+    """Distance that the foe has to drive until its rear bumper has left the conflict [m]."""
     foe_speed: float
     must_yield: bool
 

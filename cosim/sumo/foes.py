@@ -96,8 +96,8 @@ class FoeFinder:
             for way, offset in self._ways_of(cars.names[row], cars.lane[row]):
                 for conflict in conflicts.get(way, ()):
                     before = offset - position
-                    foe_entry, foe_exit = before + conflict.foe_entry, before + conflict.foe_exit
-                    gone = foe_exit + length < 0.0
+                    foe_entry, foe_exit = before + conflict.foe_entry, before + conflict.foe_exit + length
+                    gone = foe_exit < 0.0
                     if gone or foe_entry > FOE_RANGE or (before > 0.0 and _stopped(conflict.foe, lights)):
                         continue
                     found.append(

@@ -163,11 +163,19 @@ def test_signals_are_what_sumo_says(open_world: OpenWorld) -> None:
 
 
 def test_oncoming_cars_are_foes_of_a_left_turn(open_world: OpenWorld) -> None:
-    demand = '<flow id="f" type="car" begin="0" end="60" period="5" from="bj" to="jm" departSpeed="max"/>'
+    long = '<vType id="long" vClass="truck" length="15" sigma="0" speedDev="0"/>'
+    demand = long + "".join(
+        f'<flow id="f.{kind}" type="{kind}" begin="{begin}" end="60" period="10" from="bj" to="jm" '
+        'departSpeed="max" departLane="1"/>'
+        for kind, begin in (("car", 0), ("long", 5))
+    )
     entries: list[float] = []
+    lengths: dict[str, float] = {}
 
     def look(perception: Perception) -> None:
         for foe in perception.road.foes:
+            kind = foe.name.split(".")[1]
+            lengths[kind] = max(lengths.get(kind, 0.0), foe.foe_exit - foe.foe_entry)
             assert foe.name.startswith("f.")
             assert foe.must_yield
             assert foe.stop_line < foe.entry < foe.exit
@@ -179,6 +187,7 @@ def test_oncoming_cars_are_foes_of_a_left_turn(open_world: OpenWorld) -> None:
     drive(world, lambda p: keep_lane(p, wish=4.0 if p.ego.x < 250.0 else 1.0), look)
     assert max(entries) > 40.0
     assert min(entries) < 0.0
+    assert lengths["long"] - lengths["car"] == pytest.approx(10.0)  # 15 m against SUMO's 5 m
 
 
 def test_several_egos_see_each_other(open_world: OpenWorld) -> None:
