@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -18,6 +18,10 @@ def conformance(
     ] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
     only_list: Annotated[bool, typer.Option("--list", help="Say which cases exist, run none.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="Write the table as Markdown too.", show_default=False),
+    ] = None,
     debug: Debug = False,
 ) -> int:
     """Check the coupling against the installed SUMO; every case has a control that must fail.
@@ -26,13 +30,14 @@ def conformance(
     Examples:
       cosim conformance
       cosim conformance --jobs 2
+      cosim conformance --out conformance.md
       cosim conformance --list
 
     \b
     Exit codes: 0 all as expected, 1 a case or a control is not, 2 unknown case.
     """
     from cosim.conformance import suite
-    from cosim.provenance import versions
+    from cosim.conformance.table import HEADINGS, markdown, summary, sumo_version, table_rows
 
     console = terminal.console()
     chosen = suite.named(names) if names else suite.cases()
@@ -42,31 +47,26 @@ def conformance(
             table.add_row(case.key, case.name)
         console.print(table)
         return 0
+    if out is not None:
+        _write(out, "")  # said now if it is not possible, and not after minutes
     results = suite.run(chosen, jobs, lambda result: typer.echo(f"{result.case.key} done", err=True))
-    table = Table(title=f"Conformance with SUMO {versions().get('libsumo', '?')}", title_justify="left")
-    for heading in ("case", "claim", "expected", "measured", "control", "verdict"):
+    table = Table(title=f"Conformance with SUMO {sumo_version()}", title_justify="left")
+    for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
-    for result in results:
-        case = result.case
-        table.add_row(
-            case.key,
-            case.name,
-            case.expected,
-            _values(result.measured),
-            _values(result.control_measured),
-            result.verdict,
-        )
+    for row in table_rows(results):
+        table.add_row(*row)
     console.print(table)
-    failed = [result.case.key for result in results if not result.green]
-    if failed:
-        typer.echo(f"cosim: not as expected: {', '.join(failed)}", err=True)
-    green = len(results) - len(failed)
-    console.print(f"{green} of {len(results)} as expected, controls included")
-    return 1 if failed else 0
+    console.print(summary(results), soft_wrap=True)
+    if out is not None:
+        _write(out, markdown(results))
+        console.print(f"\ntable: {out}", soft_wrap=True)
+    return 0 if all(result.green for result in results) else 1
 
 
-def _values(values: Mapping[str, float | str]) -> str:
-    shown = {key: value for key, value in values.items() if key != "return_code" or value != 0}
-    return ", ".join(
-        f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in shown.items()
-    )
+def _write(path: Path, text: str) -> None:
+    from cosim.errors import InputError
+
+    try:
+        path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"--out {path}: a file that can be written expected: {error.strerror}") from error

@@ -301,3 +301,25 @@ def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exis
 ) -> None:
     assert "severity_ttc" in refused(capsys, "analyse", "gone", "--set", "severity_ttc=1.2")
     assert "blind_step" in refused(capsys, "conformance", "no_such_case")
+
+
+@pytest.mark.sumo
+def test_the_conformance_table_is_printed_and_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    from cosim.conformance import suite
+
+    key = next(case.key for case in suite.cases() if not case.slow)
+    assert main(["conformance", key, "--out", "table.md"]) == 0
+    printed = capsys.readouterr().out
+    assert "1 of 1 cases green" in printed
+    assert "table: table.md" in printed
+    text = (tmp_path / "table.md").read_text()
+    assert f"\n| {key} | " in text
+    assert "1 of 1 cases green" in text
+
+
+def test_a_conformance_table_that_cannot_be_written_is_told_before_the_cases_run(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert "gone/table.md" in refused(capsys, "conformance", "--out", "gone/table.md")
