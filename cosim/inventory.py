@@ -16,13 +16,23 @@ class Entry:
     name: str
     description: str
     parameters: tuple[str, ...] = ()
-    """``name=default``, as ``--set`` takes them."""
+    """``name=default``, as ``--set`` takes them; behind it what else there is to choose from."""
 
 
 def scenarios() -> list[Entry]:
     """Return the built-in scenarios."""
     found = [library.load(name) for name in library.names()]
-    return [Entry(each.name, each.description, library.parameter_names(each)) for each in found]
+    return [
+        Entry(
+            each.name,
+            each.description,
+            tuple(
+                _setting((key, value)) + _choices(library.parameter_choices(each, key))
+                for key, value in library.parameter_values(each).items()
+            ),
+        )
+        for each in found
+    ]
 
 
 def controllers() -> list[Entry]:
@@ -37,6 +47,10 @@ def _setting(item: tuple[str, object]) -> str:
     key, value = item
     text = str(value)
     return f"{key}={text.lower() if value is None or isinstance(value, bool) else text}"
+
+
+def _choices(texts: tuple[str, ...]) -> str:
+    return f" ({'|'.join(texts)})" if texts else ""
 
 
 def metrics() -> list[Entry]:

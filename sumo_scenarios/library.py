@@ -6,7 +6,12 @@ from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Egos, Scenario, egos_of, with_egos
-from sumo_scenarios.parameters import parameter_names, with_parameters
+from sumo_scenarios.parameters import (
+    parameter_choices,
+    parameter_names,
+    parameter_values,
+    with_parameters,
+)
 from sumo_scenarios.preparation import Prepared, prepare
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, defaults, read_table
 from sumo_scenarios.sumo_installation import packaged_file
@@ -19,7 +24,9 @@ __all__ = [
     "ScenarioError",
     "load",
     "names",
+    "parameter_choices",
     "parameter_names",
+    "parameter_values",
     "prepare",
     "with_egos",
     "with_parameters",

@@ -92,6 +92,28 @@ def parameter_names(scenario: Scenario) -> tuple[str, ...]:
     return (*SCENARIO_KEYS, *demand, *inserted, *share, *scenario.parameters)
 
 
+def parameter_values(scenario: Scenario) -> dict[str, ParameterValue | None]:
+    """Return the present value of each of ``parameter_names``."""
+    egos = {key: getattr(scenario.egos, field) for key, (field, _) in EGO_KEYS.items()}
+    egos["ego_share"] = scenario.egos.share
+    return {
+        key: scenario.parameters[key]
+        if key in scenario.parameters
+        else egos[key]
+        if key in egos
+        else getattr(scenario, key)
+        for key in parameter_names(scenario)
+    }
+
+
+def parameter_choices(scenario: Scenario, key: str) -> tuple[str, ...]:
+    """Return the only texts that a parameter takes; empty where it takes any of its type."""
+    if key == "actuation":
+        return get_args(Actuation)
+    declared = scenario.table.parameters.get(key) if scenario.table is not None else None
+    return tuple(declared.choices) if declared is not None else ()
+
+
 def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scenario, dict[str, str]]:
     """Return the scenario with these values, and the keys that are not the scenario's.
 

@@ -268,6 +268,17 @@ def test_what_exists_is_listed(capsys: pytest.CaptureFixture[str], kind: str, na
     assert name in capsys.readouterr().out
 
 
+def test_the_settings_of_a_scenario_are_listed_with_defaults_and_choices(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["list", "scenarios"]) == 0
+    words = capsys.readouterr().out.split()
+    assert "pedestrians_per_hour=200.0" in words
+    assert "turn=right" in words
+    assert "(right|straight|left)" in words
+    assert "(hybrid|move)" in words
+
+
 def test_help_loads_neither_numpy_nor_a_simulator() -> None:
     code = (
         "import sys; from cosim.cli import main; main(['--help']);"
