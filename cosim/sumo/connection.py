@@ -73,7 +73,8 @@ def start(options: Sequence[str], gui: bool = False) -> Connection:
     if not gui and sumo.isLoaded():
         raise SimulationError("this process runs a simulation already; close it first")
     binary = _sumo_gui() if gui else "sumo"
-    extra = ["--start", "true", "--quit-on-end", "true"] if gui else []
+    # A configuration written for remote control would make SUMO wait for somebody to connect.
+    extra = ["--start", "true", "--quit-on-end", "true"] if gui else ["--remote-port", "0"]
     refusals: tuple[type[Exception], ...] = (*_errors(sumo), OSError)
     failure: Exception | None = None
     with _heard() as heard:
