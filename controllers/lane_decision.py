@@ -55,12 +55,25 @@ class LaneDecision:
     def decide(self, perception: Perception, cost: CostOfLane) -> Decision:
         """Return what to do; begins or aborts the manoeuvre accordingly."""
         self.manoeuvre.settle(perception)
+        if self._gave_up(perception):
+            self.manoeuvre.end(perception)
         if self.manoeuvre.running:
             return self._go_on(perception)
         required = lane_for_route(perception) if self.settings.allowed else None
         if required is not None:
             return self._for_the_route(perception, required)
         return self._by_the_rules(perception, cost)
+
+    def _gave_up(self, perception: Perception) -> bool:
+        """Return whether a change given up has come to a standstill, so that another may be tried."""
+        running = self.manoeuvre
+        waited = perception.ego.time - running.started
+        return (
+            running.running
+            and running.target == running.origin
+            and waited > 2.0
+            and perception.ego.speed < 1.0
+        )
 
     def _by_the_rules(self, perception: Perception, cost: CostOfLane) -> Decision:
         s, road, gaps = self.settings, perception.road, perception.gaps

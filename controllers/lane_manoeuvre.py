@@ -50,8 +50,7 @@ class LaneManoeuvre:
         lane = road.lane(self.target)
         if lane is None:
             # The lane is gone (the road narrowed, or a junction rearranged it): stay where the ego is.
-            self.target, self.origin = road.reference, None
-            self.finished = ego.time
+            self.end(perception)
             return
         arrived = abs(ego.across - lane.offset) < 0.3 and ego.time - self.started > 0.6 * self.duration
         if self.origin is not None and arrived:
@@ -59,6 +58,11 @@ class LaneManoeuvre:
             self.finished = ego.time
         if self.origin is None and self.target != road.reference:
             self.target = road.reference
+
+    def end(self, perception: Perception) -> None:
+        """Stop changing lanes where the ego is."""
+        self.target, self.origin = perception.road.reference, None
+        self.finished = perception.ego.time
 
     @property
     def running(self) -> bool:

@@ -227,9 +227,10 @@ class SpeedPlanner:
             command=self.memory.commanded(ego)[0],
             reference=reference,
             expected=expected,
-            upper=np.minimum(ahead.rear - BODY_GAP, line - 0.5) - front,
+            # A line that is overrun already asks for a stop here, not for going back.
+            upper=np.minimum(ahead.rear - BODY_GAP - front, max(line - 0.5 - front, 0.0)),
             lower=np.full(len(times), -np.inf),
-            stoppable=np.minimum(ahead.rest - BODY_GAP, line) - front,
+            stoppable=np.minimum(ahead.rest - BODY_GAP - front, max(line - front, 0.0)),
             # A time gap that is short already is opened over some seconds, not by braking hard.
             headway=ahead.follow - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
         )
