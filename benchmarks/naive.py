@@ -154,7 +154,8 @@ class NaiveSpeedProgram:
             qp.square(a, dt[k] * w.acceleration)
             qp.square(u, dt[k] * w.jerk)
             qp.lower[u], qp.upper[u] = -limits.jerk, limits.jerk
-            qp.upper[v] = max(fastest, slowed[V] + 0.05)
+            highest = fastest if task.ceiling is None else min(fastest, float(task.ceiling[k]))
+            qp.upper[v] = max(highest, slowed[V] + 0.05)
             qp.lower[v] = min(0.0, sped_up[V] - 0.05)
             qp.upper[c] = max(limits.acceleration, task.command)
             qp.at_most([(c, -1.0), (qp.slack(EMERGENCY), -1.0)], limits.comfortable_braking)

@@ -75,6 +75,8 @@ class SpeedTask:
     """The ego must be able to stop before this position; inf where it need not."""
     headway: FloatArray
     """Position plus time gap times speed must stay below this; inf without a vehicle ahead."""
+    ceiling: FloatArray | None = None
+    """Speed not to be exceeded, however late the ego is; ``None`` for the wanted speed's maximum [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +153,10 @@ class LongitudinalProgram:
         self._bound(self.HEADWAY, task.headway - free[POSITION] - limits.headway * free[SPEED])
         # Bounds that the state may already violate are moved to what is still reachable: the program
         # must have a solution from any state.
-        fastest = max(float(task.reference.max()), task.speed + 0.5 * max(task.acceleration, 0.0)) + 0.3
+        present = task.speed + 0.5 * max(task.acceleration, 0.0)
+        fastest = np.full(n, max(float(task.reference.max()), present) + 0.3)
+        if task.ceiling is not None:
+            fastest = np.minimum(fastest, task.ceiling)
         slowed = free[SPEED] + v @ self._towards(-limits.comfortable_braking, task.command)
         self._bound(self.FAST, np.maximum(fastest, slowed + 0.05) - free[SPEED])
         recovered = free[SPEED] + v @ self._towards(limits.acceleration, task.command)

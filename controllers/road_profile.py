@@ -40,8 +40,10 @@ def reference_speed(
     if len(points) == 0:
         return np.full(len(positions), here)
     ahead = points[None, :] - positions[:, None]
-    passed = ahead < 0.0
-    # A bend behind the rear axle no longer counts; a limit counts until the next one begins.
+    # A bend counts until the instant before has left it behind, or one between two instants would be
+    # missed; a limit counts until the next one begins.
+    since = np.concatenate(([0.0], positions[:-1]))
+    passed = points[None, :] < np.minimum(since, positions)[:, None]
     passed[:, len(along) :] = False
     reach = np.where(passed, np.inf, speeds[None, :] ** 2 + 2.0 * braking * np.maximum(ahead, 0.0))
     ended = np.zeros_like(passed)

@@ -24,6 +24,9 @@ CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 BODY_GAP = 1.0
 """Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
+CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
+"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
+deceleration [m/s^2], plus this [m/s]."""
 SLOWING_FOR_THE_ROAD = 1.5
 """Deceleration with which limits and bends ahead are met [m/s^2]."""
 
@@ -227,6 +230,10 @@ class SpeedPlanner:
             command=self.memory.commanded(ego)[0],
             reference=reference,
             expected=expected,
+            ceiling=CEILING_MARGIN
+            + road_profile.reference_speed(
+                perception, positions, CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING
+            ),
             # A line that is overrun already asks for a stop here, not for going back.
             upper=np.minimum(ahead.rear - BODY_GAP - front, max(line - 0.5 - front, 0.0)),
             lower=np.full(len(times), -np.inf),

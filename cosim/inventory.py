@@ -35,6 +35,11 @@ def scenarios() -> list[Entry]:
     ]
 
 
+def controller_parameters(name: str) -> tuple[str, ...]:
+    """Return the names of a controller's parameters."""
+    return tuple(catalog.parameters(name))
+
+
 def controllers() -> list[Entry]:
     """Return the controllers of this project and of installed plug-ins."""
     return [

@@ -40,7 +40,7 @@ def study(
     ),
     scenarios: Annotated[str, typer.Option(help="Comma-separated.")] = SCENARIOS,
     controllers: Annotated[str, typer.Option(help="Comma-separated.")] = CONTROLLERS,
-    seeds: Annotated[str, typer.Option(help="First and last seed.")] = "9001-9005",
+    seeds: Annotated[str, typer.Option(help="First and last seed.")] = "9101-9104",
     vehicles: Annotated[
         str, typer.Option(help="Vehicles per hour and direction, comma-separated.")
     ] = "600,1000",
@@ -51,7 +51,7 @@ def study(
     jobs: Annotated[int, typer.Option(min=1)] = 2,
 ) -> None:
     """Run the study and print its table."""
-    from controllers import catalog
+    from cosim.inventory import controller_parameters
     from cosim.request import parse_settings
 
     first, last = (int(text) for text in (*seeds.split("-"), seeds)[:2])
@@ -66,7 +66,7 @@ def study(
     ):
         folder = out / f"{scenario}-v{v}-p{p}-{controller}-{seed}"
         demand = {"vehicles_per_hour": v, "pedestrians_per_hour": p}
-        known = catalog.parameters(controller)
+        known = controller_parameters(controller)
         mine = {key: value for key, value in extra.items() if key in known}
         if not (folder / "runs.csv").exists():
             work.append((str(folder), scenario, controller, seed, demand | mine))

@@ -72,12 +72,14 @@ def line(x: float, y: float, u: float, v: float) -> Motion:
 
 def _velocity(motion: Motion, t: float) -> np.ndarray:
     h = 1e-4
-    return (np.array(motion(t + h)) - np.array(motion(t - h))) / (2 * h)
+    velocity: np.ndarray = (np.array(motion(t + h)) - np.array(motion(t - h))) / (2 * h)
+    return velocity
 
 
 def _acceleration(motion: Motion, t: float) -> np.ndarray:
     h = 1e-3
-    return (_velocity(motion, t + h) - _velocity(motion, t - h)) / (2 * h)
+    acceleration: np.ndarray = (_velocity(motion, t + h) - _velocity(motion, t - h)) / (2 * h)
+    return acceleration
 
 
 def _ego_row(ego: Ego, t: float, last_heading: dict[str, float]) -> dict[str, Any]:

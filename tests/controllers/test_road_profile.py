@@ -41,7 +41,9 @@ def test_a_bend_is_taken_at_the_comfortable_lateral_acceleration_and_then_left_b
     speeds = _reference(perception(road=road))
     assert speeds[3] == pytest.approx(np.sqrt(2.0 * 18.0))
     assert speeds[2] == pytest.approx(np.sqrt(36.0 + 3.0 * 5.0))
-    assert speeds[4:] == pytest.approx([20.0, 20.0])
+    # Its end lies between the instants 3 and 4: the way to 4 leads through it.
+    assert speeds[4] == pytest.approx(6.0)
+    assert speeds[5] == pytest.approx(20.0)
 
 
 def test_a_road_that_is_not_seen_asks_only_for_its_limit() -> None:
