@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.hcm import level_of_service
 from analysis.moments import crossing_stay, phase_samples
 
 SCOPE = "encounter"
@@ -21,8 +22,6 @@ WORSE = "higher"
 SOURCE = "[HCM2010]; measured, not its formula"
 COLUMNS = ("ped_delay_s",)
 RUN_COLUMNS = ("n_ped_delay_defined", "ped_delay_mean_s", "ped_delay_p95_s", "ped_los_hcm2010")
-
-_LEVELS = ((5.0, "A"), (10.0, "B"), (20.0, "C"), (30.0, "D"), (45.0, "E"), (np.inf, "F"))
 
 
 def compute(case: Case) -> Values:
@@ -57,5 +56,5 @@ def summarise(case: Case, columns: Values) -> Values:
         "n_ped_delay_defined": len(known),
         "ped_delay_mean_s": mean,
         "ped_delay_p95_s": np.percentile(known, 95.0),
-        "ped_los_hcm2010": next(level for limit, level in _LEVELS if mean < limit),
+        "ped_los_hcm2010": level_of_service(mean),
     }

@@ -17,6 +17,9 @@ def analyse(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Set a threshold of the analysis; repeatable."),
     ] = None,
+    ssam: Annotated[
+        bool, typer.Option("--ssam", help="Write run.trj in SSAM's format and ssam_id_map.csv too.")
+    ] = False,
     debug: Debug = False,
 ) -> int:
     """Make encounters.csv and runs.csv again from recorded runs, without simulating.
@@ -25,12 +28,14 @@ def analyse(
     Examples:
       cosim analyse runs/midblock_zebra-vo_mpc-1-1
       cosim analyse runs/* --set severity_ttc_serious_s=1.2
+      cosim analyse runs/midblock_zebra-vo_mpc-1-1 --ssam
 
     \b
     Exit codes: 0 all good, 2 a folder or a threshold is wrong (the other folders are analysed).
     """
     from analysis.errors import AnalysisError
     from analysis.report import analyse_run
+    from analysis.ssam import export_ssam
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
     from cosim.summary import read_row, run_table
@@ -44,6 +49,8 @@ def analyse(
     for folder in folders:
         try:
             analyse_run(folder, thresholds)
+            if ssam:
+                export_ssam(folder)
         except AnalysisError as error:
             failed.append(folder)
             typer.echo(f"cosim: {error}", err=True)
