@@ -56,15 +56,16 @@ class Cases:
     person_velocity: Array
     radius: Array
 
-    def in_frame(self) -> tuple[Array, ...]:
+    def in_frame(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
         """Return position and relative velocity in the rectangle's frame, and the sizes."""
-        x, y = geometry.to_frame(*(self.person - self.ego).T, self.heading)
-        u, w = geometry.to_frame(*(self.person_velocity - self.ego_velocity).T, self.heading)
+        way, motion = self.person - self.ego, self.person_velocity - self.ego_velocity
+        x, y = geometry.to_frame(way[:, 0], way[:, 1], self.heading)
+        u, w = geometry.to_frame(motion[:, 0], motion[:, 1], self.heading)
         return x, y, u, w, 0.5 * self.length, 0.5 * self.width, self.radius
 
     def distance(self, time: Array) -> Array:
         """Return shapely's distance between polygon and disc's centre at a time, minus the radius."""
-        return shapely.distance(self._polygons, self._points(time)) - self.radius
+        return np.asarray(shapely.distance(self._polygons, self._points(time)) - self.radius)
 
     @cached_property
     def _polygons(self) -> Array:
@@ -72,7 +73,7 @@ class Cases:
 
     def _points(self, time: Array) -> Array:
         moved = self.person + (self.person_velocity - self.ego_velocity) * time[:, None]
-        return shapely.points(moved)
+        return np.asarray(shapely.points(moved))
 
 
 def rectangles(centre: Array, heading: Array, length: Array, width: Array) -> Array:
@@ -82,7 +83,7 @@ def rectangles(centre: Array, heading: Array, length: Array, width: Array) -> Ar
     across = 0.5 * width[:, None] * np.array([1, -1, -1, 1])
     x = centre[:, :1] + along * cos[:, None] - across * sin[:, None]
     y = centre[:, 1:] + along * sin[:, None] + across * cos[:, None]
-    return shapely.polygons(np.stack([x, y], axis=-1))
+    return np.asarray(shapely.polygons(np.stack([x, y], axis=-1)))
 
 
 def random_cases(count: int, seed: int) -> Cases:
@@ -170,7 +171,16 @@ def rectangle_overlap(count: int = 4000, seed: int = 4) -> Agreement:
     headings = rng.uniform(-np.pi, np.pi, (2, count))
     lengths, widths = rng.uniform(3.5, 12, (2, count)), rng.uniform(1.6, 2.5, (2, count))
     gap, _ = geometry.rectangle_separation(
-        *one.T, headings[0], lengths[0], widths[0], *two.T, headings[1], lengths[1], widths[1]
+        one[:, 0],
+        one[:, 1],
+        headings[0],
+        lengths[0],
+        widths[0],
+        two[:, 0],
+        two[:, 1],
+        headings[1],
+        lengths[1],
+        widths[1],
     )
     area = shapely.area(
         shapely.intersection(
@@ -215,7 +225,9 @@ def conflict_area_instants(count: int = 100, seed: int = 6) -> Agreement:
     return _agreement("entry and exit of the conflict area", "shapely, swept areas", count, found, "s", wrong)
 
 
-def _crossing_paths(rng: np.random.Generator, grid: Grid) -> tuple[Track, Track, tuple[object, ...]]:
+def _crossing_paths(
+    rng: np.random.Generator, grid: Grid
+) -> tuple[Track, Track, tuple[Array, Array, float, Array, Array, float]]:
     heading = float(rng.uniform(-np.pi, np.pi))
     angle = heading + float(rng.choice([-1, 1]) * rng.uniform(0.6, np.pi - 0.6))
     speed, walking = float(rng.uniform(3, 15)), float(rng.uniform(0.8, 2.5))
@@ -226,7 +238,11 @@ def _crossing_paths(rng: np.random.Generator, grid: Grid) -> tuple[Track, Track,
     ego_start, person_start = meet - ego_velocity * ego_at, meet - person_velocity * person_at
     ego = _track(ego_start, ego_velocity, heading, 4.5, 1.8, grid)
     person = _track(person_start, person_velocity, np.nan, 0.5, 0.5, grid)
-    return ego, person, (ego_start, ego_velocity, heading, person_start, person_velocity, grid.time[-1])
+    return (
+        ego,
+        person,
+        (ego_start, ego_velocity, heading, person_start, person_velocity, float(grid.time[-1])),
+    )
 
 
 def _track(start: Array, velocity: Array, heading: float, length: float, width: float, grid: Grid) -> Track:
@@ -260,7 +276,8 @@ def _judged_instants(
 ) -> Array | None:
     def body(t: float) -> shapely.Polygon:
         centre = (ego_start + ego_velocity * t)[None]
-        return rectangles(centre, np.array([heading]), np.array([4.5]), np.array([1.8]))[0]
+        body: shapely.Polygon = rectangles(centre, np.array([heading]), np.array([4.5]), np.array([1.8]))[0]
+        return body
 
     def centre(t: float) -> shapely.Point:
         return shapely.Point(person_start + person_velocity * t)
@@ -268,7 +285,14 @@ def _judged_instants(
     body_path = shapely.union_all([body(0.0), body(end)]).convex_hull
     walk = shapely.LineString([person_start, person_start + person_velocity * end])
     instants = []
-    for distance in (lambda t: body(t).distance(walk), lambda t: body_path.distance(centre(t))):
+
+    def body_to_walk(t: float) -> float:
+        return float(body(t).distance(walk))
+
+    def centre_to_path(t: float) -> float:
+        return float(body_path.distance(centre(t)))
+
+    for distance in (body_to_walk, centre_to_path):
         inside = [t for t in np.arange(0.0, end, 0.04) if distance(t) <= 0.25]
         if not inside or inside[0] == 0.0:
             return None

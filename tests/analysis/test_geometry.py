@@ -93,10 +93,11 @@ def test_turning_and_moving_the_world_changes_nothing(
     cos, sin = np.cos(turn), np.sin(turn)
     ego = np.array([shift_x, shift_y])
     person = ego + np.array([cos * x - sin * y, sin * x + cos * y])
-    back = to_frame(*(person - ego), turn)
+    way = person - ego
+    back = to_frame(way[0], way[1], turn)
     motion = to_frame(cos * u - sin * w, sin * u + cos * w, turn)
     here = closest_approach(x, y, u, w, *CAR, 0.25)
-    there = closest_approach(*back, *motion, *CAR, 0.25)
+    there = closest_approach(back[0], back[1], motion[0], motion[1], *CAR, 0.25)
     assert there[0] == pytest.approx(here[0], abs=1e-9)
     graze = abs(float(here[0])) < 1e-6
     before, after = time_to_contact(x, y, u, w, *CAR, 0.25), time_to_contact(*back, *motion, *CAR, 0.25)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -66,13 +67,21 @@ def test_decisions_unsolved_plans_interventions_and_slack_are_counted(tmp_path: 
     assert run["slack_share"] == pytest.approx(10 / 101)
 
 
+def _solved(status: str, t: float) -> bool:
+    return not 2.0 <= t < 2.2 or status == "ok"
+
+
+def _status(status: str, t: float) -> str:
+    return status
+
+
 def test_a_fallback_within_an_encounter_is_its_status(tmp_path: Path) -> None:
     for status, expected in (("comfort_stop", "infeasible"), ("time_limit", "timeout"), ("ok", "ok")):
         ego = Ego(
             line(-21.2, 0, 10, 0),
             columns={
-                "solved": lambda t, status=status: not 2.0 <= t < 2.2 or status == "ok",
-                "plan_status": lambda t, status=status: status,
+                "solved": partial(_solved, status),
+                "plan_status": partial(_status, status),
             },
         )
         folder = write_run(tmp_path / status, [ego], [Person(line(32.5, -4, 0, 1.25))])
