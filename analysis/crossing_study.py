@@ -18,6 +18,10 @@ from scipy import stats
 
 KEYS = ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour", "controller"]
 BASELINE = "sumo"
+POOLED = ["scenario_id", "controller"]
+"""Keys of the rows over all demands."""
+PAIR = ["vehicles_per_hour", "pedestrians_per_hour", "seed"]
+"""What two runs of different controllers have in common when they are compared."""
 
 
 def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -60,19 +64,16 @@ def passages(encounters: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def summary(runs: pd.DataFrame, encounters: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per scenario, demand and controller; see the columns for what is in it."""
-    met = passages(encounters)
+def summary(runs: pd.DataFrame, encounters: pd.DataFrame, keys: Sequence[str] = tuple(KEYS)) -> pd.DataFrame:
+    """Return one row per scenario, demand and controller, or by other keys that end with the controller."""
+    met, by = passages(encounters), list(keys)
     rows = []
-    for key, group in runs.groupby(KEYS):
-        mine = met[(met[KEYS] == list(key)).all(axis=1)]
-        rows.append(dict(zip(KEYS, key, strict=True)) | _row(group, mine, _baseline(runs, key)))
+    for key, group in runs.groupby(by):
+        mine = met[(met[by] == list(key)).all(axis=1)]
+        same = (runs[by[:-1]] == list(key[:-1])).all(axis=1)
+        base = runs[same & (runs["controller"] == BASELINE)]
+        rows.append(dict(zip(by, key, strict=True)) | _row(group, mine, base))
     return pd.DataFrame(rows)
-
-
-def _baseline(runs: pd.DataFrame, key: Sequence[Any]) -> pd.DataFrame:
-    same = (runs[KEYS[:-1]] == list(key[:-1])).all(axis=1)
-    return runs[same & (runs["controller"] == BASELINE)]
 
 
 def _row(runs: pd.DataFrame, met: pd.DataFrame, base: pd.DataFrame) -> dict[str, Any]:
@@ -134,9 +135,9 @@ def _upper(count: int, n: int) -> float:
 
 
 def _paired(runs: pd.DataFrame, base: pd.DataFrame) -> tuple[float, float, float, int]:
-    """Return mean and 95 % t interval of the delay difference to the baseline, paired by seed."""
-    mine = runs.set_index("seed")["ego_delay_mean_s"]
-    difference = (mine - base.set_index("seed")["ego_delay_mean_s"]).dropna()
+    """Return mean and 95 % t interval of the delay difference to the baseline, paired by demand and seed."""
+    mine = runs.set_index(PAIR)["ego_delay_mean_s"]
+    difference = (mine - base.set_index(PAIR)["ego_delay_mean_s"]).dropna()
     n = len(difference)
     if n < 2:
         return (float(difference.mean()) if n else np.nan), np.nan, np.nan, n

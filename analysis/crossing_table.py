@@ -26,7 +26,7 @@ _LINES = (
     ("largest jerk of a passage p50 / p95 [m/s³]", "{jerk_p50_mps3:.1f} / {jerk_p95_mps3:.1f}"),
     ("mean delay of a trip [s]", "{delay_mean_s:.1f}"),
     (
-        "delay against SUMO's driver, paired [s] (95 %)",
+        "delay against SUMO's driver, paired by seed and demand [s] (95 %)",
         "{delay_minus_sumo_s:+.1f} ({delay_minus_sumo_low_s:+.1f} … {delay_minus_sumo_high_s:+.1f})",
     ),
     ("steps with slack > 0.05 m", "{slack_share:.2%}"),
@@ -46,24 +46,24 @@ _LINES = (
 )
 
 
-def markdown(table: pd.DataFrame) -> str:
-    """Return the table as text."""
-    blocks = []
+def markdown(table: pd.DataFrame, pooled: pd.DataFrame) -> str:
+    """Return the tables as text: over all demands first, then each demand."""
+    blocks = [_block(f"{scenario}, all demands", group) for scenario, group in pooled.groupby("scenario_id")]
     for (scenario, vehicles, people), group in table.groupby(
         ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour"]
     ):
-        rows = {row["controller"]: row for row in group.to_dict("records")}
-        names = [name for name in ORDER if name in rows] + sorted(set(rows) - set(ORDER))
-        lines = [
-            f"### {scenario}, {vehicles:.0f} veh/h and direction, {people:.0f} ped/h and crossing",
-            "",
-            "| | " + " | ".join(names) + " |",
-            "|---|" + "---|" * len(names),
-        ]
-        for label, text in _LINES:
-            lines.append(f"| {label} | " + " | ".join(_cell(text, rows[name]) for name in names) + " |")
-        blocks.append("\n".join(lines))
+        title = f"{scenario}, {vehicles:.0f} veh/h and direction, {people:.0f} ped/h and crossing"
+        blocks.append(_block(title, group))
     return "\n\n".join(blocks) + "\n"
+
+
+def _block(title: str, group: pd.DataFrame) -> str:
+    rows = {row["controller"]: row for row in group.to_dict("records")}
+    names = [name for name in ORDER if name in rows] + sorted(set(rows) - set(ORDER))
+    lines = [f"### {title}", "", "| | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
+    for label, text in _LINES:
+        lines.append(f"| {label} | " + " | ".join(_cell(text, rows[name]) for name in names) + " |")
+    return "\n".join(lines)
 
 
 def _cell(text: str, row: dict[Hashable, Any]) -> str:

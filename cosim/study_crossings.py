@@ -91,13 +91,14 @@ def _run_all(work: list[tuple[str, str, str, int, dict[str, str]]], jobs: int) -
 
 
 def _report(out: Path) -> None:
-    from analysis.crossing_study import read_study, summary
+    from analysis.crossing_study import POOLED, read_study, summary
     from analysis.crossing_table import markdown
 
     folders = [path.parent for path in out.glob("*/runs.csv")]
-    table = summary(*read_study(folders))
+    runs, encounters = read_study(folders)
+    table = summary(runs, encounters)
     table.to_csv(out / "study.csv", index=False, float_format="%.6g")
-    text = markdown(table)
+    text = markdown(table, summary(runs, encounters, POOLED))
     (out / "study.md").write_text(text, encoding="utf-8")
     typer.echo(text)
 
