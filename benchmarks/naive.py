@@ -40,7 +40,7 @@ def solve(arrays: dict[str, Any], tolerance: float) -> FloatArray | None:
     return None if answer is None else np.asarray(answer)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PassingTask(SpeedTask):
     """A speed task that remembers who its position bounds come from."""
 
