@@ -106,7 +106,8 @@ class VelocityObstacleMpc:
                 self._kept = chosen
             return chosen.plan.cost
 
-        return self._decision.decide(perception, cost)
+        decision = self._decision.decide(perception, cost)
+        return decision if decision.because else replace(decision, because=planner.nearest_stop())
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering."""

@@ -80,6 +80,10 @@ class SpeedPlanner:
         """Take note of signals and of vehicles with priority; once per plan."""
         self._stops = self.right_of_way.stops(perception)
 
+    def nearest_stop(self) -> str:
+        """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
+        return min(self._stops, key=lambda stop: stop.along).name if self._stops else ""
+
     def commit(self, perception: Perception, chosen: Chosen) -> None:
         """Remember the passing class that is followed from now on."""
         if self._due(perception):

@@ -105,10 +105,30 @@ def build(
         raise ValueError(f"steps must be at least 2, not {steps}")
     if not 0.0 < first_step_s <= last_step_s:
         raise ValueError(f"first_step_s must be above 0 and at most last_step_s, not {first_step_s}")
-    for name, value in (("margin_along_m", margin_along_m), ("margin_across_m", margin_across_m)):
-        if value < 0.0:
-            raise ValueError(f"{name} must not be negative, not {value}")
-    for name, value in (("disc_radius_m", disc_radius_m), ("truncation_s", truncation_s)):
+    not_negative = {
+        "margin_along_m": margin_along_m,
+        "margin_across_m": margin_across_m,
+        "standstill_gap_m": standstill_gap_m,
+        "headway_s": headway_s,
+        "class_lock_s": class_lock_s,
+        "change_cost": change_cost,
+    }
+    above_zero = {
+        "disc_radius_m": disc_radius_m,
+        "truncation_s": truncation_s,
+        "tolerance": tolerance,
+        "change_duration_s": change_duration_s,
+        "bend_acceleration_mps2": bend_acceleration_mps2,
+        "max_acceleration_mps2": max_acceleration_mps2,
+        "comfortable_braking_mps2": comfortable_braking_mps2,
+        "emergency_braking_mps2": emergency_braking_mps2,
+        "max_jerk_mps3": max_jerk_mps3,
+        "freeze_braking_mps2": freeze_braking_mps2,
+    }
+    for name, value in not_negative.items():
+        if not 0.0 <= value < float("inf"):
+            raise ValueError(f"{name} must be at least 0 and finite, not {value}")
+    for name, value in above_zero.items():
         if not value > 0.0:
             raise ValueError(f"{name} must be above 0, not {value}")
     check_solver(solver)

@@ -207,7 +207,7 @@ def test_a_solver_by_name_drives_the_same_way() -> None:
     [
         ({"steps": 1}, "steps must be at least 2"),
         ({"first_step_s": 0.9}, "first_step_s must be above 0 and at most last_step_s"),
-        ({"margin_across_m": -0.1}, "margin_across_m must not be negative"),
+        ({"margin_across_m": -0.1}, "margin_across_m must be at least 0"),
         ({"truncation_s": 0.0}, "truncation_s must be above 0"),
         ({"disc_radius_m": -1.0}, "disc_radius_m must be above 0"),
         ({"cone": "round"}, "cone = 'round'"),

@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from cosim.cli import main
+from tests.analysis.recorded import Ego, Person, line, write_run
 
 EDGE = '<edge id="{0}" from="{1}" to="{2}" numLanes="1" speed="13.9" {3}/>'
 
@@ -305,6 +306,15 @@ def test_folders_that_cannot_be_analysed_are_named_each(
     assert "gone" in lines[0]
     assert "empty" in lines[1]
     assert "2 of 2 folders not analysed: gone, empty" in lines[2]
+
+
+def test_a_trajectory_file_for_ssam_is_written_on_request(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "run", [Ego(line(-21.2, 0, 10, 0))], [Person(line(32.5, -4, 0, 1.25))])
+    assert main(["analyse", str(folder)]) == 0
+    assert not (folder / "run.trj").exists()
+    assert main(["analyse", str(folder), "--ssam"]) == 0
+    assert (folder / "run.trj").stat().st_size > 1000
+    assert "ego" in (folder / "ssam_id_map.csv").read_text(encoding="utf-8")
 
 
 def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exist(
