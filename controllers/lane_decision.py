@@ -106,11 +106,11 @@ class LaneDecision:
 
     def _for_the_route(self, perception: Perception, number: int) -> Decision:
         reference = perception.road.reference
-        # Lanes are not changed on a crossing, even for the route, unless it is the last chance.
-        if not self._near_crossing(perception) and (who := blocker(perception, number, self.settings.gaps)):
-            return Decision(Manoeuvre.KEEP, reference, Rule.LANE_CHANGE, who)
-        if self._near_crossing(perception):
-            return Decision(Manoeuvre.KEEP, reference, Rule.LANE_CHANGE, "crossing")
+        # Lanes are not changed at a crossing, not even for the route.
+        near = self._near_crossing(perception)
+        obstacle = "crossing" if near else blocker(perception, number, self.settings.gaps)
+        if obstacle:
+            return Decision(Manoeuvre.KEEP, reference, Rule.LANE_CHANGE, obstacle)
         self.manoeuvre.begin(perception, number)
         self._rule = Rule.LANE_CHANGE
         return Decision(_change(number - reference), number, Rule.LANE_CHANGE, "lane end")

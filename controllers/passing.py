@@ -282,17 +282,3 @@ def class_bounds(
         np.maximum.accumulate(lower[::-1], axis=0)[::-1],
         np.minimum.accumulate(freeze, axis=0),
     )
-
-
-def position_bounds(
-    conflicts: Conflicts,
-    behind: int,
-    times: FloatArray,
-    front: float,
-    rear: float,
-    margin_along: float,
-    speed: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return upper, lower and freeze bound of one passing class, shape (N,) each; see `class_bounds`."""
-    bounds = class_bounds(conflicts, times, front, rear, margin_along, speed)
-    return bounds.upper[behind], bounds.lower[behind], bounds.freeze[behind]

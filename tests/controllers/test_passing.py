@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from controllers.interface import CrossingKind, Perception
+from controllers.interface import CrossingKind, FloatArray, Perception
 from controllers.passing import (
     Conflicts,
     PedestrianAssumptions,
     Watch,
+    class_bounds,
     class_name,
     find,
-    position_bounds,
 )
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 
@@ -26,6 +27,14 @@ REACH = 0.9 + 0.25 + MARGIN
 HORIZON = 6.0
 TIMES = np.arange(0.5, 6.01, 0.5)
 REAR = 0.95
+
+
+def position_bounds(
+    found: Conflicts, behind: int, *arguments: Any
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the bounds of one passing class."""
+    bounds = class_bounds(found, *arguments)
+    return bounds.upper[behind], bounds.lower[behind], bounds.freeze[behind]
 
 
 def _find(
