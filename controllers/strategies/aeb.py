@@ -13,53 +13,27 @@ import numpy as np
 from controllers import lane_keeping
 from controllers.driving_style import DrivingStyle
 from controllers.emergency_braking import BrakingRule, EmergencyBraking
-from controllers.following import Following
-from controllers.interface import Command, Controller, Decision, Manoeuvre, Perception, Plan
-from controllers.lane_choice import LaneChoice
-
-PAUSING = -3.0
-"""Deceleration while somebody goes past a lane change that has begun [m/s^2]."""
+from controllers.interface import Command, Controller, Decision, Perception, Plan
+from controllers.traffic_driver import TrafficDriver
 
 
 class EmergencyBrakingDriver:
     """Follows, keeps or changes its lane for the route, and brakes in an emergency."""
 
     def __init__(self, style: DrivingStyle, rule: BrakingRule) -> None:
-        self._following = Following(style)
-        self._lanes = LaneChoice(style=style)
+        self._traffic = TrafficDriver(style)
         self._brake = EmergencyBraking(rule)
-        self._changing_to: int | None = None
 
     def decide(self, perception: Perception) -> Decision:
         """Say which lane to be in, and who is braked or waited for."""
-        threat = self._brake.watch(perception)
-        target, reason = self._lanes.choose(perception)
-        manoeuvre = self._manoeuvre(target, perception.road.reference)
-        if not threat and not reason:
-            reason = self._following.follow(perception, target, np.zeros(1)).because
-        return Decision(manoeuvre, target, because=threat or reason)
+        return self._traffic.decide(perception, self._brake.watch(perception))
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Drive towards the target lane; the emergency brake has the last word along."""
-        ego, road = perception.ego, perception.road
-        times = lane_keeping.instants(ego)
-        wanted = self._following.follow(
-            perception, decision.target_lane, times, leaving=self._lanes.waiting
-        ).acceleration
-        acceleration = np.minimum(wanted, self._brake.accelerations(ego, times))
-        if self._lanes.paused:
-            acceleration = np.minimum(acceleration, PAUSING)
-        lane = road.lane(decision.target_lane)
-        angles = lane_keeping.steering(perception, lane.offset if lane else 0.0, acceleration)
-        return Plan(Command(times, acceleration, angles))
-
-    def _manoeuvre(self, target: int, reference: int) -> Manoeuvre:
-        before, self._changing_to = self._changing_to, None if target == reference else target
-        if target > reference:
-            return Manoeuvre.CHANGE_LEFT
-        if target < reference:
-            return Manoeuvre.CHANGE_RIGHT
-        return Manoeuvre.KEEP if before in (None, reference) else Manoeuvre.ABORT_CHANGE
+        times = lane_keeping.instants(perception.ego)
+        allowed = self._traffic.accelerations(perception, decision)
+        acceleration = np.minimum(allowed, self._brake.accelerations(perception.ego, times))
+        return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
 
 
 def build(

@@ -1,0 +1,24 @@
+"""Everybody keeps the present velocity."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.forecast import Forecast, Predictor
+
+
+class ConstantVelocity:
+    """p(t) = p(0) + v t."""
+
+    def predict(self, perception: Perception, times: FloatArray) -> Forecast:
+        """Return the straight continuations."""
+        people = perception.pedestrians
+        along = people.along[:, None] + people.along_speed[:, None] * times
+        across = people.across[:, None] + people.across_speed[:, None] * times
+        return Forecast(times, along, across, np.zeros_like(along))
+
+
+def build() -> Predictor:
+    """Build the predictor."""
+    return ConstantVelocity()
