@@ -56,6 +56,8 @@ class Walkers:
     radius: FloatArray
     side: FloatArray
     """+1: the relative velocity stays left of the left tangent; −1: right of the right one; 0: either."""
+    reach: FloatArray | float = 0.0
+    """What the outline is grown by because they may be elsewhere, shape (m, N) [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,7 @@ def rows(settings: ConeSettings, walkers: Walkers, nominal: Motion) -> ConeRows:
     radius = np.broadcast_to(
         walkers.radius[:, None] if outline.radius is None else np.float64(outline.radius), px.shape
     )
+    radius = radius + walkers.reach
     speed_before, heading_before = nominal.earlier()
     vx, vy = nominal.velocity()
     old_x, old_y = speed_before * np.cos(heading_before), speed_before * np.sin(heading_before)

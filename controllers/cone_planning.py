@@ -20,8 +20,6 @@ FloatArray = NDArray[np.float64]
 
 SLOTS = 6
 """Pedestrians with a cone; whoever is farther away bounds the position instead."""
-STRAIGHT_ON = 3.0
-"""How long somebody is expected to keep the speed along the road [s]."""
 
 SteeringOf = Callable[[Perception, SpeedPlan, Lane | None], SteeringTask]
 """Makes the steering task for a speed plan on the way into a lane."""
@@ -79,11 +77,18 @@ class ConePlanner(SpeedPlanner):
         """
         times = self.memory.times
         c = conflicts
-        x = c.along[chosen, None] + c.along_speed[chosen, None] * np.minimum(times, STRAIGHT_ON)
-        y = c.across[chosen, None] + c.across_speed[chosen, None] * times
-        vx = np.where(times < STRAIGHT_ON, c.along_speed[chosen, None], 0.0)
-        vy = np.broadcast_to(c.across_speed[chosen, None], x.shape)
         side = np.sign(c.across_speed[chosen]) * np.where(chosen < behind, -1.0, 1.0)
+        if c.forecast is not None:
+            forecast = c.forecast.only(chosen)
+            there, velocity = forecast.at(times), forecast.velocities()
+            vx, vy = (
+                np.array([np.interp(times, forecast.times, one) for one in speeds]) for speeds in velocity
+            )
+            return Walkers(there.along, there.across, vx, vy, c.radius[chosen], side, there.reach)
+        x = c.along_at(times)[chosen]
+        y = c.across[chosen, None] + c.across_speed[chosen, None] * times
+        vx = np.where(times < passing.STRAIGHT_ON, c.along_speed[chosen, None], 0.0)
+        vy = np.broadcast_to(c.across_speed[chosen, None], x.shape)
         return Walkers(x, y, vx, vy, c.radius[chosen], side)
 
 
@@ -106,6 +111,7 @@ def _only(conflicts: passing.Conflicts, chosen: NDArray[np.intp]) -> passing.Con
         c.enter[chosen],
         c.leave[chosen],
         c.stop_line[chosen],
+        None if c.forecast is None else c.forecast.only(chosen),
     )
 
 

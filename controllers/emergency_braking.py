@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers.interface import Drive, EgoState, FloatArray, Perception
-from controllers.prediction.contact import box_contact_times, disc_contact_times
+from controllers.prediction.contact import box_contact_times, disc_contact_times, sampled_contact_times
+from controllers.prediction.forecast import Forecast, Predictor
 
 GRAVITY = 9.80665
 STANDING = 0.05
@@ -23,6 +24,8 @@ FRONT_DEPTH = 0.5
 """How far behind the front bumper a contact still is one of the front [m]."""
 SAME_WAY = math.radians(60.0)
 """Moving vehicles turned further from the lane's direction cross or come; those are not braked for."""
+FORECAST_TIMES = np.linspace(0.0, 5.0, 51)
+"""When a predictor is asked where people will be; afterwards they go straight on [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,16 +72,26 @@ def stopping_distance(speed: float, deceleration: float, dead_time: float, ramp:
 
 
 class EmergencyBraking:
-    """The state of the brake: whether it has been triggered, when, and because of whom."""
+    """The state of the brake: whether it has been triggered, when, and because of whom.
 
-    def __init__(self, rule: BrakingRule | None = None) -> None:
+    Parameters
+    ----------
+    rule : how it brakes
+    predictor : where pedestrians will be; ``None``: they keep their velocities, in closed form
+    """
+
+    def __init__(self, rule: BrakingRule | None = None, predictor: Predictor | None = None) -> None:
         self.rule = rule or BrakingRule()
+        self._predictor = predictor
+        self._forecast: Forecast | None = None
         self._since: float | None = None
         self._speed = 0.0
 
     def watch(self, perception: Perception) -> str:
         """Trigger, hold or release the brake; return because of whom it brakes, empty if it does not."""
         ego = perception.ego
+        if self._predictor is not None:
+            self._forecast = self._predictor.predict(perception, FORECAST_TIMES)
         if ego.speed < STANDING:
             threat = self._threat(perception, START_SPEED)
         elif self._since is None:
@@ -107,7 +120,8 @@ class EmergencyBraking:
 
     def _threat(self, perception: Perception, speed: float, within: float = 0.0) -> str:
         """Return who would be met at that speed before the ego can stop, or within a time."""
-        people, cars = _people(perception, speed, self.rule), _cars(perception, speed)
+        people = _people(perception, speed, self.rule, self._forecast)
+        cars = _cars(perception, speed)
         if perception.ego.speed < STANDING:
             # Starting beside a standing vehicle is the driver's own business: he steers out.
             cars = (np.full(len(cars[0]), np.inf), cars[1])
@@ -132,17 +146,42 @@ class EmergencyBraking:
         return stops + rule.stop_margin
 
 
-def _people(perception: Perception, speed: float, rule: BrakingRule) -> tuple[FloatArray, FloatArray]:
-    """Return when each pedestrian is met by the front [s], and how fast he walks along [m/s]."""
+def _people(
+    perception: Perception, speed: float, rule: BrakingRule, forecast: Forecast | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return when each pedestrian is met by the front [s], and how fast he walks along by then [m/s]."""
     them, ego = perception.pedestrians, perception.ego
     x, y, x_speed, y_speed = _seen_from(ego, them.along, them.across, them.along_speed, them.across_speed)
     body = ego.body
     side, radius = 0.5 * body.width, them.radius
     relative = x_speed - speed
     grown = radius + rule.side_margin
-    times = disc_contact_times(-body.rear_overhang, body.front, side, x, y, relative, y_speed, grown)
     within = disc_contact_times(-body.rear_overhang, body.front, side, x, y, 0.0 * x, 0.0 * y, radius)
+    if forecast is None:
+        times = disc_contact_times(-body.rear_overhang, body.front, side, x, y, relative, y_speed, grown)
+    else:
+        times, x, relative = _forecast_contacts(ego, speed, forecast, grown)
+        x_speed = relative + speed
     return np.where((within == 0.0) | _at_front(times, x, relative, body.front), times, np.inf), x_speed
+
+
+def _forecast_contacts(
+    ego: EgoState, speed: float, forecast: Forecast, radius: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return when each pedestrian is met [s], and the straight line along on which he is then.
+
+    The second is where that line is at time 0 [m], the third its slope [m/s], relative to the ego.
+    """
+    body, samples = ego.body, forecast.times
+    x, y = _turned(ego, forecast.along, forecast.across - ego.across)
+    x = x - speed * samples
+    times, interval = sampled_contact_times(
+        -body.rear_overhang, body.front, 0.5 * body.width, samples, x, y, radius[:, None] + forecast.reach
+    )
+    each = np.arange(len(times))
+    begins = samples[interval]
+    slope = (x[each, interval + 1] - x[each, interval]) / (samples[interval + 1] - begins)
+    return times, x[each, interval] - slope * begins, slope
 
 
 def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]:
@@ -180,11 +219,13 @@ def _seen_from(
     ego: EgoState, along: FloatArray, across: FloatArray, along_speed: FloatArray, across_speed: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return places and velocities turned into the ego's own axes, from its rear axle."""
-    cosine, sine = math.cos(ego.heading_error), math.sin(ego.heading_error)
-    beside = across - ego.across
     return (
-        cosine * along + sine * beside,
-        cosine * beside - sine * along,
-        cosine * along_speed + sine * across_speed,
-        cosine * across_speed - sine * along_speed,
+        *_turned(ego, along, across - ego.across),
+        *_turned(ego, along_speed, across_speed),
     )
+
+
+def _turned(ego: EgoState, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return vectors of the route frame in the ego's own axes."""
+    cosine, sine = math.cos(ego.heading_error), math.sin(ego.heading_error)
+    return cosine * along + sine * across, cosine * across - sine * along

@@ -33,6 +33,7 @@ from controllers.lane_manoeuvre import LaneManoeuvre
 from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
 from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
 from controllers.plan_memory import PlanMemory, sampled_command
+from controllers.prediction.forecast import Predictor
 from controllers.right_of_way import RightOfWay
 from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across
 from controllers.velocity_obstacle import Cone
@@ -79,10 +80,17 @@ class Settings:
 
 
 class VelocityObstacleMpc:
-    """Drives one ego; see the module's docstring."""
+    """Drives one ego; see the module's docstring.
 
-    def __init__(self, settings: Settings) -> None:
+    Parameters
+    ----------
+    settings : how
+    predictor : where pedestrians will be; ``None``: they keep their velocities
+    """
+
+    def __init__(self, settings: Settings, predictor: Predictor | None = None) -> None:
         self.settings = settings
+        self._predictor = predictor
         self._times = np.cumsum(settings.dt)
         self._memory = PlanMemory(self._times)
         self._lanes = LaneManoeuvre(settings.change_duration)
@@ -226,7 +234,7 @@ class VelocityObstacleMpc:
             program = LongitudinalProgram(s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance)
             right_of_way = RightOfWay(limits.acceleration)
             if s.cone.kind is Cone.STEP:
-                self._speed = SpeedPlanner(s.passing, program, self._memory, right_of_way)
+                self._speed = SpeedPlanner(s.passing, program, self._memory, right_of_way, self._predictor)
             else:
                 steering, cone = self._steering_program(perception), self._cone(perception.ego.body)
                 self._speed = ConePlanner(
@@ -234,6 +242,7 @@ class VelocityObstacleMpc:
                     program,
                     self._memory,
                     right_of_way,
+                    self._predictor,
                     steering=steering,
                     steering_of=self._steering_task,
                     joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance),

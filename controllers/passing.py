@@ -12,10 +12,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import CrossingKind, Perception
+from controllers.interface import CrossingKind, Pedestrians, Perception
+from controllers.prediction.forecast import Forecast
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+STRAIGHT_ON = 3.0
+"""How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
+KERB = 0.5
+"""Nearer to the road than this counts as on it [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +93,8 @@ class Conflicts:
     along_speed: FloatArray
     across: FloatArray
     across_speed: FloatArray
-    """Assumed velocity across the path; its sign says which way the pedestrian walks [m/s]."""
+    """Assumed velocity across the path, with a forecast the one at entry; its sign says which way the
+    pedestrian walks [m/s]."""
     radius: FloatArray
     enter: FloatArray
     """Time until the overlap begins; 0 while it lasts [s]."""
@@ -95,9 +102,21 @@ class Conflicts:
     """Time until it ends; inf for somebody who stays [s]."""
     stop_line: FloatArray
     """Where a front bumper that yields should stop; inf without a crossing [m]."""
+    forecast: Forecast | None = None
+    """Of these pedestrians; ``None`` when they keep their velocities."""
 
     def __len__(self) -> int:
         return len(self.names)
+
+    def along_at(self, times: FloatArray) -> FloatArray:
+        """Return the places along the road, shape (n, N) [m]."""
+        if self.forecast is not None:
+            return self.forecast.at(times).along
+        return self.along[:, None] + self.along_speed[:, None] * np.minimum(times, STRAIGHT_ON)
+
+    def reach_at(self, times: FloatArray) -> FloatArray | float:
+        """Return how far from there they may be, shape (n, N); 0 where nothing is known of that [m]."""
+        return 0.0 if self.forecast is None else self.forecast.at(times).reach
 
 
 def find(
@@ -107,6 +126,7 @@ def find(
     side_margin: float,
     horizon: float,
     assume: PedestrianAssumptions,
+    forecast: Forecast | None = None,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -124,6 +144,9 @@ def find(
         [s].
     assume
         See :class:`PedestrianAssumptions`.
+    forecast
+        Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
+        assumed of somebody whose velocity does not say what he will do goes before it.
     """
     people = perception.pedestrians
     road = perception.road
@@ -131,10 +154,17 @@ def find(
     if n == 0:
         return _empty()
     watch.look(perception, assume)
-    across_speed, considered = _expected_motion(perception, watch, assume)
+    across_speed, considered, assumed = _expected_motion(perception, watch, assume)
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
-    enter, leave = _overlap(people.across, across_speed, low, high)
+    if forecast is None:
+        enter, leave = _overlap(people.across, across_speed, low, high)
+    else:
+        forecast = _with_assumptions(forecast, people, across_speed, assumed)
+        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
+        considered |= on_road.any(axis=1) & (people.crossing < 0)
+        enter, leave = _sampled_overlap(forecast, low, high)
+        across_speed = _speed_at(forecast, enter)
     # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
     # would be first in the order and nobody ahead could be let pass without letting him pass as well.
     behind = people.along + people.radius < -perception.ego.body.rear_overhang - 0.5
@@ -153,23 +183,26 @@ def find(
         enter[chosen],
         leave[chosen],
         stop.reshape(len(chosen)),
+        None if forecast is None else forecast.only(chosen),
     )
 
 
 def _expected_motion(
     perception: Perception, watch: Watch, assume: PedestrianAssumptions
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return the expected speed across the path and who has to be considered at all."""
+) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the expected speed across the path, who has to be considered, and whose speed is assumed."""
     people = perception.pedestrians
     road = perception.road
     speed = people.across_speed.copy()
     considered = np.ones(len(people), dtype=bool)
+    assumed = np.zeros(len(people), dtype=bool)
     for i, name in enumerate(people.names):
         crossing = road.crossings[people.crossing[i]] if people.crossing[i] >= 0 else None
         if people.on_crossing[i]:
             stands = abs(speed[i]) < assume.standing_below
             if stands and name in watch.heading and not watch.lets_go_first(name, assume):
                 speed[i] = watch.heading[name] * assume.resume_speed
+                assumed[i] = True
         elif people.waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
             pace = float(np.hypot(people.along_speed[i], people.across_speed[i]))
@@ -181,10 +214,58 @@ def _expected_motion(
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.
                 speed[i] = -np.sign(people.across[i]) * max(pace, assume.resume_speed)
+                assumed[i] = True
         else:
-            outside = people.across[i] > road.left_edge + 0.5 or people.across[i] < road.right_edge - 0.5
+            outside = people.across[i] > road.left_edge + KERB or people.across[i] < road.right_edge - KERB
             considered[i] = not (outside and abs(speed[i]) < 0.5)
-    return speed, considered
+    return speed, considered, assumed
+
+
+def _with_assumptions(
+    forecast: Forecast, people: Pedestrians, across_speed: FloatArray, assumed: NDArray[np.bool_]
+) -> Forecast:
+    """Return the forecast with straight lines for those of whom something is assumed."""
+    times, who = forecast.times, assumed[:, None]
+    straight = people.along[:, None] + people.along_speed[:, None] * np.minimum(times, STRAIGHT_ON)
+    beside = people.across[:, None] + across_speed[:, None] * times
+    return Forecast(
+        times,
+        np.where(who, straight, forecast.along),
+        np.where(who, beside, forecast.across),
+        np.where(who, 0.0, forecast.reach),
+    )
+
+
+def _sampled_overlap(forecast: Forecast, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return when forecasts first enter [low, high] and when they have left for good; inf for never."""
+    times = forecast.times
+    outside = np.maximum(low[:, None] - forecast.across, forecast.across - high[:, None]) - forecast.reach
+    inside = outside <= 0.0
+    each = np.arange(len(inside))
+    first = np.argmax(inside, axis=1)
+    after_last = inside.shape[1] - np.argmax(inside[:, ::-1], axis=1)
+
+    def border(index: IntArray) -> FloatArray:
+        """Return when the border is crossed within the interval that ends with a sample."""
+        ends = np.clip(index, 1, len(times) - 1)
+        before, after = outside[each, ends - 1], outside[each, ends]
+        change = np.where(before == after, 1.0, before - after)
+        share = np.clip(before / change, 0.0, 1.0)
+        return np.asarray(times[ends - 1] + share * (times[ends] - times[ends - 1]))
+
+    somewhere = inside.any(axis=1)
+    enter = np.where(first == 0, times[0], border(first))
+    leave = np.where(after_last == len(times), np.inf, border(after_last))
+    return np.where(somewhere, enter, np.inf), np.where(somewhere, leave, np.inf)
+
+
+def _speed_at(forecast: Forecast, times: FloatArray) -> FloatArray:
+    """Return the speed across at one time for each, that of the last known one beyond it [m/s]."""
+    known = np.searchsorted(forecast.times, times, side="right")
+    interval = np.clip(known, 1, len(forecast.times) - 1)
+    each = np.arange(len(times))
+    moved = forecast.across[each, interval] - forecast.across[each, interval - 1]
+    return np.asarray(moved / (forecast.times[interval] - forecast.times[interval - 1]))
 
 
 def _overlap(
@@ -205,7 +286,7 @@ def _overlap(
 
 def _empty() -> Conflicts:
     none = np.zeros(0)
-    return Conflicts((), np.zeros(0, dtype=np.int64), *([none] * 8))
+    return Conflicts((), np.zeros(0, dtype=np.int64), none, none, none, none, none, none, none, none)
 
 
 def class_name(conflicts: Conflicts, behind: int) -> str:
@@ -267,8 +348,8 @@ def class_bounds(
     following = np.concatenate((times[1:], [np.inf]))
     enter, leave = conflicts.enter[:, None], conflicts.leave[:, None]
     line = conflicts.stop_line[:, None]
-    x = conflicts.along[:, None] + conflicts.along_speed[:, None] * np.minimum(times, 3.0)
-    reach = (conflicts.radius + margin_along)[:, None]
+    x = conflicts.along_at(times)
+    reach = (conflicts.radius + margin_along)[:, None] + conflicts.reach_at(times)
     # Once the bumper is past the stop line only the pedestrian counts.
     limit = np.where(front <= line + 0.3, np.minimum(x - reach, np.maximum(line, front)), x - reach)
     active = previous < leave

@@ -12,6 +12,7 @@ from controllers.interface import Lane, Perception
 from controllers.lateral import SteeringPlan
 from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.plan_memory import PlanMemory
+from controllers.prediction.forecast import Forecast, Predictor
 from controllers.right_of_way import RightOfWay, StopPlace
 
 FloatArray = NDArray[np.float64]
@@ -29,6 +30,8 @@ CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
 deceleration [m/s^2], plus this [m/s]."""
 SLOWING_FOR_THE_ROAD = 1.5
 """Deceleration with which limits and bends ahead are met [m/s^2]."""
+FORECAST_SPACING = 0.1
+"""How finely a predictor is asked; in between people go straight on [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,9 @@ class SpeedPlanner:
     program: LongitudinalProgram
     memory: PlanMemory
     right_of_way: RightOfWay
+    predictor: Predictor | None = None
+    """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
+    _forecast: Forecast | None = None
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
@@ -77,8 +83,12 @@ class SpeedPlanner:
     # Of the conflicts and task they were worked out for.
 
     def look(self, perception: Perception) -> None:
-        """Take note of signals and of vehicles with priority; once per plan."""
+        """Take note of signals, of vehicles with priority, and of where people will be; once per plan."""
         self._stops = self.right_of_way.stops(perception)
+        if self.predictor is not None:
+            count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
+            times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
+            self._forecast = self.predictor.predict(perception, times)
 
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
@@ -110,6 +120,7 @@ class SpeedPlanner:
             s.margin_across,
             float(times[-1]),
             s.assume,
+            self._forecast,
         )
         task, because = self._task(perception, lane, leaving_for)
         best: Chosen | None = None

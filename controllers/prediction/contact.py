@@ -1,10 +1,10 @@
-"""When two shapes that keep their velocities touch: the ego's rectangle, discs and other rectangles."""
+"""When two shapes touch that move straight on, or straight between samples: rectangles and discs."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.interface import FloatArray, IntArray
 
 
 def disc_contact_times(
@@ -37,6 +37,39 @@ def disc_contact_times(
         for corner_y in (-half_width, half_width):
             first = np.minimum(first, _point_times(x - corner_x, y - corner_y, x_speed, y_speed, radius))
     return first
+
+
+def sampled_contact_times(
+    rear: float,
+    front: float,
+    half_width: float,
+    times: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    radius: FloatArray,
+) -> tuple[FloatArray, IntArray]:
+    """Return when discs first touch a rectangle [s], inf for never, and the sample they move on from then.
+
+    Parameters
+    ----------
+    rear, front, half_width : as for :func:`disc_contact_times`
+    times : of the samples, ascending, at least two, shape (K,) [s]
+    x, y : centres in the rectangle's frame; in between, and after the last, they move straight, (n, K) [m]
+    radius : the larger of two samples counts between them, (n, K) [m]
+
+    >>> turns = np.array([[8.0, 8.0, 4.0]]), np.array([[4.0, 2.0, 0.0]])
+    >>> sampled_contact_times(0.0, 4.0, 1.0, np.arange(3.0), *turns, np.full((1, 3), 0.5))
+    (array([1.875]), array([1]))
+    """
+    duration = np.diff(times)
+    x_speed, y_speed = np.diff(x, axis=1) / duration, np.diff(y, axis=1) / duration
+    widest = np.maximum(radius[:, :-1], radius[:, 1:])
+    moves = [values.ravel() for values in (x[:, :-1], y[:, :-1], x_speed, y_speed, widest)]
+    after = disc_contact_times(rear, front, half_width, *moves).reshape(x_speed.shape)
+    until = np.append(duration[:-1], np.inf)
+    met = np.where(after <= until, times[:-1] + after, np.inf)
+    interval = np.argmin(met, axis=1)
+    return met[np.arange(len(met)), interval], interval
 
 
 def box_contact_times(

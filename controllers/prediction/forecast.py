@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from controllers.interface import FloatArray, Perception
 
 
@@ -20,6 +23,27 @@ class Forecast:
     """Shape (n, K) [m]."""
     reach: FloatArray
     """How far from that place the pedestrian may be, shape (n, K); zero for a single prediction [m]."""
+
+    def at(self, times: FloatArray) -> Forecast:
+        """Return the forecast at other times: linear between those known, beyond them the nearest one."""
+        after = np.clip(np.searchsorted(self.times, times), 1, len(self.times) - 1)
+        before = after - 1
+        share = (times - self.times[before]) / (self.times[after] - self.times[before])
+        share = np.clip(share, 0.0, 1.0)
+
+        def between(values: FloatArray) -> FloatArray:
+            return np.asarray(values[:, before] + share * (values[:, after] - values[:, before]))
+
+        return Forecast(times, between(self.along), between(self.across), between(self.reach))
+
+    def only(self, chosen: NDArray[np.int64]) -> Forecast:
+        """Return the forecast of some of the pedestrians, by index."""
+        return Forecast(self.times, self.along[chosen], self.across[chosen], self.reach[chosen])
+
+    def velocities(self) -> tuple[FloatArray, FloatArray]:
+        """Return the speeds along and across, shape (n, K) each [m/s]."""
+        along, across = (np.gradient(values, self.times, axis=1) for values in (self.along, self.across))
+        return np.asarray(along), np.asarray(across)
 
 
 class Predictor(Protocol):

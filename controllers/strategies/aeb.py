@@ -1,9 +1,9 @@
 """A driver blind to pedestrians, with automatic emergency braking: the baseline of the drivable-area paper.
 
 Along: car-following that obeys leaders, signals, right of way, speed limits and bends, but yields to no
-pedestrian, not at a zebra either; emergency braking for pedestrians and vehicles that a constant-velocity
-prediction meets. Across: lane keeping, and lane changes that the route asks for or that lead around
-slow and standing vehicles, into gaps that stay safe.
+pedestrian, not at a zebra either; emergency braking for pedestrians and vehicles that would be met should
+they keep their velocities, or should people walk as another predictor says. Across: lane keeping, and lane
+changes that the route asks for or that lead around slow and standing vehicles, into gaps that stay safe.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from controllers import lane_keeping
 from controllers.driving_style import DrivingStyle
 from controllers.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.interface import Command, Controller, Decision, Perception, Plan
+from controllers.prediction import named
+from controllers.prediction.forecast import Predictor
 from controllers.traffic_driver import TrafficDriver
 
 
 class EmergencyBrakingDriver:
     """Follows, keeps or changes its lane for the route, and brakes in an emergency."""
 
-    def __init__(self, style: DrivingStyle, rule: BrakingRule) -> None:
+    def __init__(self, style: DrivingStyle, rule: BrakingRule, predictor: Predictor | None) -> None:
         self._traffic = TrafficDriver(style)
-        self._brake = EmergencyBraking(rule)
+        self._brake = EmergencyBraking(rule, predictor)
 
     def decide(self, perception: Perception) -> Decision:
         """Say which lane to be in, and who is braked or waited for."""
@@ -44,6 +46,8 @@ def build(
     stop_margin_m: float = 0.5,
     side_margin_m: float = 0.1,
     headway_s: float = 1.0,
+    predictor: str = named.CONSTANT_VELOCITY,
+    seed: int = 1,
 ) -> Controller:
     """Build the controller.
 
@@ -61,11 +65,15 @@ def build(
         What a pedestrian's disc is grown by in the prediction [m].
     headway_s : float
         Time gap to a leader [s].
+    predictor : str
+        How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
+    seed : int
+        Of a predictor that draws random numbers.
 
     Raises
     ------
     ValueError
-        If one is negative or not finite, or the friction is zero.
+        If one is negative or not finite, the friction is zero, or there is no such predictor.
     """
     for name, value in {
         "friction": friction,
@@ -80,4 +88,5 @@ def build(
     if friction == 0.0:
         raise ValueError("friction = 0.0 must be greater than 0")
     rule = BrakingRule(friction, dead_time_s, ramp_s, stop_margin_m, side_margin_m)
-    return EmergencyBrakingDriver(DrivingStyle(headway=headway_s), rule)
+    style = DrivingStyle(headway=headway_s)
+    return EmergencyBrakingDriver(style, rule, named.sampled(predictor, seed=seed))

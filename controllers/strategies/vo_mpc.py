@@ -13,6 +13,7 @@ from controllers.lane_decision import ChangeSettings
 from controllers.lateral import SteeringWeights
 from controllers.longitudinal import SpeedLimits, SpeedWeights
 from controllers.mpc_driver import ConeParameters, Settings, Shape, VelocityObstacleMpc
+from controllers.prediction import named
 from controllers.qp import check_solver
 from controllers.speed_planning import PassingSettings
 from controllers.velocity_obstacle import Cone
@@ -50,6 +51,8 @@ def build(
     truncation_s: float = float("inf"),
     solver: str = "osqp",
     tolerance: float = 2e-4,
+    predictor: str = named.CONSTANT_VELOCITY,
+    seed: int = 1,
 ) -> Controller:
     """Build the controller.
 
@@ -95,11 +98,15 @@ def build(
         Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
         A solver that qpsolvers knows; tolerance of OSQP.
+    predictor
+        How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
+    seed
+        Of a predictor that draws random numbers.
 
     Raises
     ------
     ValueError
-        If a parameter is out of range.
+        If a parameter is out of range, or there is no such predictor.
     """
     if steps < 2:
         raise ValueError(f"steps must be at least 2, not {steps}")
@@ -173,5 +180,6 @@ def build(
             steering=SteeringWeights(),
             solver=solver,
             tolerance=tolerance,
-        )
+        ),
+        named.sampled(predictor, seed=seed),
     )
