@@ -11,6 +11,7 @@ import pytest
 
 from controllers.interface import CrossingKind, FloatArray, Perception
 from controllers.passing import (
+    STRAIGHT_ON,
     Conflicts,
     PedestrianAssumptions,
     Watch,
@@ -18,6 +19,8 @@ from controllers.passing import (
     class_name,
     find,
 )
+from controllers.prediction.constant_velocity import ConstantVelocity
+from controllers.prediction.forecast import Forecast
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 
 BAND = (-0.9, 0.9)
@@ -42,6 +45,7 @@ def _find(
     scene: Perception | None = None,
     watch: Watch | None = None,
     assume: PedestrianAssumptions | None = None,
+    forecast: Forecast | None = None,
 ) -> Conflicts:
     scene = scene or perception(walkers=walkers)
     return find(
@@ -51,6 +55,7 @@ def _find(
         MARGIN,
         HORIZON,
         assume or PedestrianAssumptions(),
+        forecast,
     )
 
 
@@ -215,3 +220,96 @@ def test_a_pedestrian_who_walks_along_the_road_moves_the_bound_for_three_seconds
     active = np.isfinite(upper)
     wanted = 30.0 - np.minimum(TIMES, 3.0) - 1.25 - FRONT
     assert np.allclose(upper[active], wanted[active])
+
+
+SAMPLES = np.linspace(0.0, HORIZON, 61)
+
+
+def _bent(*corners: tuple[float, float, float], reach: float = 0.0) -> Forecast:
+    """Return one pedestrian's way over corners of time, along and across; the reach grows with time."""
+    times, along, across = np.array(corners).T
+    return Forecast(
+        SAMPLES,
+        np.interp(SAMPLES, times, along)[None, :],
+        np.interp(SAMPLES, times, across)[None, :],
+        reach * SAMPLES[None, :],
+    )
+
+
+def test_constant_velocities_give_the_same_conflicts_as_their_forecast() -> None:
+    drawn = np.random.default_rng(11)
+    walkers = [
+        Walker(*place)
+        for place in zip(
+            drawn.uniform(-5.0, 60.0, 300),
+            drawn.uniform(-7.0, 7.0, 300),
+            drawn.uniform(-1.5, 1.5, 300),
+            drawn.uniform(-2.0, 2.0, 300),
+            strict=True,
+        )
+    ]
+    scene = perception(road=straight_road(3, 1), walkers=walkers)
+    closed = _find([], scene)
+    sampled = _find([], scene, forecast=ConstantVelocity().predict(scene, SAMPLES))
+    assert len(closed) > 100
+    assert sampled.names == closed.names
+    np.testing.assert_allclose(sampled.enter, closed.enter, atol=1e-9)
+    np.testing.assert_allclose(sampled.across_speed, closed.across_speed, atol=1e-9)
+    within = closed.leave < HORIZON - 0.1
+    np.testing.assert_allclose(sampled.leave[within], closed.leave[within], atol=1e-9)
+    assert (sampled.leave[~within] >= HORIZON - 0.1).all()
+    # Along the road as well, until the closed form stops believing in it.
+    early = TIMES[TIMES <= STRAIGHT_ON]
+    np.testing.assert_allclose(sampled.along_at(early), closed.along_at(early), atol=1e-9)
+
+
+def test_somebody_on_the_sidewalk_is_considered_when_the_forecast_leads_onto_the_road() -> None:
+    walker = Walker(30.0, -4.0, 1.2, 0.0)
+    stays = _bent((0.0, 30.0, -4.0), (6.0, 37.2, -4.0))
+    turns = _bent((0.0, 30.0, -4.0), (2.0, 32.4, -4.0), (6.0, 32.4, 1.2))
+    assert len(_find([walker], forecast=stays)) == 0
+    found = _find([walker], forecast=turns)
+    assert found.enter[0] == pytest.approx(2.0 + (4.0 - REACH) / 1.3)
+    assert found.across_speed[0] == pytest.approx(1.3)
+    upper, *_ = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
+    assert upper[TIMES == 5.0] == pytest.approx(32.4 - 1.25 - FRONT)
+
+
+def test_somebody_who_comes_back_is_let_pass_until_he_has_left_for_good() -> None:
+    there_and_back = _bent(
+        (0.0, 30.0, -2.4), (1.0, 30.0, -1.4), (2.0, 30.0, -2.4), (3.0, 30.0, -1.4), (4.0, 30.0, -2.4)
+    )
+    found = _find([Walker(30.0, -2.4, 0.0, 1.0)], forecast=there_and_back)
+    assert found.enter[0] == pytest.approx(0.65)
+    assert found.leave[0] == pytest.approx(3.35)
+
+
+def test_somebody_who_may_be_elsewhere_is_met_earlier_longer_and_wider() -> None:
+    way = (0.0, 30.0, -4.35), (6.0, 30.0, 3.45)
+    walker = Walker(30.0, -4.35, 0.0, 1.3)
+    exact, vague = _find([walker], forecast=_bent(*way)), _find([walker], forecast=_bent(*way, reach=0.2))
+    assert exact.enter[0] == pytest.approx(2.0)
+    assert vague.enter[0] == pytest.approx(2.6 / 1.5)
+    assert vague.leave[0] > exact.leave[0]
+    sharp, *_ = position_bounds(exact, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
+    blurred, *_ = position_bounds(vague, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
+    assert (sharp - blurred)[TIMES == 2.0] == pytest.approx(0.4)
+
+
+def test_what_is_assumed_of_somebody_who_waits_goes_before_the_forecast() -> None:
+    waiting = Walker(30.0, -5.0, 0.0, 0.3, 0, waiting=True)
+    goes_away = _bent((0.0, 30.0, -5.0), (6.0, 30.0, -9.0))
+    comes = _bent((0.0, 30.0, -5.0), (6.0, 30.0, 5.0))
+    assert len(_find([], _on_zebra([waiting]), forecast=goes_away)) == 1
+    unmarked = _on_zebra([waiting], CrossingKind.UNMARKED)
+    assert len(_find([], unmarked, forecast=comes)) == 0
+
+
+def test_a_forecast_between_and_beyond_its_samples() -> None:
+    forecast = _bent((0.0, 30.0, -4.0), (6.0, 36.0, 2.0), reach=0.1)
+    there = forecast.at(np.array([0.0, 0.05, 3.33, 9.0]))
+    assert there.along[0] == pytest.approx([30.0, 30.05, 33.33, 36.0])
+    assert there.reach[0] == pytest.approx([0.0, 0.005, 0.333, 0.6])
+    along, across = forecast.velocities()
+    assert along == pytest.approx(np.ones((1, 61)))
+    assert across == pytest.approx(np.ones((1, 61)))
