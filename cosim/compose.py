@@ -50,15 +50,7 @@ def compose(request: RunRequest) -> Composition:
         For an unknown scenario, controller or parameter, and for input that SUMO refuses.
     """
     with _as_input_errors():
-        scenario, controller_texts = _scenario(request)
-        if not (scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share):
-            raise InputError(
-                f"{scenario.name} has no ego: give --ego-route, --ego-vehicle or --ego-share to say which"
-            )
-        given = _controller_parameters(request, scenario, controller_texts)
-        parameters = {**catalog.parameters(request.controller), **given}
-        # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
-        rehearse(request.controller, catalog.build(request.controller, seed=request.seed, **given), given)
+        scenario, given = _tried(request)
         work_dir = TemporaryDirectory(prefix="cosim-")
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))
@@ -66,11 +58,45 @@ def compose(request: RunRequest) -> Composition:
         except BaseException:
             work_dir.cleanup()
             raise
-    inputs = Inputs(
+    drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
+    inputs = _inputs(request, scenario, given, prepared)
+    return Composition(world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir)
+
+
+def inputs_of(request: RunRequest) -> Inputs:
+    """Return what decides the numbers of a run, without starting SUMO.
+
+    Raises
+    ------
+    InputError
+        As `compose`, but for what only SUMO finds.
+    """
+    with _as_input_errors(), TemporaryDirectory(prefix="cosim-") as work_dir:
+        scenario, given = _tried(request)
+        return _inputs(request, scenario, given, library.prepare(scenario, request.seed, Path(work_dir)))
+
+
+def _tried(request: RunRequest) -> tuple[Scenario, dict[str, object]]:
+    """Return the scenario and the controller's parameters that are given; what cannot be is refused."""
+    scenario, controller_texts = _scenario(request)
+    if not (scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share):
+        raise InputError(
+            f"{scenario.name} has no ego: give --ego-route, --ego-vehicle or --ego-share to say which"
+        )
+    given = _controller_parameters(request, scenario, controller_texts)
+    # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
+    rehearse(request.controller, catalog.build(request.controller, seed=request.seed, **given), given)
+    return scenario, given
+
+
+def _inputs(
+    request: RunRequest, scenario: Scenario, given: Mapping[str, object], prepared: library.Prepared
+) -> Inputs:
+    return Inputs(
         scenario=scenario.name,
         scenario_parameters=scenario_parameters(scenario),
         controller=request.controller,
-        controller_parameters=parameters,
+        controller_parameters={**catalog.parameters(request.controller), **given},
         seed=request.seed,
         egos=asdict(scenario.egos),
         step_s=scenario.step_s,
@@ -79,8 +105,6 @@ def compose(request: RunRequest) -> Composition:
         actuation=scenario.actuation,
         files=prepared.inputs,
     )
-    drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
-    return Composition(world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir)
 
 
 def scenario_parameters(scenario: Scenario) -> dict[str, Any]:
