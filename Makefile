@@ -1,6 +1,7 @@
 # make demo   three controllers on one scenario, compared
 # make test   the tests         make check  the linters
 # make bench  the benchmarks    make study-crossings  the published table
+# make papers the papers' claims and figures, as docs/papers.md shows them
 
 PYTHON ?= python3
 VENV := .venv
@@ -13,7 +14,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -28,6 +29,10 @@ $(VENV)/installed: pyproject.toml constraints.txt
 
 $(VENV)/installed-dev: $(VENV)/installed
 	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	@touch $@
+
+$(VENV)/installed-papers: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[papers]'
 	@touch $@
 
 install: $(VENV)/installed
@@ -59,6 +64,11 @@ bench: $(VENV)/installed-dev
 
 study-crossings: $(VENV)/installed
 	$(BIN)/python -m cosim.study_crossings
+
+papers: $(VENV)/installed-papers
+	rm -rf runs/papers
+	$(BIN)/cosim papers --out runs/papers
+	$(BIN)/python -m cosim.papers.page runs/papers docs
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

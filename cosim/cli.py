@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
-from cosim.commands import analyse, conformance, listing
+from cosim.commands import analyse, conformance, listing, papers
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
 
@@ -32,6 +32,7 @@ app = typer.Typer(
 app.command("run")(run_command.run)
 app.command("analyse")(analyse.analyse)
 app.command("conformance")(conformance.conformance)
+app.command("papers")(papers.papers)
 app.command("list")(listing.show)
 
 

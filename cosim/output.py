@@ -31,6 +31,11 @@ def check(out: Path | None) -> None:
 
 def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
     """Make the run's folder: ``out``, or the first free ``runs/<scenario>-<controller>-<seed>-<n>``."""
+    return create_named(out, f"{scenario}-{controller}-{seed}")
+
+
+def create_named(out: Path | None, name: str) -> Path:
+    """Make a folder: ``out``, or the first free ``runs/<name>-<n>``."""
     check(out)
     try:
         if out is not None:
@@ -39,7 +44,7 @@ def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
         DEFAULT_PARENT.mkdir(exist_ok=True)
         number = 1
         while True:
-            folder = DEFAULT_PARENT / f"{scenario}-{controller}-{seed}-{number}"
+            folder = DEFAULT_PARENT / f"{name}-{number}"
             try:
                 folder.mkdir()
             except FileExistsError:

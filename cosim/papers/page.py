@@ -1,0 +1,125 @@
+"""``make papers``: the documentation's page of the papers' claims, from a folder of ``cosim papers``.
+
+``python -m cosim.papers.page FOLDER DOCS`` copies the claims and the figures to ``DOCS/papers`` and writes
+``DOCS/papers.md`` from them.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from cosim.errors import InputError
+from cosim.papers.claim import Claim, Status
+from cosim.papers.execution import CLAIMS, FIGURES
+from cosim.papers.experiments import found
+from cosim.papers.table import read_claims
+
+_INTRODUCTION = """\
+# What became of the papers' claims
+
+Each method of the papers is a controller here. Their experiments are repeated on a road without SUMO, with
+the papers' initial conditions.
+
+    cosim papers [PAPER]... --out DIR
+
+runs them and writes `claims.csv` and the figures; `make papers` writes this page from them.
+
+- **reproduced**: our number lies within the tolerance of the paper's, or the event it reports happens.
+- **fitted**: it does, but a parameter that the paper does not give was chosen so that it does. This is no
+  independent evidence.
+- **not reproduced**: it does not, or the paper leaves out what would be needed. The last column says which.
+
+An empty cell under "paper" means that the paper gives no number.
+"""
+
+_HEADINGS = ("experiment", "claim", "paper", "ours", "unit", "tolerance", "status", "why")
+
+
+def markdown(claims: Sequence[Claim], figures: Sequence[str], titles: Mapping[str, str]) -> str:
+    """Return the page.
+
+    Parameters
+    ----------
+    claims : in the order of the table
+    figures : names of files in the folder ``papers`` beside the page, as ``<paper>-<what>.png``
+    titles : of the papers, by number
+    """
+    papers = tuple(dict.fromkeys(claim.paper for claim in claims))
+    parts = [_INTRODUCTION, _summary(claims, papers, titles)]
+    for paper in papers:
+        parts += [f"## {paper}: {titles[paper]}\n", _table([one for one in claims if one.paper == paper])]
+        parts += [_figure(name) for name in sorted(figures) if name.startswith(f"{paper}-")]
+    return "\n".join(parts)
+
+
+def write_page(folder: Path, documentation: Path) -> None:
+    """Copy claims and figures of a folder into the documentation and write the page from the copies.
+
+    Raises
+    ------
+    InputError
+        If the folder is not one of ``cosim papers``.
+    """
+    claims = read_claims(folder / CLAIMS)
+    copies = documentation / "papers"
+    shutil.rmtree(copies, ignore_errors=True)
+    copies.mkdir(parents=True)
+    shutil.copyfile(folder / CLAIMS, copies / CLAIMS)
+    for figure in sorted((folder / FIGURES).glob("*.png")):
+        shutil.copyfile(figure, copies / figure.name)
+    names = [figure.name for figure in copies.glob("*.png")]
+    (documentation / "papers.md").write_text(
+        markdown(claims, names, titles()), encoding="utf-8", newline="\n"
+    )
+
+
+def titles() -> dict[str, str]:
+    """Return the titles of the papers, by number."""
+    return {one.paper: one.title for one in found()}
+
+
+def _summary(claims: Sequence[Claim], papers: Sequence[str], titles: Mapping[str, str]) -> str:
+    lines = [_line(("paper", "", *(status.value for status in Status))), _line(["---"] * 5)]
+    for paper in papers:
+        mine = [claim.status for claim in claims if claim.paper == paper]
+        lines.append(_line((paper, titles[paper], *(str(mine.count(status)) for status in Status))))
+    return "\n".join(lines) + "\n"
+
+
+def _table(claims: Sequence[Claim]) -> str:
+    lines = [_line(_HEADINGS), _line(["---"] * len(_HEADINGS))]
+    lines += [
+        _line(
+            (
+                claim.experiment,
+                claim.claim,
+                claim.paper_value,
+                claim.our_value,
+                claim.unit,
+                claim.tolerance,
+                f"**{claim.status}**" if claim.status is Status.NOT_REPRODUCED else claim.status.value,
+                claim.why,
+            )
+        )
+        for claim in claims
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _figure(name: str) -> str:
+    what = Path(name).stem.partition("-")[2].replace("-", " ").replace("_", " ")
+    return f"![{what}](papers/{name})\n"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
+
+
+if __name__ == "__main__":
+    try:
+        write_page(Path(sys.argv[1]), Path(sys.argv[2]))
+    except InputError as problem:
+        sys.exit(f"cosim: {problem}")

@@ -1,0 +1,79 @@
+"""The table of claims as CSV and on the terminal."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+
+from rich import box
+from rich.table import Table
+
+from cosim.errors import InputError
+from cosim.papers.claim import Claim, Status
+
+COLUMNS = tuple(field.name for field in fields(Claim))
+
+
+def write_claims(path: Path, claims: Sequence[Claim]) -> None:
+    """Write the claims as CSV; the file appears whole or not at all."""
+    part = path.with_suffix(".part")
+    with part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(astuple(claim) for claim in claims)
+    os.replace(part, path)
+
+
+def read_claims(path: Path) -> list[Claim]:
+    """Return the claims of a file that :func:`write_claims` has written.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is no such file.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+        if tuple(header) == COLUMNS:
+            return [_claim(row) for row in rows]
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: a table of claims expected: {error}") from error
+    raise InputError(f"{path}: a table of claims has the columns {', '.join(COLUMNS)}")
+
+
+def counts(claims: Sequence[Claim], titles: dict[str, str]) -> Table:
+    """Return how many claims of each paper have which status."""
+    table = Table(box=box.MARKDOWN, title_justify="left")
+    table.add_column("paper", no_wrap=True)
+    table.add_column("")
+    for status in Status:
+        table.add_column(status.value, justify="right")
+    for paper in dict.fromkeys(claim.paper for claim in claims):
+        mine = [claim.status for claim in claims if claim.paper == paper]
+        table.add_row(paper, titles.get(paper, ""), *(str(mine.count(status)) for status in Status))
+    return table
+
+
+def not_reproduced(claims: Sequence[Claim]) -> Table:
+    """Return the claims that did not come out, with the reason."""
+    table = Table(box=box.MARKDOWN, title="Not reproduced", title_justify="left", title_style="")
+    for heading in ("paper", "experiment", "claim", "paper's value", "ours", "why"):
+        table.add_column(heading, overflow="fold")
+    for claim in claims:
+        if claim.status is Status.NOT_REPRODUCED:
+            theirs, ours = (_with_unit(value, claim.unit) for value in (claim.paper_value, claim.our_value))
+            table.add_row(claim.paper, claim.experiment, claim.claim, theirs, ours, claim.why)
+    return table
+
+
+def _with_unit(value: str, unit: str) -> str:
+    return f"{value} {unit}".strip() if value else ""
+
+
+def _claim(row: Sequence[str]) -> Claim:
+    paper, experiment, claim, theirs, ours, unit, tolerance, status, why = row
+    return Claim(paper, experiment, claim, theirs, ours, unit, tolerance, Status(status), why)
