@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,19 @@ from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 FloatArray = NDArray[np.float64]
 Motion = Callable[[float], tuple[float, float, float, float]]
 """Time [s] -> x, y, x speed, y speed [m, m/s]."""
+
+
+@runtime_checkable
+class ReactingMotion(Protocol):
+    """The motion of somebody who sees the ego. It remembers, so: one per pedestrian and run."""
+
+    def __call__(self, time: float) -> tuple[float, float, float, float]:
+        """Return place and velocity at the time last told, or at the start."""
+        ...
+
+    def react(self, time: float, ego: Plant) -> None:
+        """Move on to that time; the ego is seen as it is then."""
+        ...
 
 
 def walk(
@@ -151,6 +165,9 @@ class ToyWorld:
         self.plant.follow(self._command, 0.0, self.step)
         self._travelled += float(np.hypot(self.plant.x - before[0], self.plant.y - before[1]))
         self.time = round(self.time + self.step, 9)
+        for pedestrian in self.pedestrians:
+            if isinstance(pedestrian.motion, ReactingMotion):
+                pedestrian.motion.react(self.time, self.plant)
 
     def snapshot(self) -> Snapshot:
         """Return the truth."""
