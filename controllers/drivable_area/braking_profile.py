@@ -1,0 +1,180 @@
+"""How fast a candidate drives: braking in a trapezoid of deceleration, and its smooth cubic stand-in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrapezoidalBraking:
+    """Dead time, linear ramp, full braking to v_s, constant speed.
+
+    Parameters
+    ----------
+    speed, final_speed : v0 and v_s <= v0 [m/s]
+    deceleration : a_bmax [m/s^2]
+    dead_time, ramp : t_bc, t_cd [s]
+
+    Notes
+    -----
+    Eqs. (17)-(30) of [Wu2023]_, whose driver's reaction time t_ab is 0 here. Eq. (20) lacks the minus
+    before the integral. Eq. (24) prints t_bc for t_cd, and Eq. (29) has the distances with other signs.
+    Where the ramp alone reaches v_s it ends there; the paper does not look at that case.
+    """
+
+    speed: float
+    final_speed: float
+    deceleration: float
+    dead_time: float = 0.1
+    ramp: float = 0.2
+
+    @property
+    def ramp_time(self) -> float:
+        """Return how long the deceleration grows, t_cd at most [s]."""
+        if self.ramp == 0.0:
+            return 0.0
+        lost = self.speed - self.final_speed
+        return min(self.ramp, math.sqrt(2.0 * max(lost, 0.0) * self.ramp / self.deceleration))
+
+    @property
+    def full_time(self) -> float:
+        """Return t_de = (v0 − a t_cd / 2 − v_s) / a, how long it brakes fully [s]."""
+        lost = self.speed - self.final_speed - 0.5 * self.deceleration * self.ramp
+        return max(lost, 0.0) / self.deceleration
+
+    @property
+    def ends(self) -> float:
+        """Return t_bc + t_cd + t_de, after which the speed is v_s [s]."""
+        return self.dead_time + self.ramp_time + self.full_time
+
+    @property
+    def distance(self) -> float:
+        """Return X_bc + X_cd + X_de, where the speed is v_s first [m]."""
+        return float(self.position(np.array([self.ends]))[0])
+
+    def cruise_time(self, distance: float) -> float:
+        """Return t_ef = (x − X_bc − X_cd − X_de) / v_s, from then to a place [s].
+
+        Negative where the place comes before the braking has ended, infinite at v_s = 0 beyond the stop.
+        """
+        left = distance - self.distance
+        if self.final_speed > 0.0:
+            return left / self.final_speed
+        return math.inf if left > 0.0 else 0.0
+
+    def arrival(self, distance: float) -> float:
+        """Return t_tcz = t_bc + t_cd + t_de + t_ef, when a place is reached; inf for never [s]."""
+        if distance >= self.distance:
+            return self.ends + self.cruise_time(distance)
+        times = np.linspace(0.0, self.ends, 2001)
+        return float(np.interp(distance, self.position(times), times))
+
+    def velocity(self, times: FloatArray) -> FloatArray:
+        """Return v(t) [m/s]."""
+        ramped, full, _ = self._phases(times)
+        slope = self.deceleration / self.ramp if self.ramp > 0.0 else 0.0
+        lost = 0.5 * slope * ramped**2 + self.deceleration * full
+        return np.asarray(self.speed - np.minimum(lost, self.speed - self.final_speed))
+
+    def position(self, times: FloatArray) -> FloatArray:
+        """Return the distance driven by then [m]."""
+        ramped, full, cruise = self._phases(times)
+        slope = self.deceleration / self.ramp if self.ramp > 0.0 else 0.0
+        before = np.minimum(times, self.dead_time)
+        after_ramp = self.speed - 0.5 * slope * ramped**2
+        return np.asarray(
+            self.speed * (before + ramped)
+            - slope * ramped**3 / 6.0
+            + after_ramp * full
+            - 0.5 * self.deceleration * full**2
+            + self.final_speed * cruise
+        )
+
+    def _phases(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return how long by then the ramp, the full braking and the constant speed have lasted [s]."""
+        ramped = np.clip(times - self.dead_time, 0.0, self.ramp_time)
+        full = np.clip(times - self.dead_time - self.ramp_time, 0.0, self.full_time)
+        return ramped, full, np.maximum(times - self.ends, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothBraking:
+    """Speeds v = v0 + a t + b t² + c t³ up to t_s and v_s from then on; all fields of shape (n,).
+
+    Notes
+    -----
+    Eqs. (31)-(35) of [Wu2023]_ with the acceleration 0 at t_s: a = a0,
+    b = (3 (v_s − v0) − 2 a0 t_s) / t_s², c = (−2 (v_s − v0) + a0 t_s) / t_s³. Where t_s = 0 the speed is v_s
+    from the beginning.
+    """
+
+    speed: FloatArray
+    final_speed: FloatArray
+    acceleration: FloatArray
+    """a0 [m/s^2]"""
+    duration: FloatArray
+    """t_s [s]"""
+
+    @property
+    def distance(self) -> FloatArray:
+        """Return what is driven up to t_s: (v0 + v_s) t_s / 2 + a0 t_s² / 12 [m]."""
+        mean = 0.5 * (self.speed + self.final_speed)
+        return np.asarray(mean * self.duration + self.acceleration * self.duration**2 / 12.0)
+
+    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return position, speed and acceleration, shape (n, K) [m, m/s, m/s^2]."""
+        lasts = self.duration[:, None]
+        t = np.minimum(times, lasts)
+        safe = np.where(lasts > 0.0, lasts, 1.0)
+        change = (self.final_speed - self.speed)[:, None]
+        a = self.acceleration[:, None]
+        b = (3.0 * change - 2.0 * a * lasts) / safe**2
+        c = (-2.0 * change + a * lasts) / safe**3
+        start, end = self.speed[:, None], self.final_speed[:, None]
+        after = times >= lasts
+        position = t * (start + t * (a / 2.0 + t * (b / 3.0 + t * c / 4.0)))
+        velocity = np.where(after, end, start + t * (a + t * (b + t * c)))
+        rate = np.where(after, 0.0, a + t * (2.0 * b + t * 3.0 * c))
+        return position + end * np.maximum(times - lasts, 0.0), velocity, rate
+
+
+def shortest_duration(
+    speed: float | FloatArray, final_speed: FloatArray, acceleration: float, limit: float
+) -> FloatArray:
+    """Return the shortest t_s of a cubic speed that never brakes harder than a limit [s].
+
+    3 (v0 − v_s) / (A − a0 + √(A (A + a0))), which is 1.5 (v0 − v_s) / A from a0 = 0
+
+    Parameters
+    ----------
+    speed, final_speed : v0 and v_s <= v0 [m/s]
+    acceleration : a0, not below −A [m/s^2]
+    limit : A [m/s^2]
+
+    Notes
+    -----
+    The acceleration is the parabola (1 − s) (a0 + q s) with s = t / t_s and q = 6 (v_s − v0) / t_s − 3 a0.
+    Its least value −(q + a0)² / (4 |q|) is −A here.
+
+    >>> float(shortest_duration(10.0, np.array([4.0]), 0.0, 9.0)[0])
+    1.0
+    """
+    begin = max(acceleration, -limit)
+    steepest = (limit - begin + math.sqrt(limit * (limit + begin))) / 3.0
+    return np.maximum(speed - final_speed, 0.0) / steepest
+
+
+def longest_duration(speed: float | FloatArray, final_speed: FloatArray, acceleration: float) -> FloatArray:
+    """Return the longest t_s for which the speed does not fall below v_s on the way; inf for any [s].
+
+    3 (v0 − v_s) / |a0| where the car brakes already.
+    """
+    lost = np.maximum(speed - final_speed, 0.0)
+    if acceleration >= 0.0:
+        return np.full(np.shape(lost), np.inf)
+    return np.asarray(3.0 * lost / -acceleration)

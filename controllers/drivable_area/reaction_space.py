@@ -1,0 +1,100 @@
+"""The reaction space: where a car can be at all while it brakes or steers as hard as the tyres hold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import FloatArray
+
+GRAVITY = 9.80665
+
+
+@dataclass(frozen=True, slots=True)
+class ReactionSpace:
+    """The area between the two tightest arcs at constant speed, as far as the car gets while it brakes.
+
+    R = v0² / (f g); ω = f g / v0; x(t) = R sin ωt; y(t) = ±(B / 2 + R (1 − cos ωt)).
+
+    Parameters
+    ----------
+    speed : v0 [m/s]
+    width : B of the car [m]
+    friction : f between tyre and road
+    resistance : a_r, deceleration by drag, rolling and slope [m/s^2]
+
+    Notes
+    -----
+    Eqs. (1)-(3) of [Wu2023]_. The printed angle f g / v0 lacks the time; its sine and cosine are for the
+    other order of axes. The printed Eq. (3) integrates an acceleration once, which gives a speed.
+    """
+
+    speed: float
+    width: float = 1.8
+    friction: float = 0.8
+    resistance: float = 0.0
+
+    @property
+    def radius(self) -> float:
+        """Return R [m].
+
+        >>> round(ReactionSpace(40 / 3.6).radius, 1)
+        15.7
+        """
+        return self.speed**2 / (self.friction * GRAVITY)
+
+    @property
+    def stopping_time(self) -> float:
+        """Return v0 / (f g + a_r) [s]."""
+        return self.speed / (self.friction * GRAVITY + self.resistance)
+
+    @property
+    def reach(self) -> float:
+        """Return the stopping distance x_r [m]."""
+        return self.reach_at(self.stopping_time)
+
+    def reach_at(self, time: float) -> float:
+        """Return x_r(t) = v0 t − (f g + a_r) t² / 2, at rest after the stopping time [m]."""
+        time = min(time, self.stopping_time)
+        return self.speed * time - 0.5 * (self.friction * GRAVITY + self.resistance) * time**2
+
+    def limit(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the left arc at those times: x forward and y to the left [m]."""
+        if self.radius == 0.0:
+            return np.zeros(len(times)), np.full(len(times), 0.5 * self.width)
+        angle = times * self.speed / self.radius
+        return self.radius * np.sin(angle), 0.5 * self.width + self.radius * (1.0 - np.cos(angle))
+
+    def half_width(self, forward: FloatArray) -> FloatArray:
+        """Return B / 2 + R − √(R² − x²), how far to the side the arc is at x [m]."""
+        inside = np.clip(forward, 0.0, self.radius)
+        return np.asarray(0.5 * self.width + self.radius - np.sqrt(self.radius**2 - inside**2))
+
+    @property
+    def area(self) -> float:
+        """Return S_z, the area between the arcs from 0 to x_r [m^2].
+
+        B x_r + 2 R x_r − x_r √(R² − x_r²) − R² asin(x_r / R)
+
+        >>> round(ReactionSpace(50 / 3.6).area, 1)
+        48.4
+        """
+        r, x = self.radius, self.reach
+        if r == 0.0:
+            return 0.0
+        return self.width * x + 2.0 * r * x - x * math.sqrt(r * r - x * x) - r * r * math.asin(x / r)
+
+    def contains(self, forward: FloatArray, left: FloatArray) -> NDArray[np.bool_]:
+        """Say which points, seen from the middle of the front bumper, are in the space."""
+        return (forward >= 0.0) & (forward <= self.reach) & (np.abs(left) <= self.half_width(forward))
+
+    def outline(self, count: int = 20) -> FloatArray:
+        """Return the border from the right front corner of the car round to the left one, shape (2 n, 2) [m]."""
+        forward = np.linspace(0.0, self.reach, count)
+        side = self.half_width(forward)
+        return np.concatenate(
+            (np.column_stack((forward, -side)), np.column_stack((forward, side))[::-1])
+        )

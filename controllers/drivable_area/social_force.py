@@ -1,0 +1,155 @@
+"""How a pedestrian walks: a Markov chain of speeds, and a push away from a near car."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class CarOutline:
+    """A car as the social force sees it: a disc drawn along its middle axis.
+
+    All fields broadcast against the pedestrians' arrays.
+    """
+
+    x: FloatArray | float
+    """Middle of the body [m]."""
+    y: FloatArray | float
+    heading: FloatArray | float
+    half_axis: float = 0.0
+    """Half the length of the axis; 0 is the disc of the paper [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Walkers:
+    """Pedestrians in motion; all arrays of one shape."""
+
+    x: FloatArray
+    y: FloatArray
+    x_speed: FloatArray
+    y_speed: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Aims:
+    """Where pedestrians want to walk; arrays that broadcast to the walkers' shape."""
+
+    x: FloatArray
+    """Unit vector of the direction; its length is 0 for somebody who wants to stand."""
+    y: FloatArray
+    speed: FloatArray
+    """Mean speed [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SocialForceModel:
+    """v(t + h) = v̄ + (v − v̄) e^(−h/τ) + ε, and a push of A e^(γ (r_v + r_p − d)) along the line from the car.
+
+    Notes
+    -----
+    Eqs. (37)-(43) of [Wu2023]_, whose Δv = −φ (v − v̄) + ε has φ = 1 − e^(−h/τ) here and a variance of ε for
+    which speeds keep the published spread, so that the length of a step does not matter. The paper gives
+    A, γ, both radii, v̄ and its spread, but neither φ nor the time step; the pedestrian's mass is taken as 1,
+    so that A is an acceleration. ``hardest`` and ``fastest`` bound what a person can do: within 1 m of the
+    car the formula asks for some hundred m/s².
+    """
+
+    mean_speed: float = 1.25
+    """v̄ [m/s]"""
+    spread: float = 0.05
+    """Standard deviation of the speed [m/s]."""
+    relaxation: float = 0.5
+    """τ [s]"""
+    strength: float = 4.5
+    """A [m/s^2]"""
+    steepness: float = 5.5
+    """γ [1/m]"""
+    car_radius: float = 1.6
+    """r_v [m]"""
+    pedestrian_radius: float = 0.35
+    """r_p [m]"""
+    hardest: float = 6.0
+    """Greatest acceleration by the push [m/s^2]."""
+    fastest: float = 2.5
+    """Nobody is pushed to a higher speed [m/s]."""
+
+    def push(self, x: FloatArray, y: FloatArray, car: CarOutline) -> tuple[FloatArray, FloatArray]:
+        """Return the acceleration away from the car [m/s^2].
+
+        >>> model = SocialForceModel()
+        >>> model.push(np.array([1.95]), np.zeros(1), CarOutline(0.0, 0.0, 0.0))[0].round(6).tolist()
+        [4.5]
+        """
+        cosine, sine = np.cos(car.heading), np.sin(car.heading)
+        beside, ahead = x - car.x, y - car.y
+        along = np.clip(cosine * beside + sine * ahead, -car.half_axis, car.half_axis)
+        away_x, away_y = beside - cosine * along, ahead - sine * along
+        distance = np.hypot(away_x, away_y)
+        excess = self.car_radius + self.pedestrian_radius - distance
+        # The exponent is cut where the result is beyond the bound in any case.
+        size = np.minimum(self.strength * np.exp(np.minimum(self.steepness * excess, 50.0)), self.hardest)
+        safe = np.maximum(distance, 1e-9)
+        return size * away_x / safe, size * away_y / safe
+
+    def walk(
+        self, walkers: Walkers, aims: Aims, car: CarOutline | None, duration: float, noise: FloatArray
+    ) -> Walkers:
+        """Return the walkers after a short time.
+
+        Parameters
+        ----------
+        walkers, aims : who walks, and where to
+        car : whom they keep away from; ``None`` for nobody
+        duration : h [s]
+        noise : standard normal numbers, of the walkers' shape
+        """
+        kept = math.exp(-duration / self.relaxation)
+        along = walkers.x_speed * aims.x + walkers.y_speed * aims.y
+        # Who wants to stand has no direction to vary his speed in.
+        deviation = np.where(aims.speed > 0.0, self.spread * math.sqrt(1.0 - kept * kept), 0.0)
+        gained = (1.0 - kept) * (aims.speed - along) + deviation * noise
+        x_speed = kept * (walkers.x_speed - along * aims.x) + (along + gained) * aims.x
+        y_speed = kept * (walkers.y_speed - along * aims.y) + (along + gained) * aims.y
+        if car is not None:
+            push_x, push_y = self.push(walkers.x, walkers.y, car)
+            x_speed, y_speed = self._bounded(
+                walkers, x_speed + duration * push_x, y_speed + duration * push_y
+            )
+        return Walkers(
+            walkers.x + 0.5 * duration * (walkers.x_speed + x_speed),
+            walkers.y + 0.5 * duration * (walkers.y_speed + y_speed),
+            x_speed,
+            y_speed,
+        )
+
+    def _bounded(
+        self, walkers: Walkers, x_speed: FloatArray, y_speed: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the speeds cut to what a person can do, or does already."""
+        before = np.hypot(walkers.x_speed, walkers.y_speed)
+        speed = np.hypot(x_speed, y_speed)
+        share = np.minimum(1.0, np.maximum(before, self.fastest) / np.maximum(speed, 1e-9))
+        return x_speed * share, y_speed * share
+
+
+def aims_of(x_speed: FloatArray, y_speed: FloatArray, standing_below: float = 0.1) -> Aims:
+    """Return the aims of people who keep pace and direction; who stands goes on standing.
+
+    Parameters
+    ----------
+    x_speed, y_speed : [m/s]
+    standing_below : slower is standing [m/s]
+    """
+    speed = np.hypot(x_speed, y_speed)
+    walking = speed >= standing_below
+    safe = np.where(walking, speed, 1.0)
+    return Aims(
+        np.where(walking, x_speed / safe, 0.0),
+        np.where(walking, y_speed / safe, 0.0),
+        np.where(walking, speed, 0.0),
+    )

@@ -1,0 +1,93 @@
+"""A Markov chain of walking speeds and a social force away from the car, from many random walks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from controllers.drivable_area.social_force import CarOutline, SocialForceModel, Walkers, aims_of
+from controllers.interface import EgoState, FloatArray, Perception
+from controllers.prediction.forecast import Forecast, Predictor
+
+LONGEST_STEP = 0.1
+"""Of a random walk [s]."""
+WITHIN = 2.0
+"""Standard deviations that the reach of a forecast is."""
+
+
+class SocialForcePrediction:
+    """Predicts the mean of random walks, and how far they spread.
+
+    The ego is taken to keep its speed and its place across the road. Everybody keeps pace and direction on
+    average; who stands goes on standing until the car comes near. Every look draws the same numbers, so
+    that a forecast does not jitter from one look to the next.
+
+    Parameters
+    ----------
+    model : of walking
+    walks : random walks per pedestrian
+    seed : of the random numbers
+    """
+
+    def __init__(self, model: SocialForceModel, walks: int, seed: int) -> None:
+        self._model = model
+        self._walks = walks
+        self._seed = seed
+
+    def predict(self, perception: Perception, times: FloatArray) -> Forecast:
+        """Return mean places; ``reach`` is twice the standard deviation of the places."""
+        people, ego = perception.pedestrians, perception.ego
+        drawn = np.random.default_rng(self._seed)
+        shape = (len(people), self._walks)
+        walkers = Walkers(*(np.repeat(one[:, None], self._walks, axis=1) for one in _columns(perception)))
+        aims = aims_of(people.along_speed[:, None], people.across_speed[:, None])
+        along, across, reach = (np.zeros((len(people), len(times))) for _ in range(3))
+        now = 0.0
+        for k, time in enumerate(times):
+            steps = max(math.ceil((time - now) / LONGEST_STEP - 1e-9), 0)
+            for index in range(steps):
+                at = now + (index + 0.5) * (time - now) / steps
+                car = _car(ego, at)
+                walkers = self._model.walk(
+                    walkers, aims, car, (time - now) / steps, drawn.standard_normal(shape)
+                )
+            now = max(float(time), now)
+            along[:, k], across[:, k] = walkers.x.mean(axis=1), walkers.y.mean(axis=1)
+            reach[:, k] = WITHIN * np.hypot(walkers.x.std(axis=1), walkers.y.std(axis=1))
+        return Forecast(times, along, across, reach)
+
+
+def _columns(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    people = perception.pedestrians
+    return people.along, people.across, people.along_speed, people.across_speed
+
+
+def _car(ego: EgoState, time: float) -> CarOutline:
+    """Return the ego as it will be if it goes on as it does."""
+    body = ego.body
+    middle = 0.5 * body.length - body.rear_overhang
+    return CarOutline(
+        ego.speed * time + middle,
+        ego.across,
+        ego.heading_error,
+        0.5 * max(body.length - body.width, 0.0),
+    )
+
+
+def build(seed: int = 1, *, walks: int = 24) -> Predictor:
+    """Build the predictor.
+
+    Parameters
+    ----------
+    seed : of the random walks
+    walks : how many random walks each pedestrian takes
+
+    Raises
+    ------
+    ValueError
+        If there is no walk.
+    """
+    if walks < 1:
+        raise ValueError(f"walks = {walks} must be at least 1")
+    return SocialForcePrediction(SocialForceModel(), walks, seed)
