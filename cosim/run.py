@@ -19,6 +19,8 @@ from cosim.request import RunRequest
 
 Progress = Callable[[float, float | None], None]
 """Called with the simulated time and the time at which the run ends, if that is known [s]."""
+TELEPORTED = "SUMO teleported"
+"""How the reason begins for a run that is not valid although it went on to its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +87,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:
-        reason = f"SUMO teleported {recorder.teleports} egos"
+        reason = f"{TELEPORTED} {recorder.teleports} egos"
     if reason is None and not recorder.ego_names:
         raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
     _finish(description, recorder, times, perf_counter() - started, reason)

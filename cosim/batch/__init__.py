@@ -1,0 +1,1 @@
+"""Many runs: a study's matrix, the processes that make it, and the folder that keeps it."""

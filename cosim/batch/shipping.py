@@ -1,0 +1,87 @@
+"""What travels to other machines and back: the files of a study's own scenarios, and finished runs."""
+
+from __future__ import annotations
+
+import io
+import os
+import tarfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from sumo_scenarios import library
+from sumo_scenarios.library import Scenario
+from sumo_scenarios.network_cache import source_files
+from sumo_scenarios.sumocfg import read_sumocfg
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """The files of one scenario."""
+
+    place: str
+    """Where the scenario is on the machine that the batch was started on."""
+    entry: str
+    """The scenario's folder or configuration inside the archive."""
+    archive: bytes
+
+
+def bundle(place: str) -> Bundle | None:
+    """Return the files that a scenario is made of; ``None`` for a built-in one, which every machine has.
+
+    These are the files that the run's identity covers: scenario.toml, network sources and demand, or a SUMO
+    configuration with its network, routes and additional files. They keep their places relative to
+    each other.
+    """
+    if place in library.names():
+        return None
+    scenario = library.load(place)
+    files = sorted({path.resolve() for path in _files(scenario)})
+    entry = (scenario.folder or scenario.sumocfg or Path(place)).resolve()
+    root = Path(os.path.commonpath([str(entry.parent), *(str(path.parent) for path in files)]))
+    return Bundle(place, entry.relative_to(root).as_posix(), pack(root, files))
+
+
+def _files(scenario: Scenario) -> Iterable[Path]:
+    folder, table = scenario.folder, scenario.table
+    if folder is not None and table is not None:
+        yield folder / library.DEFINITION
+        if table.network is not None:
+            for paths in source_files(folder, table.network).values():
+                yield from paths
+        if table.demand is not None:
+            yield from (folder / name for name in (*table.demand.routes, *table.demand.additional))
+        if table.packaged_sumocfg:
+            return
+    if scenario.sumocfg is not None:
+        configuration = read_sumocfg(scenario.sumocfg)
+        yield scenario.sumocfg
+        yield configuration.net_file
+        yield from (*configuration.route_files, *configuration.additional_files)
+
+
+def unpack_bundle(one: Bundle, folder: Path) -> str:
+    """Write the files below ``folder`` and return where the scenario is there."""
+    unpack(one.archive, folder)
+    return str(folder / PurePosixPath(one.entry))
+
+
+def pack(root: Path, files: Iterable[Path]) -> bytes:
+    """Return a compressed archive of files below ``root``."""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz", compresslevel=1) as archive:
+        for path in files:
+            archive.add(path, path.relative_to(root).as_posix(), recursive=False)
+    return buffer.getvalue()
+
+
+def pack_folder(folder: Path) -> bytes:
+    """Return a compressed archive of everything in a folder."""
+    return pack(folder, sorted(path for path in folder.rglob("*") if path.is_file()))
+
+
+def unpack(archive: bytes, folder: Path) -> None:
+    """Write the files of an archive below ``folder``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as files:
+        files.extractall(folder, filter="data")

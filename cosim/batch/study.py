@@ -1,0 +1,160 @@
+"""What a study file may hold; every other key is an error."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from cosim.errors import InputError
+
+Value = bool | int | float | str
+LARGEST_SEED = 2**31 - 1
+MOST_SEEDS = 1_000_000
+"""More than anybody can run; a slip of the keyboard in a range is refused instead of filling memory."""
+DEFAULT_TIMEOUT_S = 3600.0
+
+_RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")
+
+
+class StudyTable(BaseModel):
+    """The whole of a study file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    scenarios: list[str]
+    """Names, or paths relative to the study file."""
+    controllers: list[str]
+    seeds: str | list[int]
+    settings: dict[str, Value] = Field(default={}, alias="set")
+    """Scenario and controller parameters of every run that has them."""
+    vary: dict[str, list[Value]] = {}
+    """The same with several values each; every combination is run."""
+    run_timeout_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = DEFAULT_TIMEOUT_S
+    """Wall-clock time after which a run has failed [s]."""
+    criteria: list[dict[str, Any]] = []
+    """What the results are held against; kept for whoever checks them."""
+
+
+def read_study(path: Path) -> StudyTable:
+    """Return the checked content of a study file.
+
+    Raises
+    ------
+    InputError
+        One line with file, key and what was expected.
+    """
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from error
+    try:
+        study = StudyTable.model_validate(raw)
+        _check(study)
+        parse_seeds(study.seeds)
+    except ValidationError as error:
+        raise InputError(f"{path}: {_first_line(error)}") from error
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
+    return study
+
+
+def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:
+    """Return the seeds of ``"1-30"``, ``"1-10, 21"`` or a list.
+
+    Raises
+    ------
+    ValueError
+        If it is neither, or names a seed twice.
+
+    Examples
+    --------
+    >>> parse_seeds("1-3, 7")
+    (1, 2, 3, 7)
+    """
+    found = tuple(seeds) if isinstance(seeds, list) else tuple(_from_ranges(seeds))
+    if not found:
+        raise ValueError("seeds: at least one seed expected, got none")
+    for seed in (min(found), max(found)):
+        if not 0 <= seed <= LARGEST_SEED:
+            raise ValueError(f"seeds: whole numbers from 0 to {LARGEST_SEED} expected, got {seed}")
+    if (twice := _first_repeated(found)) is not None:
+        raise ValueError(f"seeds: {twice} is named twice")
+    return found
+
+
+def _from_ranges(text: str) -> list[int]:
+    found: list[int] = []
+    for part in text.split(","):
+        match = _RANGE.fullmatch(part)
+        if match is None:
+            raise ValueError(
+                f'seeds = "{text}": a range such as "1-30", or a list such as [1, 2, 5], expected'
+            )
+        first = int(match[1])
+        last = int(match[2] or first)
+        if last < first:
+            raise ValueError(f'seeds = "{text}": the first seed of a range expected to be the smaller one')
+        if last - first >= MOST_SEEDS:
+            raise ValueError(f'seeds = "{text}": at most {MOST_SEEDS} seeds expected')
+        found += range(first, last + 1)
+    return found
+
+
+def _check(study: StudyTable) -> None:
+    """Refuse a matrix that is empty, or that has the same run twice."""
+    axes: list[tuple[str, Iterable[Value]]] = [
+        ("scenarios", study.scenarios),
+        ("controllers", study.controllers),
+        *((f"vary.{key}", values) for key, values in study.vary.items()),
+    ]
+    for name, values in axes:
+        if not values:
+            raise ValueError(f"{name}: at least one expected, got an empty list; the study would have no run")
+        if (twice := _first_repeated(values)) is not None:
+            raise ValueError(f"{name}: {twice!r} is named twice")
+    for key in study.vary:
+        if key in study.settings:
+            raise ValueError(f"{key} is in [set] and in [vary]; expected in one of them")
+    for number, criterion in enumerate(study.criteria, 1):
+        if not criterion:
+            raise ValueError(f"criteria: number {number} is empty")
+
+
+def _first_repeated(values: Iterable[Value]) -> Value | None:
+    seen: set[tuple[bool, Value]] = set()
+    for value in values:
+        mark = (isinstance(value, bool), value)  # True and 1 are different settings
+        if mark in seen:
+            return value
+        seen.add(mark)
+    return None
+
+
+def _first_line(error: ValidationError) -> str:
+    details = error.errors(include_url=False)[0]
+    location = [str(part) for part in details["loc"] if not _is_a_type(part)]
+    key = ".".join(location)
+    if details["type"] == "extra_forbidden":
+        exist = [field.alias or name for name, field in StudyTable.model_fields.items()]
+        return f"unknown key '{key}'; keys that exist: {', '.join(exist)}"
+    if details["type"] == "missing":
+        return f"key '{key}' is missing"
+    if location[0] == "seeds":
+        return 'seeds: a range such as "1-30", or a list such as [1, 2, 5], expected'
+    if location[0] in ("set", "vary") and len(location) > 1:
+        what = "a list of numbers, texts or truth values" if location[0] == "vary" else "a value"
+        return f"key '{location[0]}.{location[1]}': {what} expected, got {details['input']!r}"
+    message = str(details["msg"])
+    return f"key '{key}': {message[:1].lower() + message[1:]}, got {details['input']!r}"
+
+
+def _is_a_type(part: int | str) -> bool:
+    """Tell whether pydantic names a member of a union here, and no key."""
+    return part in ("bool", "int", "float", "str", "list[int]")
