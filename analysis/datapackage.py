@@ -20,7 +20,7 @@ def describe(tables: Sequence[Table], title: str) -> dict[str, Any]:
 
 def _resource(table: Table, tables: Sequence[Table]) -> dict[str, Any]:
     keys: dict[str, Any] = {"primaryKey": list(table.key)}
-    if table.name != "runs" and any(other.name == "runs" for other in tables):
+    if table.name != "runs" and "run_id" in table.names() and any(one.name == "runs" for one in tables):
         keys["foreignKeys"] = [
             {"fields": ["run_id"], "reference": {"resource": "runs", "fields": ["run_id"]}}
         ]

@@ -13,3 +13,7 @@ class RecordingError(AnalysisError):
 
 class ThresholdError(AnalysisError):
     """A threshold that does not exist or whose value cannot be read."""
+
+
+class StudyError(AnalysisError):
+    """Runs that cannot be summed up or compared together; names what exists."""

@@ -9,7 +9,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from analysis import encounters, schema
+from analysis import encounters, schema, study_schema
+from analysis.measures import POOLED, run_measures
 from analysis.metric_catalog import Metric, find_metrics
 from analysis.thresholds import Thresholds
 
@@ -53,7 +54,8 @@ def _lines() -> Iterator[str]:
     yield "|---|---|"
     yield from (f"| `{name}` | {value:g} |" for name, value in Thresholds().as_dict().items())
     yield ""
-    for table in schema.TABLES:
+    yield from _measures()
+    for table in (*schema.TABLES, study_schema.CONFIGS, study_schema.COMPARISONS):
         yield from _table(table)
 
 
@@ -69,6 +71,26 @@ def _metric(metric: Metric) -> Iterator[str]:
     for file, columns in (("encounters.csv", metric.columns), ("runs.csv", metric.run_columns)):
         if columns:
             yield f"- In {file}: {', '.join(f'`{name}`' for name in columns)}."
+    yield ""
+
+
+def _measures() -> Iterator[str]:
+    yield "## Measures over many runs"
+    yield ""
+    yield (
+        "`cosim batch` and `cosim compare` sum these up over runs, beside every number of `runs.csv`; how is "
+        "said in [statistics.md](statistics.md). A claim may rest on the key ones. An encounter counts here "
+        "when the pedestrian was on the crossing or in the ego's path, or was touched."
+    )
+    yield ""
+    yield "| measure | kind | unit | speaks of | key | worse | meaning |"
+    yield "|---|---|---|---|---|---|---|"
+    for one in run_measures():
+        if one in POOLED or one.key:
+            key = "key" if one.key else ""
+            yield (
+                f"| `{one.name}` | {one.kind} | {one.unit} | {one.group} | {key} | {one.worse} | {one.text} |"
+            )
     yield ""
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -171,8 +171,22 @@ def _run(case: Case) -> dict[str, Any]:
     }
 
 
-def cells(table: schema.Table, rows: Sequence[Row]) -> list[list[str]]:
+def _decimals(value: float) -> str:
+    """Return a number with six decimals at most."""
+    return f"{value:.6f}".rstrip("0").rstrip(".")
+
+
+def cells(
+    table: schema.Table, rows: Sequence[Row], number: Callable[[float], str] = _decimals
+) -> list[list[str]]:
     """Return the texts of a CSV file, without its header.
+
+    Parameters
+    ----------
+    table, rows
+        What to write.
+    number
+        Makes the text of a number that is no whole one.
 
     Raises
     ------
@@ -183,11 +197,11 @@ def cells(table: schema.Table, rows: Sequence[Row]) -> list[list[str]]:
     for row in rows:
         if foreign := set(row) - known:
             raise KeyError(f"{table.file} has no column {sorted(foreign)}")
-    return [[_cell(column, row.get(column.name)) for column in table.columns] for row in rows]
+    return [[_cell(column, row.get(column.name), number) for column in table.columns] for row in rows]
 
 
-def _cell(column: schema.Column, value: Any) -> str:
-    """Return one cell: empty for undefined, six decimals at most, booleans 0 or 1."""
+def _cell(column: schema.Column, value: Any, number: Callable[[float], str]) -> str:
+    """Return one cell: empty for undefined, booleans 0 or 1."""
     if value is None:
         if column.required:
             raise ValueError(f"column {column.name} must not be empty")
@@ -197,6 +211,6 @@ def _cell(column: schema.Column, value: Any) -> str:
     if column.kind == "integer":
         return str(int(value))
     if column.kind == "number":
-        text = f"{float(value):.6f}".rstrip("0").rstrip(".")
+        text = number(float(value))
         return "0" if text == "-0" else text
     return str(value)

@@ -1,0 +1,1 @@
+"""Intervals, paired tests and numbers of replications: pure functions, every one of arrays alone."""
