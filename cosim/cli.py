@@ -14,7 +14,8 @@ from typing import Annotated, Any
 
 import typer
 
-from cosim.commands import analyse, conformance, listing, papers
+from cosim.commands import analyse, compare, conformance, listing, papers
+from cosim.commands import batch as batch_command
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
 
@@ -30,7 +31,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
 app.command("run")(run_command.run)
+app.command("batch")(batch_command.batch)
 app.command("analyse")(analyse.analyse)
+app.command("compare")(compare.compare)
 app.command("conformance")(conformance.conformance)
 app.command("papers")(papers.papers)
 app.command("list")(listing.show)

@@ -15,7 +15,7 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from cosim.cli import app
-from cosim.commands import analyse, conformance, listing, papers, run
+from cosim.commands import analyse, compare, conformance, listing, papers, run
 from cosim.request import parse_settings
 from sumo_scenarios import library
 
@@ -56,7 +56,14 @@ def commands() -> list[str]:
     pages = [(ROOT / name).read_text() for name in PAGES]
     helps = [
         function.__doc__ or ""
-        for function in (run.run, analyse.analyse, conformance.conformance, papers.papers, listing.show)
+        for function in (
+            run.run,
+            analyse.analyse,
+            compare.compare,
+            conformance.conformance,
+            papers.papers,
+            listing.show,
+        )
     ]
     lines = [line.strip() for text in (*pages, *helps) for line in text.splitlines()]
     return sorted({line for line in lines if line.startswith("cosim ")})

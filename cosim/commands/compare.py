@@ -1,0 +1,181 @@
+"""``cosim compare``: is one controller safer than another, and slower?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cosim.commands import terminal
+from cosim.commands.options import Debug
+
+if TYPE_CHECKING:
+    from analysis.measures import Measure
+    from analysis.study_design import Condition, Study
+
+
+def compare(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of a study, or any folder with run folders in it.")
+    ],
+    alt: Annotated[
+        str, typer.Option(metavar="NAME", help="Who is compared: a controller, or one with its parameters.")
+    ],
+    base: Annotated[str, typer.Option(metavar="NAME", help="With whom.")] = "sumo",
+    metrics: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--metric", metavar="NAME", help="Compare this measure; repeatable.", show_default="the key ones"
+        ),
+    ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Only this scenario.", show_default="each of them")
+    ] = None,
+    each: Annotated[
+        bool, typer.Option("--each", help="One table for each setting of a scenario, not one for all.")
+    ] = False,
+    write: Annotated[
+        bool, typer.Option("--write", help="Write the rows to DIR/comparison-BASE-ALT.csv too.")
+    ] = False,
+    debug: Debug = False,
+) -> int:
+    """Say whether one controller is safer than another, and slower, on the same seeds.
+
+    \b
+    Examples:
+      cosim compare results/study --base sumo --alt vo_mpc
+      cosim compare runs --base sumo --alt aeb --metric ego_delay_mean_s --metric n_lane_changes
+      cosim compare results/study --alt "vo_mpc horizon=20" --each --write
+
+    \b
+    Exit codes: 0 all good, 2 no such folder, controller, measure or scenario, or no seed in common.
+    """
+    from analysis.comparison_rows import compare_labels, correct, pair_runs, shared_conditions
+    from analysis.errors import AnalysisError
+    from analysis.study import write_comparison
+    from analysis.study_design import read_study
+    from analysis.study_runs import find_run_folders
+    from cosim.comparison import notes, sentence, table
+    from cosim.errors import InputError
+
+    try:
+        study = read_study(find_run_folders(folder))
+    except AnalysisError as error:
+        raise InputError(str(error)) from error
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder")
+    if not study.runs:
+        what = "no finished run" if study.unfinished else "no run"
+        raise InputError(f"{folder}: {what} in it; a folder of a study, or of run folders, expected")
+    one, other = _label(study, folder, "--base", base), _label(study, folder, "--alt", alt)
+    if one == other:
+        raise InputError(f"--base {base} and --alt {alt} are the same; there are {_all(study)}")
+    chosen = _measures(metrics or [])
+    by_name = {measure.name: measure for measure in chosen}
+    console = terminal.console()
+    left_out: list[Condition] = []
+    written: list[dict[str, Any]] = []
+    for scope in _scopes(study, scenario, each):
+        rows = compare_labels(study, scope, one, other, chosen)
+        pairs = pair_runs(study, shared_conditions(study, scope, one, other), one, other)
+        if not pairs.base:
+            left_out += scope
+            continue
+        correct(rows, "chosen" if metrics else "key")
+        runs = [run for side in (*pairs.base, *pairs.alt) for run in side]
+        if written:
+            console.print()
+        console.print(sentence(rows, by_name) + "\n", soft_wrap=True)
+        console.print(table(rows, by_name))
+        console.print("\n" + "\n".join(notes(rows, pairs, runs)), soft_wrap=True)
+        written += rows
+    if not written:
+        raise InputError(_nothing_in_common(study, folder, one, other))
+    if left_out:
+        names = ", ".join(f"{where.scenario_id} {where.text}".strip() for where in left_out)
+        console.print(f"Left out, no seed in common with valid runs: {names}.", soft_wrap=True)
+    if study.unfinished:
+        console.print(f"Unfinished runs left out: {len(study.unfinished)}.")
+    if write:
+        path = folder / f"comparison-{_file_name(one)}-{_file_name(other)}.csv"
+        try:
+            write_comparison(path, written)
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error.strerror}") from error
+        console.print(f"file: {path}", soft_wrap=True)
+    return 0
+
+
+def _label(study: Study, folder: Path, flag: str, name: str) -> str:
+    from cosim.errors import InputError
+
+    labels = study.matching(name)
+    if not labels:
+        raise InputError(f"{flag} {name}: no run of it in {folder}; there are {_all(study)}")
+    if len(labels) > 1:
+        raise InputError(f"{flag} {name}: which of {', '.join(map(repr, labels))}?")
+    return labels[0]
+
+
+def _all(study: Study) -> str:
+    return ", ".join(repr(label) if " " in label else label for label in study.all_labels())
+
+
+def _measures(names: list[str]) -> list[Measure]:
+    import difflib
+
+    from analysis.measures import run_measures
+    from cosim.errors import InputError
+
+    known = {measure.name: measure for measure in run_measures()}
+    if not names:
+        return [measure for measure in known.values() if measure.key]
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            keys = ", ".join(measure.name for measure in known.values() if measure.key)
+            raise InputError(
+                f"--metric {name}: no such measure; {hint}there are the key ones ({keys}), the other shares "
+                "and rates of docs/statistics.md, and every number of runs.csv but wall-clock times"
+            )
+    return [known[name] for name in dict.fromkeys(names)]
+
+
+def _scopes(study: Study, scenario: str | None, each: bool) -> list[list[Condition]]:
+    from cosim.errors import InputError
+
+    names = sorted({one.scenario_id for one in study.conditions})
+    if scenario is not None and scenario not in names:
+        raise InputError(f"--scenario {scenario}: no run of it; there are {', '.join(names)}")
+    chosen = [one for one in study.conditions if scenario in (None, one.scenario_id)]
+    if each:
+        return [[one] for one in chosen]
+    return [found for name in names if (found := [one for one in chosen if one.scenario_id == name])]
+
+
+def _nothing_in_common(study: Study, folder: Path, base: str, alt: str) -> str:
+    from analysis.comparison_rows import pair_runs
+
+    if any(pair_runs(study, [one], base, alt).base for one in study.conditions):
+        return f"{folder}: no seed was run under all settings of a scenario; --each takes them one by one"
+    said = []
+    for label in (base, alt):
+        runs = [run for run in study.runs if study.label(run) == label]
+        where = ", ".join(sorted({run.scenario_id for run in runs}))
+        said.append(f"{label} has {_seeds(sorted({run.seed for run in runs if run.valid}))} on {where}")
+    return f"{folder}: no seed in common under the same settings with valid runs: {'; '.join(said)}"
+
+
+def _seeds(seeds: list[int]) -> str:
+    if not seeds:
+        return "no valid run"
+    shown = ", ".join(map(str, seeds[:10])) + (", …" if len(seeds) > 10 else "")
+    return f"seed{'s' if len(seeds) > 1 else ''} {shown}"
+
+
+def _file_name(label: str) -> str:
+    import re
+
+    return re.sub(r"[^A-Za-z0-9_.=]+", "_", label)

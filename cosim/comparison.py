@@ -1,0 +1,139 @@
+"""The comparison of two controllers as text: a sentence, a table and what has to be known to read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.table import Table
+
+from analysis.comparison_rows import Pairs
+from analysis.measures import DELAY, Measure
+from analysis.statistics.intervals import share_upper_bound
+from analysis.study_runs import StudyRun
+
+Row = Mapping[str, Any]
+
+_WORDS = {"no_difference_shown": "no difference shown"}
+_SHARES = ("share", "yes_no")
+
+
+def sentence(rows: Sequence[Row], measures: Mapping[str, Measure]) -> str:
+    """Return the answer: is the alternative safer than the base, and slower?"""
+    first = rows[0]
+    where = first["scenario_id"] + (f" ({first['condition']})" if first["condition"] else "")
+    pairs = max(row["n_pairs"] for row in rows)
+    answers = [
+        text
+        for text in (
+            _safety([row for row in rows if row["group"] == "safety"], measures),
+            _delay([row for row in rows if row["metric"] == DELAY]),
+        )
+        if text
+    ]
+    if not answers:
+        shown = sum(row["verdict"] != "no_difference_shown" for row in rows)
+        answers = [f"a difference in {shown} of {len(rows)} measures"]
+    on = f"{pairs} seed" + ("s" if pairs != 1 else "")
+    return f"{first['alt']} against {first['base']} on {where}, {on}: {', and '.join(answers)}."
+
+
+def _safety(rows: Sequence[Row], measures: Mapping[str, Measure]) -> str:
+    if not rows:
+        return ""
+    better, worse = (
+        ", ".join(measures[row["metric"]].text for row in rows if row["verdict"] == verdict)
+        for verdict in ("better", "worse")
+    )
+    if better and worse:
+        return f"neither safer nor less safe (better: {better}; worse: {worse})"
+    if better:
+        return f"safer ({better})"
+    return f"less safe ({worse})" if worse else "no difference in safety shown"
+
+
+def _delay(rows: Sequence[Row]) -> str:
+    if not rows:
+        return ""
+    row = rows[0]
+    word = {"worse": "slower", "better": "faster"}.get(row["verdict"], "no difference in delay shown")
+    if row["ci95_lo"] is None:
+        return word
+    return f"{word} ({row['diff_mean']:+.1f} s, 95 % {row['ci95_lo']:+.1f} … {row['ci95_hi']:+.1f})"
+
+
+def table(rows: Sequence[Row], measures: Mapping[str, Measure]) -> Table:
+    """Return one line per measure."""
+    found = Table(box=None, pad_edge=False, header_style="bold")
+    found.add_column("")
+    for name in (rows[0]["base"], rows[0]["alt"], "difference", "95 %", "p (Holm)", "seeds"):
+        found.add_column(name, justify="right")
+    found.add_column("verdict")
+    for row in rows:
+        measure = measures[row["metric"]]
+        found.add_row(
+            _label(measure),
+            _value(row["base_mean"], measure),
+            _value(row["alt_mean"], measure),
+            _value(row["diff_mean"], measure, "+"),
+            _interval(row, measure),
+            "–" if row["p_holm"] is None else f"{row['p_holm']:.3f}" if row["p_holm"] >= 0.001 else "< 0.001",
+            str(row["n_pairs"]),
+            _WORDS.get(row["verdict"], row["verdict"]),
+        )
+    return found
+
+
+def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[str]:
+    """Return what a reader has to know beside the table."""
+    first = rows[0]
+    said = [
+        f"Mean differences with 95 % intervals, paired by seed; Holm's correction over the "
+        f"{first['n_family']} tests of this table. No difference shown is not the same as no difference."
+    ]
+    for name, side in ((first["base"], pairs.base), (first["alt"], pairs.alt)):
+        hit, met = (
+            sum(run.numbers[key] for seed in side for run in seed) for key in ("met_collision", "met")
+        )
+        bound = share_upper_bound(round(hit), round(met))
+        if bound is not None:
+            said.append(
+                f"{name}: {hit:.0f} collisions in {met:.0f} encounters, at most {bound:.2%} of them "
+                "(one-sided 95 %, as if encounters were independent)."
+            )
+    lost = [
+        f"{number} {reason}"
+        for number, reason in (
+            (pairs.unpaired, "without a run of each under every condition"),
+            (pairs.invalid, "with a run that is not valid"),
+        )
+        if number
+    ]
+    if lost:
+        said.append(f"Seeds left out: {', '.join(lost)}.")
+    if len({run.versions for run in runs}) > 1:
+        said.append("The runs were made by different versions; run.json says which.")
+    return said
+
+
+def _label(measure: Measure) -> str:
+    """Return the text of a line; shares are in percent, and rates say what they are per."""
+    if measure.kind != "mean" or measure.unit == "1":
+        return measure.text
+    return f"{measure.text} [{measure.unit.replace('^2', '²').replace('^3', '³')}]"
+
+
+def _value(value: float | None, measure: Measure, sign: str = "") -> str:
+    if value is None:
+        return "–"
+    sign = sign if value else ""
+    if measure.kind in _SHARES:
+        return f"{value:{sign}.1%}"
+    size = abs(value)
+    return f"{value:{sign}.{3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0}f}"
+
+
+def _interval(row: Row, measure: Measure) -> str:
+    if row["ci95_lo"] is None:
+        return "–"
+    return f"{_value(row['ci95_lo'], measure, '+')} … {_value(row['ci95_hi'], measure, '+')}"
