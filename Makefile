@@ -1,7 +1,7 @@
 # make demo   three controllers on one scenario, compared
 # make test   the tests         make check  the linters
 # make bench  the benchmarks    make study-crossings  the published table
-# make papers the papers' claims and figures, as docs/papers.md shows them
+# make papers the papers' claims and figures     make study-papers  their methods in traffic
 
 PYTHON ?= python3
 VENV := .venv
@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -69,6 +69,10 @@ papers: $(VENV)/installed-papers
 	rm -rf runs/papers
 	$(BIN)/cosim papers --out runs/papers
 	$(BIN)/python -m cosim.papers.page runs/papers docs
+
+study-papers: $(VENV)/installed-papers
+	$(BIN)/cosim batch studies/papers.toml --out runs/study-papers
+	$(BIN)/python -m analysis.method_study runs/study-papers docs/study-papers.md
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

@@ -1,0 +1,220 @@
+"""The methods of the papers against each other in traffic: one table for each scenario and demand.
+
+``python -m analysis.method_study STUDY PAGE`` reads the runs of a study's folder and writes their tables
+below the line ``## Tables`` of a page, which keeps what stands above it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.errors import StudyError
+from analysis.run import RecordedRun, read_run
+from analysis.statistics.intervals import FloatArray, Interval, share_interval
+from analysis.study_design import Condition, Study, read_study
+from analysis.study_runs import StudyRun, find_run_folders
+
+NEAR_M = 45.0
+"""Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
+EVERY_S = 1.0
+"""How often the people near an ego are counted [s]."""
+TABLES = "## Tables"
+
+_HEADINGS = (
+    "method",
+    "valid runs",
+    "people at once",
+    "encounters",
+    "contacts",
+    "contacts per encounter (95 %)",
+    "least TTC [s]",
+    "TTC < 1.5 s",
+    "delay of a trip [s]",
+    "jerk, p95 [m/s³]",
+    "unsolved steps",
+    "control step, p95 [ms]",
+)
+_INTRODUCTION = """\
+# The methods of the papers in traffic
+
+What none of the papers did: every method drives through the same streets, past the same people and
+vehicles, on the same seeds.
+
+    make study-papers
+
+runs `studies/papers.toml` and writes the tables below. It is resumed by the same command.
+
+People at once: how many are within 45 m of an ego, on average over the time in which it is within 45 m of a
+crossing. An encounter counts when the pedestrian was on the crossing or in the ego's path, or was touched;
+its contacts come from recorded shapes, continuous between samples. The interval of their share is exact for
+independent encounters, which those of one run need not be. Least TTC is that of all these runs; delay is
+against the speed limit, with what it is by then where a trip has not ended; jerk and control step are means
+over the runs of the run's 95th percentile. The control step is wall-clock time, measured beside other runs.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One method under one condition."""
+
+    method: str
+    runs: int
+    valid: int
+    people_at_once: float | None
+    encounters: int
+    contacts: int
+    contact_share: Interval | None
+    least_ttc: float | None
+    short_ttc: int
+    """Encounters with TTC < 1.5 s."""
+    delay: float | None
+    jerk: float | None
+    unsolved: int
+    control_ms: float | None
+
+
+def rows(study: Study, condition: Condition) -> list[Row]:
+    """Return one row for each controller that was run under a condition."""
+    found = []
+    for label in study.all_labels():
+        runs = [run for _, run in sorted(study.seeds(label, condition).items())]
+        if runs:
+            found.append(_row(label, runs))
+    return found
+
+
+def people_at_once(run: RecordedRun) -> float | None:
+    """Return the mean number of pedestrians near an ego that is near a crossing; ``None`` if it never is."""
+    egos, others = run.egos.numbers, run.neighbours.numbers
+    people = np.flatnonzero(run.neighbours.texts["object_kind"].equal("pedestrian"))
+    people = people[np.argsort(others["time_s"][people], kind="stable")]
+    times = others["time_s"][people]
+    counts = []
+    for row in np.flatnonzero(_near_a_crossing(run) & _on_the_second(egos["time_s"])):
+        now = egos["time_s"][row]
+        here = people[slice(*np.searchsorted(times, (now - 1e-6, now + 1e-6)))]
+        away = np.hypot(
+            others["x_m"][here] - egos["front_x_m"][row], others["y_m"][here] - egos["front_y_m"][row]
+        )
+        counts.append(np.count_nonzero(away < NEAR_M))
+    return float(np.mean(counts)) if counts else None
+
+
+def markdown(study: Study) -> str:
+    """Return all tables."""
+    blocks = [_block(condition, rows(study, condition)) for condition in study.conditions]
+    return "\n".join(blocks)
+
+
+def write_page(folder: Path, page: Path) -> None:
+    """Write the tables of a study into a page, below whatever stands above them.
+
+    Raises
+    ------
+    StudyError
+        If there are no runs in the folder, or they cannot be read.
+    """
+    folders = find_run_folders(folder)
+    if not folders:
+        raise StudyError(f"{folder}: no runs; cosim batch makes them")
+    above = _INTRODUCTION
+    if page.exists():
+        above = page.read_text(encoding="utf-8").partition(TABLES)[0].rstrip("\n") + "\n"
+    text = f"{above}\n{TABLES}\n\n{markdown(read_study(folders))}"
+    page.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _row(label: str, runs: Sequence[StudyRun]) -> Row:
+    valid = [run for run in runs if run.valid]
+    encounters, contacts, short = (
+        round(sum(run.numbers[name] for run in valid)) for name in ("met", "met_collision", "met_ttc_lt_1p5")
+    )
+    ttc = np.concatenate([run.samples["min_ttc_s"] for run in valid]) if valid else np.zeros(0)
+    recorded = [read_run(run.folder) for run in valid if (run.folder / "neighbours.parquet").exists()]
+    return Row(
+        method=label,
+        runs=len(runs),
+        valid=len(valid),
+        people_at_once=_mean([people_at_once(run) for run in recorded]),
+        encounters=encounters,
+        contacts=contacts,
+        contact_share=share_interval(contacts, encounters),
+        least_ttc=float(ttc.min()) if len(ttc) else None,
+        short_ttc=short,
+        delay=_per_ego(valid, "ego_delay_mean_s"),
+        jerk=_mean([run.numbers.get("p95_abs_jerk_mps3") for run in valid]),
+        unsolved=round(sum(run.numbers.get("n_solver_fail", 0.0) for run in valid)),
+        control_ms=_mean([run.numbers.get("compute_p95_ms") for run in valid]),
+    )
+
+
+def _near_a_crossing(run: RecordedRun) -> np.ndarray:
+    x, y = run.egos.numbers["front_x_m"], run.egos.numbers["front_y_m"]
+    near = np.zeros(len(x), dtype=bool)
+    for area in run.crossings():
+        for (x0, y0), (x1, y1) in zip(area.shape[:-1], area.shape[1:], strict=True):
+            length = max((x1 - x0) ** 2 + (y1 - y0) ** 2, 1e-12)
+            share = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length, 0.0, 1.0)
+            near |= np.hypot(x0 + share * (x1 - x0) - x, y0 + share * (y1 - y0) - y) < NEAR_M
+    return near
+
+
+def _on_the_second(times: FloatArray) -> np.ndarray:
+    return np.abs(times - EVERY_S * np.round(times / EVERY_S)) < 1e-6
+
+
+def _per_ego(runs: Sequence[StudyRun], name: str) -> float | None:
+    known = [run for run in runs if name in run.numbers]
+    egos = sum(run.numbers["ego_count"] for run in known)
+    return sum(run.numbers[name] * run.numbers["ego_count"] for run in known) / egos if egos else None
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.mean(known)) if known else None
+
+
+def _block(condition: Condition, found: Sequence[Row]) -> str:
+    lines = [f"### {condition.scenario_id}, {condition.text}".rstrip(", "), "", _line(_HEADINGS)]
+    lines.append(_line(["---"] * len(_HEADINGS)))
+    return "\n".join([*lines, *(_line(_cells(row)) for row in found)]) + "\n"
+
+
+def _cells(row: Row) -> list[str]:
+    share = f"{row.contacts / row.encounters:.1%}" if row.encounters else ""
+    if row.contact_share is not None:
+        share += f" ({row.contact_share.low:.1%} … {row.contact_share.high:.1%})"
+    return [
+        row.method,
+        f"{row.valid} of {row.runs}",
+        _number(row.people_at_once, ".1f"),
+        str(row.encounters),
+        f"**{row.contacts}**",
+        share,
+        _number(row.least_ttc, ".2f"),
+        str(row.short_ttc),
+        _number(row.delay, ".1f"),
+        _number(row.jerk, ".1f"),
+        str(row.unsolved),
+        _number(row.control_ms, ".1f"),
+    ]
+
+
+def _number(value: float | None, layout: str) -> str:
+    return "" if value is None else format(value, layout)
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+if __name__ == "__main__":
+    try:
+        write_page(Path(sys.argv[1]), Path(sys.argv[2]))
+    except StudyError as problem:
+        sys.exit(f"cosim: {problem}")
