@@ -46,6 +46,12 @@ class TrafficDriver:
         ).acceleration
         return np.minimum(allowed, PAUSING) if self._lanes.paused else allowed
 
+    def outlook(self, perception: Perception, decision: Decision, times: FloatArray) -> FloatArray:
+        """Return what they would allow at other instants from now, ascending from 0 [m/s^2]."""
+        return self._following.follow(
+            perception, decision.target_lane, times, leaving=self._lanes.waiting
+        ).acceleration
+
     def steering(self, perception: Perception, decision: Decision, acceleration: FloatArray) -> FloatArray:
         """Return the front-wheel angles towards the target lane, at the same instants [rad]."""
         lane = perception.road.lane(decision.target_lane)
