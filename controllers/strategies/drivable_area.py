@@ -1,0 +1,263 @@
+"""Looks for the best way past pedestrians within what the car can reach, by NSGA-II over path and speed.
+
+Both axes while a pedestrian is in the way: a quintic path across the road to a final offset and a cubic
+speed to a final speed, found once every ``replan_s`` and followed in between. Otherwise car-following that
+obeys leaders, signals, right of way, speed limits and bends, lane keeping, and lane changes for the route;
+what these allow along is never exceeded during an avoidance either. Where no candidate is possible the car
+brakes fully in its way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from controllers import lane_keeping
+from controllers.drivable_area.avoidance import AvoidanceSettings, Found, plan
+from controllers.drivable_area.clearances import Shape
+from controllers.drivable_area.conflict import Conflict, first_conflict, outlook, relevant
+from controllers.drivable_area.costs import CostWeights, SpeedRisk
+from controllers.drivable_area.course import Course, steering
+from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.evaluation import STANDING, Rules
+from controllers.drivable_area.pareto_search import Budget, require_pymoo
+from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
+from controllers.driving_style import DrivingStyle
+from controllers.interface import (
+    Command,
+    Controller,
+    Decision,
+    EgoState,
+    FloatArray,
+    Perception,
+    Plan,
+)
+from controllers.passing import Conflicts, PedestrianAssumptions, Watch
+from controllers.traffic_driver import TrafficDriver
+
+NO_CANDIDATE = "no_feasible_candidate"
+OUTLOOK_STEP = 0.2
+"""Of the motion that is looked at for conflicts [s]."""
+AGAIN_AFTER = 0.3
+"""A course that has become impossible, or was not found, is looked for again after this [s]."""
+HOLDING = -2.0
+"""What keeps a standing car standing [m/s^2]."""
+DRAWN = 8
+"""Candidates that a replay may draw."""
+RELEASE = 0.3
+"""So much more room than at the beginning of an avoidance ends it [m]."""
+
+
+class DrivableAreaDriver:
+    """Drives as traffic asks, and along a chosen candidate while a pedestrian is in the way."""
+
+    def __init__(self, settings: AvoidanceSettings, replan: float, style: DrivingStyle, seed: int) -> None:
+        self._settings = settings
+        self._replan = replan
+        self._traffic = TrafficDriver(style)
+        self._watch = Watch()
+        self._assume = PedestrianAssumptions()
+        self._seeds = np.random.default_rng(seed)
+        self._before: EgoState | None = None
+        self._course: Course | None = None
+        self._found: Found | None = None
+        self._planned_at = -np.inf
+        self._failed = False
+        self._conflict: Conflict | None = None
+        self._people: Conflicts | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say which lane to be in, and who is in the way."""
+        decision = self._traffic.decide(perception)
+        self._follow_up(perception)
+        times = np.arange(0.0, self._settings.rules.horizon + 1e-9, OUTLOOK_STEP)
+        allowed = self._traffic.outlook(perception, decision, times)
+        lane = perception.road.lane(decision.target_lane)
+        expected = outlook(perception, times, allowed, lane.offset if lane else 0.0)
+        self._people = relevant(perception, self._watch, self._settings.rules.horizon, self._assume)
+        avoiding = self._course is not None or self._failed
+        margin = self._settings.rules.margin + RELEASE * (1.0 if avoiding else 0.0)
+        self._conflict = first_conflict(expected, self._people, Shape(perception.ego.body), margin, 1.0)
+        if self._conflict is None:
+            return decision
+        return replace(decision, because=self._conflict.name)
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Drive the road, or past whoever is in the way."""
+        ego = perception.ego
+        times = lane_keeping.instants(ego)
+        allowed = self._traffic.accelerations(perception, decision)
+        if self._conflict is None or self._people is None:
+            self._course, self._found, self._failed = None, None, False
+            return Plan(Command(times, allowed, self._traffic.steering(perception, decision, allowed)))
+        if self._due(ego.time):
+            self._search(perception, self._people, self._conflict)
+        if self._course is None:
+            return self._brake(perception, times)
+        acceleration = np.minimum(allowed, self._course.accelerations(ego, times))
+        lateral = self._settings.friction * GRAVITY
+        angles = steering(perception, self._course, acceleration, lateral)
+        ahead = self._settings.rules.times[::2]
+        along, across, _, speed = self._course.states(ahead)
+        return Plan(
+            Command(times, acceleration, angles),
+            times=ahead,
+            along=along,
+            across=across,
+            speed=speed,
+            overlay=self._overlay(ego),
+        )
+
+    def _follow_up(self, perception: Perception) -> None:
+        """Move the course to where the car is now."""
+        ego, before = perception.ego, self._before
+        self._before = ego
+        if self._course is not None and before is not None:
+            self._course = self._course.moved(before, perception)
+
+    def _due(self, time: float) -> bool:
+        """Say whether to look for candidates now."""
+        age = time - self._planned_at
+        if age > self._replan - 1e-6:
+            return True
+        if self._course is not None and self._possible(self._course):
+            return False
+        return age > AGAIN_AFTER - 1e-6 or (self._course is None and not self._failed)
+
+    def _possible(self, course: Course) -> bool:
+        """Say whether a course still leads past everybody, with at least half the margin."""
+        people, before = self._people, self._before
+        if people is None or before is None or len(people) == 0:
+            return True
+        rules = self._settings.rules
+        along, across, heading, speed = course.states(rules.times)
+        x = people.along[:, None] + people.along_speed[:, None] * rules.times
+        y = people.across[:, None] + people.across_speed[:, None] * rules.times
+        clearance = Shape(before.body).clearance(along, across, heading, x, y)
+        needed = 0.5 * rules.margin * np.clip(rules.times, 0.0, 1.0)
+        return not bool(((clearance < needed) & (speed > STANDING)).any())
+
+    def _search(self, perception: Perception, people: Conflicts, conflict: Conflict) -> None:
+        """Look for candidates and take the chosen one."""
+        self._planned_at = perception.ego.time
+        seed = int(self._seeds.integers(2**31))
+        self._found = plan(perception, people, conflict, self._settings, self._course, seed)
+        self._course = self._found.course if self._found else None
+        self._failed = self._found is None
+
+    def _brake(self, perception: Perception, times: FloatArray) -> Plan:
+        """Return the declared fallback: full braking, straight on."""
+        ego = perception.ego
+        full = min(self._settings.friction * GRAVITY, ego.drive.max_deceleration)
+        braking = np.full(len(times), -full if ego.speed > STANDING else HOLDING)
+        angles = lane_keeping.steering(perception, ego.across, braking)
+        return Plan(Command(times, braking, angles), solved=False, status=NO_CANDIDATE)
+
+    def _overlay(self, ego: EgoState) -> dict[str, FloatArray]:
+        """Return what a replay may draw: reaction space, conflict, chosen path and others of the front."""
+        space = ReactionSpace(ego.speed, ego.body.width, self._settings.friction).outline(8)
+        drawn = {"reaction_space": space + np.array([ego.body.front, ego.across])}
+        if self._conflict is not None:
+            drawn["conflict"] = np.array([[self._conflict.along, self._conflict.across]])
+        if self._course is not None:
+            drawn["path"] = self._course.points(np.linspace(0.0, 40.0, 21))
+        if self._found is not None:
+            others = self._found.verdict.motions
+            for i in range(min(len(others.along), DRAWN)):
+                points = np.column_stack((others.along[i, ::5], others.across[i, ::5]))
+                drawn[f"candidate_{i}"] = points
+        return drawn
+
+
+def build(
+    seed: int = 1,
+    *,
+    entropy: Literal["shannon", "paper", "risk"] = "shannon",
+    speed_risk: Literal["m/s", "km/h", "squared", "stopping_distance"] = "m/s",
+    curvature_weight: float = 0.2,
+    distance_weight: float = 0.2,
+    entropy_weight: float = 0.6,
+    progress_weight: float = 0.0,
+    within_friction: bool = True,
+    friction: float = 0.8,
+    margin_m: float = 0.7,
+    horizon_s: float = 5.0,
+    replan_s: float = 1.0,
+    population: int = 20,
+    generations: int = 10,
+    walks: int = 16,
+    headway_s: float = 1.0,
+) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    seed : int
+        Of the search and of the pedestrians' random walks.
+    entropy : str
+        What the probability of meetings costs: Shannon's entropy, the paper's sum of logarithms, or the
+        risk −ln(1 − P) of a collision.
+    speed_risk : str
+        How the paper's safety coefficient of the final speed is read.
+    curvature_weight, distance_weight, entropy_weight : float
+        J_c, J_d and J_s.
+    progress_weight : float
+        Weight of the share of the speed that is lost; 0 is the paper, to which standing still costs nothing.
+    within_friction : bool
+        Whether candidates stay within friction · g, braking and turning together, and within the rate of
+        the steering.
+    friction : float
+        Full braking is friction · g, or what the drive can do if that is less.
+    margin_m : float
+        Distance to pedestrians' discs [m].
+    horizon_s : float
+        How far ahead conflicts and candidates are looked at [s].
+    replan_s : float
+        A new candidate is chosen once in this time while somebody is in the way [s].
+    population, generations : int
+        Budget of the search: their product is the number of candidates looked at.
+    walks : int
+        Random walks of each pedestrian.
+    headway_s : float
+        Time gap to a leader [s].
+
+    Raises
+    ------
+    ValueError
+        If one is out of range, or pymoo is not installed.
+    """
+    require_pymoo()
+    least = {
+        "curvature_weight": (curvature_weight, 0.0),
+        "distance_weight": (distance_weight, 0.0),
+        "entropy_weight": (entropy_weight, 0.0),
+        "progress_weight": (progress_weight, 0.0),
+        "margin_m": (margin_m, 0.0),
+        "headway_s": (headway_s, 0.0),
+        "horizon_s": (horizon_s, 1.0),
+        "replan_s": (replan_s, 0.0),
+        "population": (population, 4),
+        "generations": (generations, 1),
+        "walks": (walks, 1),
+    }
+    for name, (value, smallest) in least.items():
+        if not smallest <= value < float("inf"):
+            raise ValueError(f"{name} = {value} must be at least {smallest:g} and finite")
+    if not 0.0 < friction <= 2.0:
+        raise ValueError(f"friction = {friction} must be greater than 0 and at most 2")
+    weights = CostWeights(curvature_weight, distance_weight, entropy_weight, progress_weight)
+    if weights == CostWeights(0.0, 0.0, 0.0, 0.0):
+        raise ValueError("one of the weights must be greater than 0")
+    rules = Rules(
+        weights=weights,
+        entropy=EntropyMode(entropy),
+        risk=SpeedRisk(speed_risk),
+        within_friction=within_friction,
+        margin=margin_m,
+        horizon=horizon_s,
+        walks=walks,
+    )
+    settings = AvoidanceSettings(rules, Budget(population, generations), friction)
+    return DrivableAreaDriver(settings, replan_s, DrivingStyle(headway=headway_s), seed)
