@@ -1,1 +1,1 @@
-"""The drivable-area method: what a car can reach, which ways it has past a pedestrian, and what each costs."""
+"""The drivable-area method: what a car can reach, its ways past a pedestrian, and what each costs."""

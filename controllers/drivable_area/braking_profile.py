@@ -130,7 +130,8 @@ class SmoothBraking:
         """Return position, speed and acceleration, shape (n, K) [m, m/s, m/s^2]."""
         lasts = self.duration[:, None]
         t = np.minimum(times, lasts)
-        safe = np.where(lasts > 0.0, lasts, 1.0)
+        # A change within a microsecond is a step; its coefficients would overflow.
+        safe = np.where(lasts > 1e-6, lasts, 1.0)
         change = (self.final_speed - self.speed)[:, None]
         a = self.acceleration[:, None]
         b = (3.0 * change - 2.0 * a * lasts) / safe**2
@@ -175,6 +176,6 @@ def longest_duration(speed: float | FloatArray, final_speed: FloatArray, acceler
     3 (v0 − v_s) / |a0| where the car brakes already.
     """
     lost = np.maximum(speed - final_speed, 0.0)
-    if acceleration >= 0.0:
+    if acceleration > -1e-6:
         return np.full(np.shape(lost), np.inf)
     return np.asarray(3.0 * lost / -acceleration)

@@ -25,7 +25,7 @@ LEAST_PROBABILITY = 1e-6
 
 
 def entropy_cost(
-    places: FloatArray, collision: FloatArray, area: float, mode: EntropyMode
+    places: FloatArray, collision: FloatArray, area: FloatArray | float, mode: EntropyMode
 ) -> FloatArray:
     """Return the entropy of meetings in the reaction space.
 
@@ -33,7 +33,7 @@ def entropy_cost(
     ----------
     places : P_j, probability of each place in the reaction space, shape (…, m); they need not add up to 1
     collision : probability of a collision, shape (…)
-    area : S_z [m^2]
+    area : S_z, shape (…) [m^2]
     mode : see :class:`EntropyMode`
 
     Notes
@@ -48,8 +48,9 @@ def entropy_cost(
     """
     if mode is EntropyMode.RISK:
         return np.asarray(-np.log(np.clip(1.0 - collision, LEAST_PROBABILITY, 1.0)))
-    if area <= 0.0:
-        return np.zeros(places.shape[:-1])
     logarithm = np.log(np.where(places > 0.0, places, 1.0))
     weight = places if mode is EntropyMode.SHANNON else 1.0
-    return np.asarray(np.abs(weight * logarithm).sum(axis=-1) / area)
+    total = np.abs(weight * logarithm).sum(axis=-1)
+    return np.asarray(
+        np.where(np.asarray(area) > 0.0, total / np.where(np.asarray(area) > 0.0, area, 1.0), 0.0)
+    )

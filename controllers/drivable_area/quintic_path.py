@@ -9,9 +9,7 @@ import numpy as np
 from controllers.interface import FloatArray
 
 
-def second_derivative(
-    x_speed: float, y_speed: float, x_acceleration: float, y_acceleration: float
-) -> float:
+def second_derivative(x_speed: float, y_speed: float, x_acceleration: float, y_acceleration: float) -> float:
     """Return d²y/dx² = (ÿ − ẍ ẏ / ẋ) / ẋ² of a motion [1/m].
 
     Parameters
@@ -69,16 +67,12 @@ class QuinticPaths:
         inside = np.clip(x, 0.0, self.length)
         a = self.coefficients[:, :, None]
         y = a[:, 0] + inside * (
-            a[:, 1]
-            + inside * (a[:, 2] + inside * (a[:, 3] + inside * (a[:, 4] + inside * a[:, 5])))
+            a[:, 1] + inside * (a[:, 2] + inside * (a[:, 3] + inside * (a[:, 4] + inside * a[:, 5])))
         )
         slope = a[:, 1] + inside * (
-            2.0 * a[:, 2]
-            + inside * (3.0 * a[:, 3] + inside * (4.0 * a[:, 4] + inside * 5.0 * a[:, 5]))
+            2.0 * a[:, 2] + inside * (3.0 * a[:, 3] + inside * (4.0 * a[:, 4] + inside * 5.0 * a[:, 5]))
         )
-        bend = 2.0 * a[:, 2] + inside * (
-            6.0 * a[:, 3] + inside * (12.0 * a[:, 4] + inside * 20.0 * a[:, 5])
-        )
+        bend = 2.0 * a[:, 2] + inside * (6.0 * a[:, 3] + inside * (12.0 * a[:, 4] + inside * 20.0 * a[:, 5]))
         beyond = x > self.length
         return (
             np.where(beyond, self.end[:, None], y),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,29 @@ from numpy.typing import NDArray
 from controllers.interface import FloatArray
 
 GRAVITY = 9.80665
+
+
+def arc_radius(speed: FloatArray, friction: float) -> FloatArray:
+    """Return R = v² / (f g) [m]."""
+    return np.asarray(speed**2 / (friction * GRAVITY))
+
+
+def arc_side(forward: FloatArray, radius: FloatArray, width: float) -> FloatArray:
+    """Return B / 2 + R − √(R² − x²), how far to the side the arc is at x [m]."""
+    inside = np.clip(forward, 0.0, radius)
+    return np.asarray(0.5 * width + radius - np.sqrt(np.maximum(radius**2 - inside**2, 0.0)))
+
+
+def space_area(reach: FloatArray, radius: FloatArray, width: float) -> FloatArray:
+    """Return the area between the arcs from 0 to x [m^2].
+
+    B x + 2 R x − x √(R² − x²) − R² asin(x / R)
+    """
+    safe = np.where(radius > 0.0, radius, 1.0)
+    root = np.sqrt(np.maximum(radius**2 - reach**2, 0.0))
+    return np.asarray(
+        width * reach + 2.0 * radius * reach - reach * root - radius**2 * np.arcsin(reach / safe)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +66,7 @@ class ReactionSpace:
         >>> round(ReactionSpace(40 / 3.6).radius, 1)
         15.7
         """
-        return self.speed**2 / (self.friction * GRAVITY)
+        return float(arc_radius(np.asarray(self.speed), self.friction))
 
     @property
     def stopping_time(self) -> float:
@@ -69,32 +91,24 @@ class ReactionSpace:
         return self.radius * np.sin(angle), 0.5 * self.width + self.radius * (1.0 - np.cos(angle))
 
     def half_width(self, forward: FloatArray) -> FloatArray:
-        """Return B / 2 + R − √(R² − x²), how far to the side the arc is at x [m]."""
-        inside = np.clip(forward, 0.0, self.radius)
-        return np.asarray(0.5 * self.width + self.radius - np.sqrt(self.radius**2 - inside**2))
+        """Return how far to the side the arc is at x; see :func:`arc_side` [m]."""
+        return arc_side(forward, np.asarray(self.radius), self.width)
 
     @property
     def area(self) -> float:
-        """Return S_z, the area between the arcs from 0 to x_r [m^2].
-
-        B x_r + 2 R x_r − x_r √(R² − x_r²) − R² asin(x_r / R)
+        """Return S_z; see :func:`space_area` [m^2].
 
         >>> round(ReactionSpace(50 / 3.6).area, 1)
         48.4
         """
-        r, x = self.radius, self.reach
-        if r == 0.0:
-            return 0.0
-        return self.width * x + 2.0 * r * x - x * math.sqrt(r * r - x * x) - r * r * math.asin(x / r)
+        return float(space_area(np.asarray(self.reach), np.asarray(self.radius), self.width))
 
     def contains(self, forward: FloatArray, left: FloatArray) -> NDArray[np.bool_]:
         """Say which points, seen from the middle of the front bumper, are in the space."""
         return (forward >= 0.0) & (forward <= self.reach) & (np.abs(left) <= self.half_width(forward))
 
     def outline(self, count: int = 20) -> FloatArray:
-        """Return the border from the right front corner of the car round to the left one, shape (2 n, 2) [m]."""
+        """Return the border from the right front corner of the car to the left one, (2 n, 2) [m]."""
         forward = np.linspace(0.0, self.reach, count)
         side = self.half_width(forward)
-        return np.concatenate(
-            (np.column_stack((forward, -side)), np.column_stack((forward, side))[::-1])
-        )
+        return np.concatenate((np.column_stack((forward, -side)), np.column_stack((forward, side))[::-1]))

@@ -1,0 +1,164 @@
+"""Whether driving as road and traffic ask would come too near to a pedestrian, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.drivable_area.clearances import Boxes, Shape
+from controllers.drivable_area.social_force import Walkers
+from controllers.interface import FloatArray, Perception
+from controllers.passing import Conflicts, PedestrianAssumptions, Watch, find
+from controllers.traffic import footprints
+
+SHIFTING = 1.3
+"""Speed across the road with which a lane is returned or changed to [m/s]."""
+ROAD_MARGIN = 0.5
+"""People this near to the road matter, should they be about to enter it [m]."""
+VIEW = 80.0
+"""Vehicles further away do not matter [m]."""
+LASTS = 2.0
+"""Vehicles are expected to keep an acceleration, and to move across the road, for so long [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """The first meeting of a motion with a pedestrian."""
+
+    name: str
+    time: float
+    """[s]"""
+    along: float
+    """Where the pedestrian is then [m]."""
+    across: float
+    place: float
+    """Where a front bumper would have to stop for everybody in conflict [m]."""
+
+
+def relevant(
+    perception: Perception, watch: Watch, horizon: float, assume: PedestrianAssumptions
+) -> Conflicts:
+    """Return those who are on the road, or will be within a time, and how they are expected to walk.
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    watch : what is remembered of pedestrians; updated here
+    horizon : [s]
+    assume : of those whose velocity does not say what they will do
+    """
+    road = perception.road
+    band = road.right_edge - ROAD_MARGIN, road.left_edge + ROAD_MARGIN
+    return find(perception, watch, band, 0.0, horizon, assume)
+
+
+def walkers(people: Conflicts) -> Walkers:
+    """Return them as those who keep their expected velocities."""
+    return Walkers(people.along, people.across, people.along_speed, people.across_speed)
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """How the ego would drive without pedestrians; K instants."""
+
+    times: FloatArray
+    along: FloatArray
+    across: FloatArray
+    heading: FloatArray
+    speed: FloatArray
+
+
+def outlook(perception: Perception, times: FloatArray, acceleration: FloatArray, target: float) -> Outlook:
+    """Return where following the road leads.
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    times : instants from 0 [s]
+    acceleration : from each instant to the next [m/s^2]
+    target : across coordinate of the lane to be in [m]
+    """
+    ego = perception.ego
+    steps = np.diff(times)
+    changed = np.concatenate(([0.0], np.cumsum(acceleration[:-1] * steps)))
+    # Where the sum falls below zero the car stands until it speeds up again.
+    speed = ego.speed + changed
+    speed = speed - np.minimum(np.minimum.accumulate(speed), 0.0)
+    along = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)))
+    shift = target - ego.across
+    moved = np.minimum(SHIFTING * times, np.minimum(abs(shift), 0.5 * along))
+    across = ego.across + np.sign(shift) * moved
+    return Outlook(times, along, across, np.zeros(len(times)), speed)
+
+
+def first_conflict(
+    expected: Outlook, people: Conflicts, shape: Shape, margin: float, standoff: float
+) -> Conflict | None:
+    """Return the first pedestrian to whom less than a margin would be left, ``None`` if there is none.
+
+    Parameters
+    ----------
+    expected : the motion
+    people : expected on the road
+    shape : of the car
+    margin : [m]
+    standoff : distance kept to a pedestrian's path where no stop line says more [m]
+    """
+    if len(people) == 0:
+        return None
+    x = people.along[:, None] + people.along_speed[:, None] * expected.times
+    y = people.across[:, None] + people.across_speed[:, None] * expected.times
+    clearance = shape.clearance(expected.along, expected.across, expected.heading, x, y)
+    met = (clearance < margin) & (expected.speed > 0.1)
+    whom = np.flatnonzero(met.any(axis=1))
+    if len(whom) == 0:
+        return None
+    when = met[whom].argmax(axis=1)
+    first = int(np.argmin(when))
+    person, k = int(whom[first]), int(when[first])
+    front = shape.body.front
+    lines = people.stop_line[whom]
+    meeting = np.minimum(x[whom, when], people.along[whom])
+    beside = meeting - shape.pedestrian_radius - standoff
+    places = np.where(np.isfinite(lines) & (lines > front), np.minimum(lines, beside), beside)
+    return Conflict(
+        people.names[person],
+        float(expected.times[k]),
+        float(x[person, k]),
+        float(y[person, k]),
+        float(places.min()),
+    )
+
+
+def boxes(perception: Perception, times: FloatArray) -> Boxes:
+    """Return other vehicles as rectangles at several times.
+
+    Those that go the same or the opposite way keep their lane's direction, and their acceleration for a
+    while; those that cross count where they are, because what they will do is the right of way's business.
+    Vehicles behind the ego in its own way are left out: they follow.
+    """
+    vehicles, body = perception.vehicles, perception.ego.body
+    box = footprints(vehicles)
+    half = 0.5 * body.width
+    across = perception.ego.across
+    in_way = (box.right < across + half) & (box.left > across - half)
+    behind = in_way & (0.5 * (box.rear + box.front) < 0.5 * body.length - body.rear_overhang)
+    chosen = np.flatnonzero(~behind & (box.front > -VIEW) & (box.rear < VIEW))
+    turned = vehicles.heading_error[chosen]
+    crossing = np.abs(np.cos(turned)) < 0.5
+    speed = np.where(crossing, 0.0, vehicles.along_speed[chosen])
+    change = np.where(crossing, 0.0, np.clip(vehicles.acceleration[chosen], -6.0, 1.5))
+    change = np.where(box.same_way[chosen], change, 0.0)
+    stops = np.where(change < 0.0, np.maximum(speed, 0.0) / np.maximum(-change, 1e-9), np.inf)
+    lasting = np.minimum(times, np.minimum(stops, LASTS)[:, None])
+    gone = speed[:, None] * times + change[:, None] * lasting * (times - 0.5 * lasting)
+    drift = np.where(crossing, 0.0, vehicles.across_speed[chosen])[:, None] * np.minimum(times, LASTS)
+    middle = vehicles.along[chosen] - 0.5 * vehicles.length[chosen] * np.cos(turned)
+    return Boxes(
+        middle[:, None] + gone,
+        vehicles.across[chosen][:, None] + drift,
+        turned,
+        0.5 * vehicles.length[chosen],
+        0.5 * vehicles.width[chosen],
+    )

@@ -1,0 +1,167 @@
+"""A chosen candidate that is being driven: where it leads, and how the car is kept on it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from controllers import lane_keeping
+from controllers.drivable_area.braking_profile import SmoothBraking
+from controllers.drivable_area.motions import arc_lengths
+from controllers.drivable_area.quintic_path import QuinticPaths
+from controllers.interface import EgoState, FloatArray, Perception
+
+SPEED_GAIN = 1.0
+"""What an error of the speed asks for [1/s]."""
+PLACE_GAIN = 0.2
+"""What an error of the distance driven asks for; a car that is too far ahead brakes [1/s^2]."""
+APPROACH_TIME = 0.8
+"""Time constant with which a distance to the path decays [s]."""
+HEADING_TIME = 0.3
+"""Time constant with which a heading error decays [s]."""
+APPROACH_LENGTH = 3.0
+"""What ``APPROACH_TIME`` becomes at low speed [m]."""
+HEADING_LENGTH = 1.2
+"""What ``HEADING_TIME`` becomes at low speed [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """One candidate, and how far the car has come on it."""
+
+    path: QuinticPaths
+    """Of one path, in the route frame it was planned in."""
+    speeds: SmoothBraking
+    lane: int
+    """``Lane.number`` of the reference lane it was planned in."""
+    offset: float = 0.0
+    """Across coordinate now of that lane's centre line [m]."""
+    elapsed: float = 0.0
+    """Since it was planned [s]."""
+    progress: float = 0.0
+    """Along the road since then [m]."""
+    driven: float = 0.0
+    """Along its own way since then [m]."""
+
+    @property
+    def end(self) -> float:
+        """Return y_f as an across coordinate now [m]."""
+        return float(self.path.end[0]) + self.offset
+
+    @property
+    def final_speed(self) -> float:
+        """Return v_s [m/s]."""
+        return float(self.speeds.final_speed[0])
+
+    def moved(self, before: EgoState, perception: Perception) -> Course | None:
+        """Return the course as seen from where the car is now; ``None`` once its lane is out of view."""
+        ego = perception.ego
+        lane = perception.road.lane(self.lane)
+        if lane is None:
+            return None
+        step = math.hypot(ego.x - before.x, ego.y - before.y)
+        bend = lane_keeping.curvature_at(perception.road, 0.0)
+        stretch = max(1.0 - bend * ego.across, 0.2)
+        onward = step * math.cos(0.5 * (before.heading_error + ego.heading_error)) / stretch
+        return replace(
+            self,
+            offset=lane.offset,
+            elapsed=self.elapsed + ego.time - before.time,
+            progress=self.progress + onward,
+            driven=self.driven + step,
+        )
+
+    def points(self, along: FloatArray) -> FloatArray:
+        """Return the path's points at places ahead, shape (n, 2) [m]."""
+        across, _, _ = self.path.at((along + self.progress)[None, :])
+        return np.column_stack((along, across[0] + self.offset))
+
+    def states(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return planned places along and across, headings and speeds at times from now."""
+        planned = times + self.elapsed
+        position, speed, _ = self.speeds.at(planned[None, :])
+        now, _, _ = self.speeds.at(np.array([[self.elapsed]]))
+        grid = np.linspace(0.0, self.path.length, 61)
+        lengths = arc_lengths(self.path, grid)[0]
+        # The car's own distance counts, and from there on the plan's.
+        here = float(np.interp(self.progress, grid, lengths)) + max(self.progress - grid[-1], 0.0)
+        ahead = here + position[0] - now[0, 0]
+        along = np.interp(ahead, lengths, grid) + np.maximum(ahead - lengths[-1], 0.0)
+        across, slope, _ = self.path.at(along[None, :])
+        return along - self.progress, across[0] + self.offset, np.arctan(slope[0]), speed[0]
+
+    def accelerations(self, ego: EgoState, times: FloatArray) -> FloatArray:
+        """Return the commands that keep the planned speed behind the drive's lag [m/s^2].
+
+        Parameters
+        ----------
+        ego : as it is
+        times : when the commands begin, from now [s]
+        """
+        drive = ego.drive
+        step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
+        middle = times + 0.5 * step + self.elapsed
+        # A first-order lag shows now what was commanded before: its inverse is a look ahead.
+        _, _, ahead = self.speeds.at((middle + drive.drive_lag)[None, :])
+        position, speed, _ = self.speeds.at(np.array([[self.elapsed]]))
+        behind = min(max(position[0, 0] - self.driven, -2.0), 2.0)
+        correction = SPEED_GAIN * (speed[0, 0] - ego.speed) + PLACE_GAIN * behind
+        if self.final_speed == 0.0 and ego.speed < 0.3 and speed[0, 0] < 0.3:
+            correction = min(correction, -0.5)
+        wanted = ahead[0] + correction
+        return np.asarray(np.clip(wanted, -drive.max_deceleration, drive.max_acceleration))
+
+
+def steering(perception: Perception, course: Course, acceleration: FloatArray, lateral: float) -> FloatArray:
+    """Return the front-wheel angles that keep the car on a course, one per instant [rad].
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    course : to be on
+    acceleration : commanded meanwhile, at ``lane_keeping.instants(perception.ego)`` [m/s^2]
+    lateral : largest lateral acceleration [m/s^2]
+
+    Notes
+    -----
+    The law of lane keeping, about a path that bends: ψ* = ψ_path − e / ℓ_e, curvature = that of road and
+    path a little ahead + (ψ* − ψ) / ℓ_ψ − sin(ψ − ψ_path) / ℓ_e.
+    """
+    ego, road = perception.ego, perception.road
+    drive, body = ego.drive, ego.body
+    along, across, heading, speed = 0.0, ego.across, ego.heading_error, max(ego.speed, 0.0)
+    actual, angle = ego.acceleration, ego.steering
+    step = lane_keeping.STEP
+    share = -math.expm1(-step / drive.drive_lag) if drive.drive_lag > 0.0 else 1.0
+    angles = np.zeros(len(acceleration))
+    preview = drive.steering_lag + step
+    for i, wanted in enumerate(acceleration):
+        ahead = along + speed * np.array([0.0, 0.5 * preview, preview])
+        y, slope, bend = (one[0] for one in course.path.at((ahead + course.progress)[None, :]))
+        ways = np.arctan(slope)
+        curve = bend / (1.0 + slope**2) ** 1.5 + [lane_keeping.curvature_at(road, float(a)) for a in ahead]
+        approach = max(APPROACH_LENGTH, speed * APPROACH_TIME)
+        settling = max(HEADING_LENGTH, speed * HEADING_TIME)
+        error = across - y[0] - course.offset
+        aim = float(ways[0]) - min(max(error / approach, -0.4), 0.4)
+        correction = (aim - heading) / settling - math.sin(heading - float(ways[0])) / approach
+        total = float(curve[-1]) + correction
+        bound = lateral / max(speed * speed, 1.0)
+        total = min(max(total, -bound), bound)
+        wheel = math.atan(body.wheelbase * total)
+        angles[i] = min(max(wheel, -drive.max_steering), drive.max_steering)
+        rate = (angles[i] - angle) / max(drive.steering_lag, step)
+        turned = angle + step * min(max(rate, -drive.max_steering_rate), drive.max_steering_rate)
+        actual += share * (float(wanted) - actual)
+        middle = max(speed + 0.5 * step * actual, 0.0)
+        here = lane_keeping.curvature_at(road, along)
+        onward = middle * math.cos(heading) / max(1.0 - here * across, 0.2)
+        turn = middle * math.tan(0.5 * (angle + turned)) / body.wheelbase - here * onward
+        across += step * middle * math.sin(heading + 0.5 * step * turn)
+        heading += step * turn
+        along += step * onward
+        speed = max(speed + step * actual, 0.0)
+        angle = turned
+    return angles

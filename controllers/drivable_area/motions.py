@@ -1,0 +1,67 @@
+"""Candidates as motions: a path across the road, driven at a speed that changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.drivable_area.braking_profile import SmoothBraking
+from controllers.drivable_area.quintic_path import QuinticPaths, curvature
+from controllers.interface import FloatArray
+
+POINTS = 101
+"""Points along a path at which its length is summed up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """n candidates at K times; all but ``times`` of shape (n, K)."""
+
+    times: FloatArray
+    """From now, ascending, shape (K,) [s]."""
+    along: FloatArray
+    """x [m]"""
+    across: FloatArray
+    """y [m]"""
+    heading: FloatArray
+    """[rad]"""
+    curvature: FloatArray
+    """[1/m]"""
+    speed: FloatArray
+    """[m/s]"""
+    acceleration: FloatArray
+    """[m/s^2]"""
+
+
+def motions(paths: QuinticPaths, speeds: SmoothBraking, times: FloatArray, dead_time: float = 0.0) -> Motions:
+    """Return how n candidates move.
+
+    Parameters
+    ----------
+    paths, speeds : n of each
+    times : shape (K,) [s]
+    dead_time : during which the first speed is held [s]
+    """
+    begun = np.maximum(times - dead_time, 0.0)
+    driven, speed, acceleration = speeds.at(begun[None, :])
+    driven = driven + speeds.speed[:, None] * np.minimum(times, dead_time)
+    acceleration = np.where(times < dead_time, 0.0, acceleration)
+    grid = np.linspace(0.0, paths.length, POINTS)
+    lengths = arc_lengths(paths, grid)
+    along = np.stack(
+        [
+            np.interp(one, sums, grid) + np.maximum(one - sums[-1], 0.0)
+            for one, sums in zip(driven, lengths, strict=True)
+        ]
+    ).reshape(driven.shape)
+    across, slope, bend = paths.at(along)
+    return Motions(times, along, across, np.arctan(slope), curvature(slope, bend), speed, acceleration)
+
+
+def arc_lengths(paths: QuinticPaths, grid: FloatArray) -> FloatArray:
+    """Return ∫ √(1 + y′²) dx from 0 to each place of an ascending grid, shape (n, K) [m]."""
+    _, slope, _ = paths.at(grid[None, :])
+    stretch = np.sqrt(1.0 + slope**2)
+    steps = 0.5 * (stretch[:, 1:] + stretch[:, :-1]) * np.diff(grid)
+    return np.concatenate((np.zeros((len(steps), 1)), np.cumsum(steps, axis=1)), axis=1)

@@ -1,0 +1,94 @@
+"""NSGA-II over the final offset and the final speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import FloatArray
+
+MISSING = "needs pymoo: pip install 'sumo-cosim[papers]'"
+Judge = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Genes, shape (n, 2) -> costs, shape (n, m), and violations that are positive where broken, (n, k)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How long to search: population · generations candidates are looked at, whatever the clock says."""
+
+    population: int = 20
+    generations: int = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Front:
+    """The last population's candidates that keep every constraint and that none of it dominates."""
+
+    genes: FloatArray
+    """Shape (n, 2); n is 0 when nothing feasible was found."""
+    costs: FloatArray
+    """Shape (n, m)."""
+    looked_at: int
+    """Candidates evaluated."""
+
+
+def require_pymoo() -> None:
+    """Check that pymoo can be used.
+
+    Raises
+    ------
+    ValueError
+        If it is not installed.
+    """
+    try:
+        import pymoo  # noqa: F401
+    except ImportError as error:
+        raise ValueError(MISSING) from error
+
+
+def search(
+    judge: Judge,
+    sizes: tuple[int, int],
+    lower: FloatArray,
+    upper: FloatArray,
+    hints: FloatArray,
+    budget: Budget,
+    seed: int,
+) -> Front:
+    """Return the front that NSGA-II finds.
+
+    Parameters
+    ----------
+    judge : what candidates cost, and which constraints they break
+    sizes : number of costs and of constraints
+    lower, upper : bounds of the genes, shape (2,)
+    hints : candidates to begin with, shape (h, 2); the rest of the first population is drawn evenly
+    budget : how long to search
+    seed : of everything random
+
+    Notes
+    -----
+    Section 4.2 of [Wu2023]_ names the algorithm and none of its settings.
+    """
+    from pymoo.algorithms.moo.nsga2 import NSGA2
+    from pymoo.core.problem import Problem
+    from pymoo.optimize import minimize
+
+    drawn = np.random.default_rng(seed).random((budget.population, len(lower)))
+    first = lower + drawn * (upper - lower)
+    first[: len(hints)] = np.clip(hints, lower, upper)[: budget.population]
+
+    class Candidates(Problem):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__(n_var=len(lower), n_obj=sizes[0], n_ieq_constr=sizes[1], xl=lower, xu=upper)
+
+        def _evaluate(self, genes: FloatArray, out: dict[str, FloatArray], *_: object, **__: object) -> None:
+            out["F"], out["G"] = judge(genes)
+
+    algorithm = NSGA2(pop_size=budget.population, sampling=first)
+    found = minimize(Candidates(), algorithm, ("n_gen", budget.generations), seed=seed)
+    genes = np.zeros((0, len(lower))) if found.X is None else np.atleast_2d(found.X)
+    costs = np.zeros((0, sizes[0])) if found.F is None else np.atleast_2d(found.F)
+    return Front(genes, costs, int(found.algorithm.evaluator.n_eval))
