@@ -30,7 +30,7 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> No
     out
         Folder for the tables; made where there is none.
     folders
-        Run folders. Unfinished ones are skipped; runs that failed are counted, not averaged.
+        Run folders. Runs that failed or have not ended are counted, and are in no mean.
     baseline
         What the others are compared with: a controller, a controller with the parameters that tell it
         from its variants (``vo_mpc horizon=20``), or a config_id. ``None``: ``sumo``, or else the first

@@ -29,10 +29,9 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Finished runs, by condition and label."""
+    """Runs, by condition and label."""
 
     runs: tuple[StudyRun, ...]
-    unfinished: tuple[Path, ...]
     conditions: tuple[Condition, ...]
     labels: Mapping[str, str]
     """config_id to label."""
@@ -81,8 +80,8 @@ def read_study(folders: Iterable[Path]) -> Study:
     StudyError
         As :func:`analysis.study_runs.read_runs`.
     """
-    runs, unfinished = read_runs(folders)
-    return Study(tuple(runs), tuple(unfinished), _conditions(runs), _labels(runs))
+    runs = read_runs(folders)
+    return Study(tuple(runs), _conditions(runs), _labels(runs))
 
 
 def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:

@@ -58,7 +58,7 @@ class StudyRun:
 def find_run_folders(root: Path) -> list[Path]:
     """Return the folders at or below a folder that hold a ``run.json``, in alphabetical order.
 
-    Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are unfinished and skipped.
+    Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are skipped.
     """
     found = []
     for place, folders, files in os.walk(root):
@@ -71,10 +71,10 @@ def find_run_folders(root: Path) -> list[Path]:
     return sorted(found)
 
 
-def read_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], list[Path]]:
-    """Read run folders, in any order; return the runs in a fixed one, and the folders of unfinished runs.
+def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
+    """Read run folders, in any order; return the runs in a fixed one.
 
-    Two folders with the same run count once.
+    A run that has not ended is one that is not valid. Two folders with the same run count once.
 
     Raises
     ------
@@ -82,20 +82,13 @@ def read_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], list[Path]]:
         For a folder that cannot be read, was not analysed or by another version, for two runs of one
         configuration and seed that are not the same, and for runs analysed with different thresholds.
     """
-    runs: list[StudyRun] = []
-    unfinished: list[Path] = []
-    for folder in sorted(folders):
-        run = _read(folder)
-        if run is None:
-            unfinished.append(folder)
-        else:
-            runs.append(run)
+    runs = [_read(folder) for folder in sorted(folders)]
     runs.sort(key=lambda run: (run.scenario_id, run.config_id, run.seed, not run.valid, run.run_id))
     _check_thresholds(runs)
-    return _once(runs), unfinished
+    return _once(runs)
 
 
-def _read(folder: Path) -> StudyRun | None:
+def _read(folder: Path) -> StudyRun:
     path = folder / "run.json"
     try:
         meta = json.loads(path.read_text("utf-8"))
@@ -107,11 +100,8 @@ def _read(folder: Path) -> StudyRun | None:
         if not isinstance(meta, dict) or meta.get(key) is None:
             raise StudyError(f"{path}: no value for {key!r}")
     cells = _cells(folder / schema.RUNS.file)
-    if not cells:
-        if meta["valid"]:
-            raise StudyError(f"{folder} was not analysed: no {schema.RUNS.file}; cosim analyse makes it")
-        if meta.get("duration_s") is None:
-            return None  # never came to its end, not even to a bad one
+    if meta["valid"] and not cells:
+        raise StudyError(f"{folder} was not analysed: no {schema.RUNS.file}; cosim analyse makes it")
     numbers, samples = _numbers(cells), dict[str, FloatArray]()
     if meta["valid"]:
         tallies, samples = _read_encounters(folder / schema.ENCOUNTERS.file)

@@ -105,7 +105,7 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
         f"{number} {reason}"
         for number, reason in (
             (pairs.unpaired, "without a run of each under every condition"),
-            (pairs.invalid, "with a run that is not valid"),
+            (pairs.invalid, "with a run that is not valid or has not ended"),
         )
         if number
     ]

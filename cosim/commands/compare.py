@@ -66,8 +66,7 @@ def compare(
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     if not study.runs:
-        what = "no finished run" if study.unfinished else "no run"
-        raise InputError(f"{folder}: {what} in it; a folder of a study, or of run folders, expected")
+        raise InputError(f"{folder}: no run in it; a folder of a study, or of run folders, expected")
     one, other = _label(study, folder, "--base", base), _label(study, folder, "--alt", alt)
     if one == other:
         raise InputError(f"--base {base} and --alt {alt} are the same; there are {_all(study)}")
@@ -95,8 +94,6 @@ def compare(
     if left_out:
         names = ", ".join(f"{where.scenario_id} {where.text}".strip() for where in left_out)
         console.print(f"Left out, no seed in common with valid runs: {names}.", soft_wrap=True)
-    if study.unfinished:
-        console.print(f"Unfinished runs left out: {len(study.unfinished)}.")
     if write:
         path = folder / f"comparison-{_file_name(one)}-{_file_name(other)}.csv"
         try:
