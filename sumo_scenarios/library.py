@@ -5,7 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
-from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Egos, Scenario, egos_of, with_egos
+from sumo_scenarios.model import (
+    HYBRID_LATERAL_RESOLUTION_M,
+    Egos,
+    Scenario,
+    egos_of,
+    with_egos,
+    with_pedestrians,
+)
 from sumo_scenarios.parameters import (
     parameter_choices,
     parameter_names,
@@ -83,7 +90,7 @@ def _from_folder(folder: Path) -> Scenario:
     demand = table.demand
     if table.warmup_s >= table.duration_s:
         raise ScenarioError(f"{folder / DEFINITION}: key 'warmup_s': expected less than duration_s")
-    return Scenario(
+    scenario = Scenario(
         name=folder.name,
         folder=folder,
         sumocfg=sumocfg,
@@ -100,6 +107,7 @@ def _from_folder(folder: Path) -> Scenario:
         egos=egos_of(table, parameters),
         table=table,
     )
+    return with_pedestrians(scenario)
 
 
 def _from_sumocfg(path: Path) -> Scenario:

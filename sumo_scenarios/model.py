@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.pedestrian_tables import PedestrianTable, read_pedestrians
 from sumo_scenarios.schema import Actuation, ParameterValue, ScenarioTable
 
 HYBRID_LATERAL_RESOLUTION_M = 0.4
@@ -62,6 +63,8 @@ class Scenario:
     egos: Egos
     table: ScenarioTable | None = None
     """What scenario.toml says."""
+    pedestrians: tuple[PedestrianTable, ...] = ()
+    """Scripted ones, whom SUMO does not have."""
 
 
 def egos_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> Egos:
@@ -87,6 +90,22 @@ def routes_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) ->
         for route in table.egos.routes
         if all(parameters[key] == value for key, value in route.when.items())
     )
+
+
+def with_pedestrians(scenario: Scenario) -> Scenario:
+    """Return the scenario with its scripted pedestrians as its present parameters make them.
+
+    Raises
+    ------
+    ScenarioError
+        One line with file, row and key.
+    """
+    if scenario.table is None or scenario.folder is None or not scenario.table.pedestrians:
+        return scenario
+    demand = {key: getattr(scenario, key) for key in ("vehicles_per_hour", "pedestrians_per_hour")}
+    values = {key: value for key, value in demand.items() if value is not None} | dict(scenario.parameters)
+    path = scenario.folder / "scenario.toml"
+    return replace(scenario, pedestrians=read_pedestrians(scenario.table.pedestrians, values, path))
 
 
 def with_egos(

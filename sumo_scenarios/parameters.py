@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, get_args
 
 from sumo_scenarios.errors import ScenarioError
-from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Scenario, routes_of
+from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Scenario, routes_of, with_pedestrians
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, Actuation, ParameterTable, ParameterValue
 
 Reader = Callable[[str, str], Any]
@@ -149,7 +149,7 @@ def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scena
             f"warmup_s={changed.warmup_s:g}: expected less than duration_s={changed.duration_s:g}, "
             "which includes the warm-up"
         )
-    return changed, leftover
+    return with_pedestrians(changed), leftover
 
 
 def _lateral_resolution(scenario: Scenario, actuation: str) -> float | None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from string import Template
 
 from sumo_scenarios.demand import fill, placeholders
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.network_cache import build_network, source_files
+from sumo_scenarios.pedestrian_tables import TrajectoryTable
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -45,7 +48,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     values = placeholders(scenario, table)
     filled: dict[str, list[Path]] = {"routes": [], "additional": []}
     for kind, names in (("routes", table.demand.routes), ("additional", table.demand.additional)):
-        for name in names:
+        for name in (Template(name).safe_substitute(values) for name in names):
             target = work_dir / Path(name).name
             if target in filled["routes"] or target in filled["additional"]:
                 raise ScenarioError(f"{scenario.name}: two demand files are called {target.name}")
@@ -57,7 +60,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     sources = [path for paths in source_files(scenario.folder, table.network).values() for path in paths]
     inputs = _hashes(scenario.folder, sources)
     inputs["network"] = sha256(net_file)
-    inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"]])
+    inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"]]) | _pedestrians(scenario)
     return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs)
 
 
@@ -65,11 +68,27 @@ def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path) -> Prep
     configuration = read_sumocfg(sumocfg)
     files = (sumocfg, configuration.net_file, *configuration.route_files, *configuration.additional_files)
     options = ("--configuration-file", str(sumocfg), *_run_options(scenario, seed))
-    return Prepared(options, configuration.net_file, scenario.begin_s, _hashes(sumocfg.parent, files))
+    inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
+    return Prepared(options, configuration.net_file, scenario.begin_s, inputs)
 
 
 def _hashes(folder: Path, files: Iterable[Path]) -> dict[str, str]:
     return {Path(os.path.relpath(file, folder)).as_posix(): sha256(file) for file in files}
+
+
+def _pedestrians(scenario: Scenario) -> dict[str, str]:
+    """Return the hash of what is said of scripted pedestrians, and of each file that it names."""
+    hashes: dict[str, str] = {}
+    said = []
+    for table in scenario.pedestrians:
+        if isinstance(table, TrajectoryTable):
+            file = Path(table.file)
+            hashes[f"{table.name}: {file.name}"] = sha256(file)
+            table = table.model_copy(update={"file": file.name})  # no machine's path is part of a run
+        said.append(repr(table))
+    if said:
+        hashes["pedestrians"] = hashlib.sha256("\n".join(said).encode()).hexdigest()
+    return hashes
 
 
 def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:

@@ -103,6 +103,8 @@ class ScenarioTable(Table):
     times: dict[str, float] = {}
     parameters: dict[str, ParameterTable] = {}
     egos: EgosTable = EgosTable()
+    pedestrians: list[dict[str, Any]] = []
+    """Scripted ones; checked by ``pedestrian_tables`` once the parameters have values."""
 
     @model_validator(mode="after")
     def one_source(self) -> ScenarioTable:

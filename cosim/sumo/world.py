@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from controllers.interface import Command, Drive, EgoState, Perception, constant_command
 from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
+from cosim.pedestrians.scene import RoadUser
 from cosim.plant import Plant, body_of
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
@@ -21,9 +22,11 @@ from cosim.sumo.foes import FoeFinder, near
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
+from cosim.sumo.scripted_persons import ScriptedPersons
 from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
+from cosim.sumo.traffic_near import way_along
 from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
@@ -83,6 +86,7 @@ class SumoWorld:
         self._first = prepared.begin_s + scenario.warmup_s
         self._end = prepared.begin_s + scenario.duration_s
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
+        self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = Drive() if drive is None else drive
         self._egos: dict[str, _Ego] = {}
         self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
@@ -102,6 +106,7 @@ class SumoWorld:
             self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
             self._foes = FoeFinder(self._sumo, self._network)
+            self._scripted.join(self._sumo, self.step)
             self._surroundings: Surroundings = self._observer.read((), {})
         except BaseException:
             self._connection.close()
@@ -132,6 +137,7 @@ class SumoWorld:
             if command.hand_back:
                 self._actuation.release(name)
             else:
+                self._scripted.forget_vehicle(name)
                 self._actuation.take_over(name)
         ego.handed_back = command.hand_back
 
@@ -139,6 +145,7 @@ class SumoWorld:
         """Move everything by one step."""
         with self._connection.reporting(f"stepping from {self._time:.2f} s"):
             self._sources.insert(self._sumo, self._time)
+            self._walk()
             for ego in self._egos.values():
                 if not ego.handed_back:
                     plant = ego.plant
@@ -225,6 +232,13 @@ class SumoWorld:
                 if self._egos:
                     self._observe()
                     break
+
+    def _walk(self) -> None:
+        """Say where scripted pedestrians are after the step; they see the egos as they are before it."""
+        if self._scripted.any:
+            egos = [_road_user(ego) for ego in self._egos.values()]
+            driven = [ego.name for ego in self._egos.values() if not ego.handed_back]
+            self._scripted.walk(self._time, egos, driven)
 
     def _step(self) -> None:
         self._sumo.simulationStep()
@@ -330,7 +344,9 @@ class SumoWorld:
             ego.name: KnownState(*ego.plant.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
             for ego in self._egos.values()
         }
-        self._surroundings = self._observer.read(tuple(self._egos), known)
+        surroundings = self._observer.read(tuple(self._egos), known)
+        places = {name: (own.x, own.y) for name, own in known.items()}
+        self._surroundings = self._scripted.among(surroundings, places, self._time)
 
     # Sensing ------------------------------------------------------------------------------------------
 
@@ -405,6 +421,14 @@ def own_limit(sumo: Any, name: str) -> float:
     allowed: float = vehicle.getAllowedSpeed(name)
     on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
     return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
+
+
+def _road_user(ego: _Ego) -> RoadUser:
+    plant = ego.plant
+    way = way_along(ego.track.path.curve, *plant.front)
+    return RoadUser(
+        ego.name, *plant.front, plant.heading, plant.speed, plant.body.length, plant.body.width, way
+    )
 
 
 def _free(sumo: Any, name: str) -> None:

@@ -13,6 +13,15 @@ pytestmark = pytest.mark.sumo
 # Pedestrians wait for gaps and green; the first of the measured hour sets out 139 s after its beginning.
 UNTIL_S = {"braunschweig": 220.0, "midblock_unmarked": 180.0, "signalised_junction": 180.0}
 
+# Where there is none, those who cross are scripted: tests/cosim/test_pedestrians_in_scenarios.py.
+CROSSINGS = {
+    "decision_rules": 1,
+    "braunschweig": 1,
+    "signalised_junction": 4,
+    "jaywalk_arterial": 0,
+    "bus_stop_occlusion": 0,
+}
+
 
 @pytest.mark.parametrize("name", names())
 def test_vehicles_move_and_pedestrians_cross(name: str, tmp_path: Path) -> None:
@@ -36,7 +45,7 @@ def test_vehicles_move_and_pedestrians_cross(name: str, tmp_path: Path) -> None:
     finally:
         libsumo.close()
     assert fastest > 8.0
-    assert len(crossings) >= {"decision_rules": 1, "braunschweig": 1, "signalised_junction": 4}.get(name, 5)
+    assert len(crossings) >= CROSSINGS.get(name, 5)
 
 
 def test_without_demand_nobody_comes(tmp_path: Path) -> None:

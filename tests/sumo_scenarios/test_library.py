@@ -18,7 +18,15 @@ from sumo_scenarios.library import (
     with_parameters,
 )
 
-BUILT_IN = ("braunschweig", "decision_rules", "midblock_unmarked", "midblock_zebra", "signalised_junction")
+BUILT_IN = (
+    "braunschweig",
+    "bus_stop_occlusion",
+    "decision_rules",
+    "jaywalk_arterial",
+    "midblock_unmarked",
+    "midblock_zebra",
+    "signalised_junction",
+)
 
 
 def write_configuration(folder: Path, net: str = "a.net.xml", more: str = "") -> Path:
@@ -78,6 +86,10 @@ def test_every_parameter_name_is_accepted() -> None:
         "warmup_s": "1",
         "step_s": "0.5",
         "ego_share": "0.5",
+        "hidden_by": "nothing",
+        "accepted_gap_s": "5",
+        "walking_speed_mps": "2",
+        "gap_to_front_m": "2",
     }
     for name in names():
         scenario = load(name)

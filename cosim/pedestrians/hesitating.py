@@ -1,0 +1,28 @@
+"""Stops on his way, and then walks on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cosim.pedestrians.manner import Pace
+from cosim.pedestrians.scene import Leg
+
+
+@dataclass(frozen=True, slots=True)
+class Hesitating:
+    """Stands for ``pause`` [s] after ``after`` [m]."""
+
+    after: float
+    pause: float
+
+    def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
+        """Return a walk with a pause; who is over before he would hesitate does not."""
+        if self.after >= length:
+            return pace.legs(length)
+        return (*pace.legs(self.after), Leg(self.pause, 0.0), *pace.legs(length - self.after))
+
+    def react(
+        self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
+    ) -> tuple[Leg, ...] | None:
+        """Go on."""
+        return None

@@ -1,0 +1,68 @@
+"""Where somebody stands who wants to cross a road that has no crossing, and in which direction he crosses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.direction_choice import DirectionModel, Errand, velocity
+from cosim.pedestrians.line import Line
+
+
+@dataclass(frozen=True, slots=True)
+class Roadside:
+    """A cross-section of a road, seen in the direction of one of its edges.
+
+    Parameters
+    ----------
+    x, y : its right border [m]
+    heading : of the road [rad]
+    width : from its right to its left border, all lanes for vehicles of both directions [m]
+    """
+
+    x: float
+    y: float
+    heading: float
+    width: float
+
+    def point(self, along: float, left: float) -> tuple[float, float]:
+        """Return a place ahead of the right border and to the left of it [m]."""
+        east, north = math.cos(self.heading), math.sin(self.heading)
+        return self.x + along * east - left * north, self.y + along * north + left * east
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What somebody at the roadside wants.
+
+    Parameters
+    ----------
+    from_left : on which side of the road he stands
+    setback : how far from its border [m]
+    goal_along : how far his goal is along the road, in the direction of the edge [m]
+    goal_beyond : how far it is behind the other border [m]
+    """
+
+    from_left: bool
+    setback: float = 0.5
+    goal_along: float = 0.0
+    goal_beyond: float = 1.0
+
+
+def jaywalk_line(road: Roadside, wish: Wish, model: DirectionModel, generator: np.random.Generator) -> Line:
+    """Return the line that he walks along, from where he stands to as far behind the other border.
+
+    Notes
+    -----
+    The direction is drawn once, when he sets off, from the model of [LiLuZhang]_. There the cars that count
+    drive one way; here they are those of the edge, also for somebody who comes from its left.
+    """
+    errand = Errand(road.width, wish.goal_along, wish.goal_beyond)
+    angle = model.draw(errand, generator)
+    along, across = velocity(angle, 1.0, from_left=wish.from_left)
+    left = road.width + wish.setback if wish.from_left else -wish.setback
+    walked = (road.width + 2.0 * wish.setback) / abs(across)
+    x, y = road.point(0.0, left)
+    return Line(x, y, *road.point(walked * along, left + walked * across))

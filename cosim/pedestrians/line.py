@@ -1,0 +1,119 @@
+"""A straight line that somebody walks along, and where vehicles meet it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cosim.pedestrians.scene import RADIUS, STANDING, FloatArray, RoadUser
+
+LOOK_AHEAD = 3.0
+"""How far ahead on his line somebody says that he will walk [m]."""
+SPACING = 0.5
+"""[m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Meeting:
+    """Where a vehicle's way crosses a line."""
+
+    along: float
+    """From the front bumper to the line; negative when it has passed it [m]."""
+    enters: float
+    """Distance along the line at which the disc enters what the body sweeps [m]."""
+    middle: float
+    leaves: float
+
+    def arrival(self, vehicle: RoadUser) -> float:
+        """Return the time until the front bumper is at the line; inf for who stands or has passed [s]."""
+        if self.along + vehicle.length < 0.0:
+            return math.inf
+        if self.along <= RADIUS:
+            return 0.0  # on it
+        return (self.along - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """From a place to a place [m].
+
+    >>> Line(0.0, 0.0, 0.0, 8.0).point(2.0)
+    (0.0, 2.0)
+    """
+
+    x: float
+    y: float
+    end_x: float
+    end_y: float
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return math.dist((self.x, self.y), (self.end_x, self.end_y))
+
+    @property
+    def direction(self) -> tuple[float, float]:
+        """Unit vector."""
+        return (self.end_x - self.x) / self.length, (self.end_y - self.y) / self.length
+
+    def point(self, way: float) -> tuple[float, float]:
+        """Return the place after a way along it [m]."""
+        east, north = self.direction
+        return self.x + way * east, self.y + way * north
+
+    def shifted(self, along: float, left: float) -> Line:
+        """Return the line beside it: further ahead and to the left of its direction [m]."""
+        east, north = self.direction
+        dx, dy = along * east - left * north, along * north + left * east
+        return Line(self.x + dx, self.y + dy, self.end_x + dx, self.end_y + dy)
+
+    def onward(self, way: float) -> FloatArray:
+        """Return places on the next metres, (n, 2) [m]."""
+        steps = np.arange(0.0, LOOK_AHEAD + 1e-9, 0.5)
+        reached = np.minimum(way + steps, max(self.length, way))
+        return np.array([self.point(float(one)) for one in reached])
+
+    def meeting(self, vehicle: RoadUser, across: float = 0.0) -> Meeting | None:
+        """Return where the line first crosses a vehicle's way; ``None`` where it does not.
+
+        Parameters
+        ----------
+        vehicle : with its way
+        across : what part of the front bumper is to meet the line, left of its middle positive [m]
+
+        Notes
+        -----
+        Looked for at points 0.5 m apart; between two of them the line is straight in the vehicle's frame.
+        """
+        ways = np.linspace(0.0, self.length, max(math.ceil(self.length / SPACING), 1) + 1)
+        east, north = self.direction
+        along, beside = vehicle.sees(np.column_stack([self.x + ways * east, self.y + ways * north]))
+        middle = _first_zero(ways, beside - across)
+        if middle is None:
+            return None
+        half = 0.5 * vehicle.width + RADIUS
+        outside = np.abs(beside) - half
+        before, after = ways <= middle, ways >= middle
+        # Backwards from the middle, and forwards, to where the disc is outside what the body sweeps.
+        enters = _first_zero(ways[before][::-1], outside[before][::-1])
+        leaves = _first_zero(ways[after], outside[after])
+        return Meeting(
+            float(np.interp(middle, ways, along)),
+            0.0 if enters is None else enters,
+            middle,
+            self.length if leaves is None else leaves,
+        )
+
+
+def _first_zero(places: FloatArray, values: FloatArray) -> float | None:
+    """Return the first place at which values, straight between places, are zero; ``None`` if nowhere."""
+    if len(values) and values[0] == 0.0:
+        return float(places[0])
+    change = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))
+    if not len(change):
+        return None
+    k = int(change[0])
+    share = values[k] / (values[k] - values[k + 1])
+    return float(places[k] + share * (places[k + 1] - places[k]))

@@ -1,0 +1,85 @@
+"""How somebody walks along his line once he has set off: what every manner has to answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.scene import Leg, RoadUser
+
+SHORTEST_RAMP = 1e-6
+"""On a shorter way he has his speed at once [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """Speed, and the way on which it is reached with constant acceleration."""
+
+    speed: float
+    """[m/s]"""
+    acceleration_distance: float = 0.0
+    """[m]"""
+
+    def legs(self, length: float) -> tuple[Leg, ...]:
+        """Return a walk over a length [m].
+
+        The acceleration is v² / (2 s): after s the speed is v.
+
+        >>> Pace(2.0, 1.0).legs(5.0)
+        (Leg(duration=1.0, speed=0.0, acceleration=2.0), Leg(duration=2.0, speed=2.0, acceleration=0.0))
+        """
+        ramp = self.acceleration_distance
+        if ramp <= SHORTEST_RAMP:
+            return (Leg(length / self.speed, self.speed),) if length > 0.0 else ()
+        acceleration = self.speed**2 / (2.0 * ramp)
+        if length <= ramp:
+            return (Leg(math.sqrt(2.0 * length / acceleration), 0.0, acceleration),) if length > 0.0 else ()
+        rest = (length - ramp) / self.speed
+        first = Leg(self.speed / acceleration, 0.0, acceleration)
+        return (first, Leg(rest, self.speed)) if rest > 0.0 else (first,)
+
+    def time(self, length: float) -> float:
+        """Return how long a length takes [s].
+
+        >>> Pace(2.0, 1.0).time(5.0)
+        3.0
+        """
+        return sum(leg.duration for leg in self.legs(length))
+
+
+class Manner(Protocol):
+    """How somebody walks along a line."""
+
+    def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
+        """Return the walk that he plans when he sets off.
+
+        Parameters
+        ----------
+        pace : at which he sets off
+        length : of his way [m]
+        """
+        ...
+
+    def react(
+        self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
+    ) -> tuple[Leg, ...] | None:
+        """Return another plan because of an ego; ``None`` to go on as planned.
+
+        Parameters
+        ----------
+        legs, elapsed : his plan, and since when he follows it [s]
+        length : of his way [m]
+        arrival : time until an ego that has not passed would be at his line; inf without one [s]
+        """
+        ...
+
+
+def soonest_arrival(line: Line, egos: Sequence[RoadUser]) -> float:
+    """Return the time until the first ego would be at the line [s]."""
+    meetings = [(line.meeting(ego), ego) for ego in egos]
+    return min(
+        (met.arrival(ego) for met, ego in meetings if met is not None and met.along > 0.0), default=math.inf
+    )

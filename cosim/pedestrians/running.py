@@ -1,0 +1,40 @@
+"""Begins to run on his way, or because an ego comes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cosim.pedestrians.manner import Pace
+from cosim.pedestrians.scene import Leg, begun, travelled
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """Runs after a way, or as soon as an ego would be at his line within a time, whichever comes first.
+
+    Parameters
+    ----------
+    speed : with which he runs [m/s]
+    after : [m]
+    ego_within : [s]
+    """
+
+    speed: float
+    after: float = math.inf
+    ego_within: float = 0.0
+
+    def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
+        """Return a walk that becomes a run."""
+        if self.after >= length:
+            return pace.legs(length)
+        return (*pace.legs(self.after), Leg((length - self.after) / self.speed, self.speed))
+
+    def react(
+        self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
+    ) -> tuple[Leg, ...] | None:
+        """Run the rest, if an ego is near and he does not run yet."""
+        way, speed = travelled(legs, elapsed)
+        if arrival > self.ego_within or abs(speed - self.speed) < 1e-9 or way >= length - 1e-9:
+            return None
+        return (*begun(legs, elapsed), Leg((length - way) / self.speed, self.speed))

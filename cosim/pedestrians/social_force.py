@@ -1,0 +1,110 @@
+"""Walks towards the end of his line, a little unevenly, and keeps away from vehicles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from controllers.drivable_area.social_force import Aims, CarOutline, SocialForceModel, Walkers
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.scene import RADIUS, FloatArray, RoadUser, Scene, State
+from cosim.pedestrians.walker import Walker
+
+LONGEST_STEP = 0.05
+"""[s]"""
+TICK = 1e-3
+"""Random numbers belong to instants, rounded to this [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SocialForce:
+    """A walker whom the vehicle that is nearest pushes off his line.
+
+    Parameters
+    ----------
+    walker : line, pace, start and end; its manner is not used
+    seed : of the unevenness of his speed
+    model : of walking; v̄ is the walker's own speed
+
+    Notes
+    -----
+    Eqs. (37)-(43) of [Wu2023]_. The paper has one car; here it is the nearest of all vehicles.
+    """
+
+    walker: Walker
+    seed: int = 1
+    model: SocialForceModel = field(default_factory=SocialForceModel)
+
+    def first(self, scene: Scene) -> State | None:
+        """Return him standing at the beginning, once he is there."""
+        return self.walker.first(scene)
+
+    def next(self, state: State, scene: Scene, until: float) -> State | None:
+        """Return him later on, in steps of at most 0.05 s; vehicles go straight on meanwhile."""
+        started = state.started
+        if started is None:
+            started = self.walker.start.instant(scene, until)
+            if started is None:
+                return state
+            # He sets off at his speed, as the others do.
+            east, north = self.walker.line.direction
+            pace = self.walker.pace.speed
+            state = replace(state, x_speed=pace * east, y_speed=pace * north, started=started)
+        if state.ended is not None:
+            return None if until > state.ended + self.walker.stay else state
+        now = max(started, scene.time)
+        count = max(1, math.ceil((until - now) / LONGEST_STEP - 1e-9))
+        step = (until - now) / count
+        for number in range(count):
+            at = now + number * step
+            state = self._walked(state, at, step, scene)
+            if self._is_over(state):
+                return replace(state, x_speed=0.0, y_speed=0.0, ended=at + step)
+        return state
+
+    def onward(self, state: State, time: float) -> FloatArray:
+        """Return the straight way to the end of his line."""
+        line = self.walker.line
+        if state.ended is not None:
+            return np.array([[state.x, state.y]])
+        return Line(state.x, state.y, line.end_x, line.end_y).onward(0.0)
+
+    def _walked(self, state: State, time: float, step: float, scene: Scene) -> State:
+        line = self.walker.line
+        away = max(math.dist((state.x, state.y), (line.end_x, line.end_y)), 1e-9)
+        aims = Aims(
+            np.array([(line.end_x - state.x) / away]),
+            np.array([(line.end_y - state.y) / away]),
+            np.array([self.walker.pace.speed]),
+        )
+        walkers = Walkers(*(np.array([value]) for value in state.motion))
+        noise = np.random.default_rng((self.seed, round(time / TICK))).standard_normal(1)
+        car = _nearest(state, scene.vehicles, time - scene.time)
+        walked = self.model.walk(walkers, aims, car, step, noise)
+        x, y, x_speed, y_speed = (
+            float(values[0]) for values in (walked.x, walked.y, walked.x_speed, walked.y_speed)
+        )
+        return State(x, y, x_speed, y_speed, state.started)
+
+    def _is_over(self, state: State) -> bool:
+        line = self.walker.line
+        east, north = line.direction
+        return (line.end_x - state.x) * east + (line.end_y - state.y) * north <= RADIUS
+
+
+def _nearest(state: State, vehicles: Sequence[RoadUser], passed: float) -> CarOutline | None:
+    """Return the vehicle whose body's middle axis is nearest, moved straight on for a time [s]."""
+    found: list[tuple[float, CarOutline]] = []
+    for one in vehicles:
+        east, north = math.cos(one.heading), math.sin(one.heading)
+        back = one.speed * passed - 0.5 * one.length
+        x, y = one.x + back * east, one.y + back * north
+        half_axis = 0.5 * max(one.length - one.width, 0.0)
+        along = (state.x - x) * east + (state.y - y) * north
+        across = (state.y - y) * east - (state.x - x) * north
+        distance = math.hypot(along - min(max(along, -half_axis), half_axis), across)
+        found.append((distance, CarOutline(x, y, one.heading, half_axis)))
+    return min(found, key=lambda pair: pair[0], default=(0.0, None))[1]

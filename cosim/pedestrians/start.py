@@ -1,0 +1,163 @@
+"""When somebody sets off: at a time, when an ego is near enough, or when the road is clear."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.scene import RADIUS, Leg, RoadUser, Scene, reached
+
+
+class Start(Protocol):
+    """Says when somebody sets off."""
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the instant, if it comes before ``until``; it may lie between two steps [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class AtTime:
+    """At a time [s]."""
+
+    time: float
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the time once it has come."""
+        return max(self.time, scene.time) if self.time < until else None
+
+
+@dataclass(frozen=True, slots=True)
+class EgoNear:
+    """When an ego's front bumper is a distance, or a time at its speed, from where it crosses the line.
+
+    A line that no way crosses counts from its beginning.
+
+    Parameters
+    ----------
+    line : to walk along
+    distance : [m]
+    arrival : [s]
+    ego : name; empty for any
+    """
+
+    line: Line
+    distance: float = 0.0
+    arrival: float = 0.0
+    ego: str = ""
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the instant at which the first ego is there, should it keep its speed."""
+        instants = [self._of(vehicle, scene.time) for vehicle in scene.ego(self.ego)]
+        found = [instant for instant in instants if instant is not None and instant < until]
+        return min(found, default=None)
+
+    def _of(self, vehicle: RoadUser, time: float) -> float | None:
+        meeting = self.line.meeting(vehicle)
+        along = vehicle.ahead(self.line.x, self.line.y)[0] if meeting is None else meeting.along
+        if along < 0.0:
+            return None
+        missing = along - self.distance - self.arrival * vehicle.speed
+        if missing <= 0.0:
+            return time
+        return time + missing / vehicle.speed if vehicle.speed > 0.0 else None
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """So that an ego that keeps its speed touches him with a given point of its front bumper.
+
+    He has walked to that point of its width when the front bumper touches his disc:
+    t_start = t + (d − r) / v − t_walk, with d the distance of the front bumper from his line.
+
+    Parameters
+    ----------
+    line : to walk along
+    overlap : share of the ego's width, from the side that he comes from
+    legs : how he will walk
+    speed : nominal, of the ego; ``None``: its own [m/s]
+    ego : name; empty for any
+    """
+
+    line: Line
+    overlap: float
+    legs: tuple[Leg, ...]
+    speed: float | None = None
+    ego: str = ""
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the instant for the first ego that it comes for."""
+        found = [self._of(vehicle, scene.time) for vehicle in scene.ego(self.ego)]
+        return min((instant for instant in found if instant is not None and instant < until), default=None)
+
+    def _of(self, vehicle: RoadUser, time: float) -> float | None:
+        if vehicle.speed <= 0.0:
+            return None
+        from_left = vehicle.ahead(self.line.x, self.line.y)[1] > 0.0
+        offset = (0.5 - self.overlap) * vehicle.width * (1.0 if from_left else -1.0)
+        meeting = self.line.meeting(vehicle, offset)
+        if meeting is None or meeting.along < 0.0:
+            return None
+        left = meeting.along - RADIUS
+        nominal = vehicle.speed if self.speed is None else self.speed
+        walks = reached(self.legs, meeting.middle)
+        if math.isinf(walks):
+            return None
+        return max(time, time + (left - nominal * walks) / vehicle.speed)
+
+
+@dataclass(frozen=True, slots=True)
+class WhenClear:
+    """As soon after another start as every vehicle leaves him a gap.
+
+    A vehicle leaves it if it would be at his line at least ``gap`` after he enters what its body sweeps, if
+    it is past by then, or if it stands.
+
+    Parameters
+    ----------
+    start : before that he does not want to go
+    line : to walk along
+    gap : [s]
+    speed : with which he expects to walk [m/s]
+    """
+
+    start: Start
+    line: Line
+    gap: float
+    speed: float
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the other start's instant, if the road is clear."""
+        instant = self.start.instant(scene, until)
+        if instant is None or any(self._blocks(vehicle) for vehicle in scene.vehicles):
+            return None
+        return instant
+
+    def _blocks(self, vehicle: RoadUser) -> bool:
+        meeting = self.line.meeting(vehicle)
+        if meeting is None:
+            return False
+        arrival = meeting.arrival(vehicle)
+        if math.isinf(arrival):
+            return False
+        enters = max(meeting.enters, 0.0) / self.speed
+        passed = (
+            (meeting.along + vehicle.length + RADIUS) / vehicle.speed if vehicle.speed > 0.0 else math.inf
+        )
+        return not (passed < enters or arrival >= enters + self.gap)
+
+
+@dataclass(frozen=True, slots=True)
+class WhileSignal:
+    """As soon after another start as the signal of a crossing shows red, or green; off is neither."""
+
+    start: Start
+    crossing: str
+    green: bool
+
+    def instant(self, scene: Scene, until: float) -> float | None:
+        """Return the other start's instant, if the signal shows it."""
+        instant = self.start.instant(scene, until)
+        return instant if scene.green.get(self.crossing) is self.green else None

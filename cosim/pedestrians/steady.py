@@ -1,0 +1,23 @@
+"""Walks on at his speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cosim.pedestrians.manner import Pace
+from cosim.pedestrians.scene import Leg
+
+
+@dataclass(frozen=True, slots=True)
+class Steady:
+    """Walks to the end of his way at his pace, whoever comes."""
+
+    def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
+        """Return the walk."""
+        return pace.legs(length)
+
+    def react(
+        self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
+    ) -> tuple[Leg, ...] | None:
+        """Go on."""
+        return None

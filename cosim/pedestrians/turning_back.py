@@ -1,0 +1,49 @@
+"""Turns on his way and goes back to where he came from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cosim.pedestrians.manner import Pace
+from cosim.pedestrians.scene import Leg, begun, travelled
+
+
+@dataclass(frozen=True, slots=True)
+class TurningBack:
+    """Turns after a way, or as soon as an ego would be at his line within a time, whichever comes first.
+
+    Parameters
+    ----------
+    after : [m]
+    pause : how long he stands before he goes back [s]
+    speed : with which he goes back; ``None``: the speed that he came with [m/s]
+    ego_within : [s]
+    """
+
+    after: float = math.inf
+    pause: float = 0.0
+    speed: float | None = None
+    ego_within: float = 0.0
+
+    def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
+        """Return a walk there and back; who is over before he would turn does not."""
+        if self.after >= length:
+            return pace.legs(length)
+        return (*pace.legs(self.after), *self._back(self.after, pace.speed))
+
+    def react(
+        self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
+    ) -> tuple[Leg, ...] | None:
+        """Turn, if an ego is near and he has not turned yet."""
+        way, speed = travelled(legs, elapsed)
+        turned = any(leg.speed < 0.0 for leg in legs) and speed <= 0.0
+        if arrival > self.ego_within or turned or way >= length - 1e-9 or way <= 0.0:
+            return None
+        came = max(leg.after(leg.duration)[1] for leg in legs)
+        return (*begun(legs, elapsed), *self._back(way, came))
+
+    def _back(self, way: float, came: float) -> tuple[Leg, ...]:
+        speed = came if self.speed is None else self.speed
+        pause = (Leg(self.pause, 0.0),) if self.pause > 0.0 else ()
+        return (*pause, Leg(way / speed, -speed))

@@ -1,0 +1,85 @@
+"""Somebody who waits at the beginning of a line, walks along it, and goes away at its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.manner import Manner, Pace, soonest_arrival
+from cosim.pedestrians.scene import FloatArray, Scene, State, duration_of, travelled
+from cosim.pedestrians.start import Start
+
+COMES_INTO_VIEW_M = 120.0
+"""Whose start an ego decides is there when it is this near [m]."""
+COMES_INTO_VIEW_S = 5.0
+"""... or when it would make him set off within this time [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Walker:
+    """A walk along a line.
+
+    Parameters
+    ----------
+    line : where
+    pace, manner : how
+    start : when
+    length : of his way; at most the line's [m]
+    stay : how long he stands where it ends [s]
+    appears : from when on he is there [s]; for ``ego`` he is not there before that ego is near
+    ego : whose coming he waits for; empty for nobody's
+    """
+
+    line: Line
+    pace: Pace
+    manner: Manner
+    start: Start
+    length: float
+    stay: float = 0.0
+    appears: float = 0.0
+    ego: str = ""
+
+    def first(self, scene: Scene) -> State | None:
+        """Return him standing at the beginning, once he is there."""
+        if scene.time < self.appears - 1e-9 or (self.ego and not self._is_near(scene)):
+            return None
+        return State(self.line.x, self.line.y)
+
+    def next(self, state: State, scene: Scene, until: float) -> State | None:
+        """Return him later on; exact, also where he sets off or changes his speed between two steps."""
+        if state.started is None:
+            instant = self.start.instant(scene, until)
+            if instant is None:
+                return state
+            legs = self.manner.legs(self.pace, self.length)
+            state = replace(state, started=instant, legs=legs)
+        started = scene.time if state.started is None else state.started
+        legs = state.legs
+        if started < scene.time:
+            changed = self.manner.react(
+                legs, scene.time - started, self.length, soonest_arrival(self.line, scene.ego(self.ego))
+            )
+            legs = legs if changed is None else changed
+        elapsed = until - started
+        if elapsed > duration_of(legs) + self.stay:
+            return None
+        way, speed = travelled(legs, elapsed)
+        (x, y), (east, north) = self.line.point(way), self.line.direction
+        return State(x, y, speed * east, speed * north, started, legs)
+
+    def onward(self, state: State, time: float) -> FloatArray:
+        """Return the next metres of his line, behind him if he goes back; where he is, if he stays there."""
+        if state.started is None:
+            return self.line.onward(0.0)
+        way, speed = travelled(state.legs, time - state.started)
+        goal, _ = travelled(state.legs, duration_of(state.legs))
+        if speed < 0.0 or goal < way:
+            return Line(state.x, state.y, self.line.x, self.line.y).onward(0.0)
+        return Line(self.line.x, self.line.y, *self.line.point(max(goal, 1e-3))).onward(way)
+
+    def _is_near(self, scene: Scene) -> bool:
+        near = any(
+            0.0 <= vehicle.ahead(self.line.x, self.line.y)[0] <= COMES_INTO_VIEW_M
+            for vehicle in scene.ego(self.ego)
+        )
+        return near or self.start.instant(scene, scene.time + COMES_INTO_VIEW_S) is not None

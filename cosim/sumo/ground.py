@@ -1,0 +1,208 @@
+"""What the ground is at a place: lane, crossing, walking area or nothing; and where described places are."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.pedestrians.jaywalking import Roadside
+from cosim.pedestrians.line import Line
+from cosim.sumo.lanes import LaneShape
+from cosim.sumo.network import NetLane, Network
+from cosim.sumo.path import arc_lengths
+
+FloatArray = NDArray[np.float64]
+
+OUTSIDE = 20.0
+"""Who is further than this from every lane, crossing and walking area has left the network [m]."""
+CELL = 25.0
+"""[m]"""
+SEAM = 0.02
+"""Networks are written to the centimetre: lanes that touch may leave that much between them [m]."""
+ON_FOOT = frozenset({"pedestrian", "bicycle", "wheelchair"})
+"""A lane that only these may use is no part of the carriageway."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """What is at a place."""
+
+    edge: str
+    """Of the crossing, the lane or the walking area; empty beside all of them."""
+    crossing: str = ""
+
+
+class Ground:
+    """Looks up places in a network.
+
+    Parameters
+    ----------
+    network
+    """
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        self._shapes: dict[str, LaneShape] = {}
+        self._strips: list[tuple[int, str, FloatArray, float]] = []
+        self._areas: list[tuple[str, FloatArray]] = []
+        self._cells: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
+        for crossing in network.crossings.values():
+            self._add(0, crossing.name, crossing.axis, 0.5 * crossing.width)
+        for lane in network.lanes.values():
+            self._add(2 if lane.internal else 1, lane.edge, lane.shape, 0.5 * lane.width)
+        for area in network.walking_areas.values():
+            self._areas.append((area.name, area.outline))
+            self._enter(area.outline, -len(self._areas))
+
+    def at(self, x: float, y: float) -> Spot:
+        """Return what is at a place [m]: a crossing before a lane, a lane before a walking area."""
+        best = (4, "")
+        for index in self._near(x, y):
+            if index < 0:
+                name, outline = self._areas[-index - 1]
+                if _contains(outline, x, y):
+                    best = min(best, (3, name))
+                continue
+            rank, name, shape, half = self._strips[index]
+            if rank <= best[0] and _from_line(shape, x, y, ends=False) <= half + SEAM:
+                best = min(best, (rank, name))
+        return Spot(best[1], best[1] if best[0] == 0 else "")
+
+    def check_inside(self, points: FloatArray) -> int | None:
+        """Return the first of the points (n, 2) that is more than 20 m outside the network."""
+        for number, (x, y) in enumerate(points.tolist()):
+            if not any(self._distance(index, x, y) <= OUTSIDE for index in self._near(x, y)):
+                return number
+        return None
+
+    def on_lane(self, lane: str, along: float, across: float) -> tuple[float, float]:
+        """Return a place along a lane and to the left of its middle [m].
+
+        Raises
+        ------
+        ValueError
+            If there is no such lane, or it is shorter.
+        """
+        found = self._network.lanes.get(lane)
+        if found is None:
+            raise ValueError(f"no lane '{lane}' in the network{_hint(lane, self._network.lanes)}")
+        if not 0.0 <= along <= found.length:
+            raise ValueError(
+                f"lane '{lane}' is {found.length:g} m long; expected a place on it, got {along:g} m"
+            )
+        shape = self._shape(found)
+        return shape.point(along / shape.scale, across)
+
+    def roadside(self, edge: str, opposite: str, along: float) -> Roadside:
+        """Return the carriageway at a place along an edge, with the lanes of the opposite edge.
+
+        Raises
+        ------
+        ValueError
+            If there is no such edge, it has no lane for vehicles, or it is shorter.
+        """
+        lanes = self._carriageway(edge)
+        x, y = self.on_lane(lanes[0].name, along, -0.5 * lanes[0].width)
+        ahead = self._shape(lanes[0])
+        place = ahead.place(x, y).along
+        (x0, y0), (x1, y1) = ahead.point(place - 0.5, 0.0), ahead.point(place + 0.5, 0.0)
+        heading = math.atan2(y1 - y0, x1 - x0)
+        far = self._carriageway(opposite)[0] if opposite else lanes[-1]
+        away = abs(self._shape(far).place(x, y).across)
+        return Roadside(x, y, heading, away + 0.5 * far.width)
+
+    def crossing(self, name: str) -> Line:
+        """Return a crossing's axis.
+
+        Raises
+        ------
+        ValueError
+            If there is no such crossing.
+        """
+        found = self._network.crossings.get(name)
+        if found is None:
+            exist = ", ".join(sorted(self._network.crossings)[:8]) or "none"
+            raise ValueError(f"no crossing '{name}' in the network; there are: {exist}")
+        return Line(*found.axis[0].tolist(), *found.axis[-1].tolist())
+
+    def _carriageway(self, edge: str) -> list[NetLane]:
+        """Return an edge's lanes for vehicles, from the right."""
+        names = self._network.edges.get(edge)
+        if names is None:
+            raise ValueError(f"no edge '{edge}' in the network{_hint(edge, self._network.edges)}")
+        lanes = [self._network.lanes[name] for name in names]
+        lanes = [
+            lane for lane in lanes if lane.permissions.allow is None or not lane.permissions.allow <= ON_FOOT
+        ]
+        if not lanes:
+            raise ValueError(f"edge '{edge}' has no lane for vehicles")
+        return lanes
+
+    def _shape(self, lane: NetLane) -> LaneShape:
+        if lane.name not in self._shapes:
+            points = tuple((float(x), float(y)) for x, y in lane.shape)
+            stations = tuple(arc_lengths(lane.shape).tolist())
+            self._shapes[lane.name] = LaneShape(
+                lane.name, lane.edge, lane.index, lane.width, lane.length, points, stations
+            )
+        return self._shapes[lane.name]
+
+    def _add(self, rank: int, name: str, shape: FloatArray, half: float) -> None:
+        self._strips.append((rank, name, shape, half))
+        self._enter(shape, len(self._strips) - 1)
+
+    def _enter(self, shape: FloatArray, index: int) -> None:
+        reach = OUTSIDE + 5.0
+        low = np.floor((shape.min(axis=0) - reach) / CELL).astype(int)
+        high = np.floor((shape.max(axis=0) + reach) / CELL).astype(int)
+        for column in range(low[0], high[0] + 1):
+            for row in range(low[1], high[1] + 1):
+                self._cells[column, row].append(index)
+
+    def _near(self, x: float, y: float) -> list[int]:
+        return self._cells.get((math.floor(x / CELL), math.floor(y / CELL)), [])
+
+    def _distance(self, index: int, x: float, y: float) -> float:
+        if index >= 0:
+            _, _, shape, half = self._strips[index]
+            return _from_line(shape, x, y) - half
+        _, outline = self._areas[-index - 1]
+        if _contains(outline, x, y):
+            return 0.0
+        return _from_line(np.concatenate([outline, outline[:1]]), x, y)
+
+
+def _from_line(shape: FloatArray, x: float, y: float, ends: bool = True) -> float:
+    """Return the distance from a polyline [m]; without ``ends``, inf beyond them."""
+    start, step = shape[:-1], np.diff(shape, axis=0)
+    square = np.maximum((step**2).sum(axis=1), 1e-12)
+    share = ((x - start[:, 0]) * step[:, 0] + (y - start[:, 1]) * step[:, 1]) / square
+    inside = np.clip(share, 0.0, 1.0)
+    nearest = start + inside[:, None] * step
+    distance = np.hypot(nearest[:, 0] - x, nearest[:, 1] - y)
+    best = int(np.argmin(distance))
+    beyond = (best == 0 and share[0] < 0.0) or (best == len(share) - 1 and share[-1] > 1.0)
+    return math.inf if beyond and not ends else float(distance[best])
+
+
+def _contains(outline: FloatArray, x: float, y: float) -> bool:
+    """Return whether a place is in a polygon: a ray from it crosses the outline an odd number of times."""
+    x0, y0 = outline[:, 0], outline[:, 1]
+    x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
+    spans = (y0 > y) != (y1 > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+    return bool(np.count_nonzero(spans & (at > x)) % 2)
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    names = [one for one in known if not one.startswith(":")]
+    near = difflib.get_close_matches(name, names, n=3)
+    some = ", ".join(near) if near else ", ".join(sorted(names)[:5])
+    return f"; there are, for instance: {some}" if some else ""

@@ -1,0 +1,229 @@
+"""Scripted pedestrians in a SUMO world: they walk, egos perceive them, SUMO's drivers yield to them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import CrossingKind, PedestrianPhase
+from cosim.errors import InputError, SimulationError
+from cosim.pedestrians.population import Population, Scripted
+from cosim.pedestrians.scene import RoadUser, Scene, State
+from cosim.sumo.ground import Ground, Spot
+from cosim.sumo.network import Network
+from cosim.sumo.surroundings import PERSON_RANGE, Persons, Surroundings
+from cosim.sumo.traffic_near import TrafficNear
+from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding
+from sumo_scenarios.pedestrian_tables import PedestrianTable
+
+FloatArray = NDArray[np.float64]
+
+WALKING = 0.05
+"""Slower is standing [m/s]."""
+
+
+class ScriptedPersons:
+    """All scripted pedestrians of a run.
+
+    Parameters
+    ----------
+    tables : what the scenario says of them
+    network
+    seed : of the run
+    begin, end : simulated time of the end of the warm-up and of the run [s]
+
+    Raises
+    ------
+    InputError
+        For a place that does not exist, and a trajectory that leaves the network.
+    """
+
+    def __init__(
+        self, tables: Sequence[PedestrianTable], network: Network, seed: int, begin: float, end: float
+    ) -> None:
+        self._network = network
+        self._begin = begin
+        self._any = bool(tables)
+        self._ground = Ground(network) if tables else None
+        try:
+            self._population = Population(tables, self._ground, seed, begin, end) if self._ground else None
+        except ValueError as error:
+            raise InputError(f"[[pedestrians]]: {error}") from error
+        self._to_come: list[Scripted] = list(self._population.fixed) if self._population else []
+        self._there: dict[str, tuple[Scripted, State]] = {}
+        self._egos_seen: set[str] = set()
+        self._sumo: Any = None
+
+    def join(self, sumo: Any, step: float) -> None:
+        """Enter a simulation that has been started.
+
+        Parameters
+        ----------
+        sumo : module or connection
+        step : [s]
+        """
+        self._sumo = sumo
+        self._step = step
+        self._traffic = TrafficNear(sumo, self._network)
+        self._yielding = Yielding(sumo, self._traffic, step)
+
+    def walk(self, time: float, egos: Sequence[RoadUser], driven: Collection[str]) -> None:
+        """Say where everybody is after the coming step, and make SUMO's drivers look at them.
+
+        Parameters
+        ----------
+        time : now [s]
+        egos : as they are now
+        driven : those of them, or others, that SUMO does not drive
+        """
+        if not self._any or time < self._begin - 1e-9:
+            return
+        near = self._traffic.read(list(self._there))
+        scene = self._scene(time, egos)
+        self._yielding.hold(
+            {name: self._seen(state, time, one) for name, (one, state) in self._there.items()}, near, driven
+        )
+        until = time + self._step
+        own = {ego.name for ego in egos}
+        for name, (one, state) in list(self._there.items()):
+            others = [vehicle for vehicle in near[name] if vehicle.name not in own]
+            after = one.behaviour.next(state, replace(scene, others=others), until)
+            if after is None:
+                del self._there[name]
+                self._traffic.leave(name)
+                continue
+            self._there[name] = (one, after)
+            self._traffic.move(name, after.x, after.y)
+        self._let_in(scene, until)
+
+    @property
+    def any(self) -> bool:
+        """Whether the scenario has scripted pedestrians."""
+        return self._any
+
+    def forget_vehicle(self, name: str) -> None:
+        """Leave a vehicle alone from now on: a controller has taken it over, or it is gone."""
+        if self._any:
+            self._yielding.forget(name)
+
+    def among(
+        self, surroundings: Surroundings, places: Mapping[str, tuple[float, float]], time: float
+    ) -> Surroundings:
+        """Return the surroundings with the scripted pedestrians near any ego.
+
+        Parameters
+        ----------
+        surroundings : as SUMO knows them
+        places : front bumpers of the egos [m]
+        time : now [s]
+        """
+        if not self._there:
+            return surroundings
+        at = {name: (state.x, state.y) for name, (_, state) in self._there.items()}
+        table = np.array(list(at.values()), dtype=np.float64).reshape(-1, 2)
+        first = len(surroundings.persons.names)
+        near: dict[str, NDArray[np.int64]] = {}
+        any_near = np.zeros(len(table), dtype=bool)
+        for ego, place in places.items():
+            within = np.hypot(table[:, 0] - place[0], table[:, 1] - place[1]) <= PERSON_RANGE
+            any_near |= within
+            near[ego] = np.flatnonzero(within)
+        names = [name for name, found in zip(at, any_near.tolist(), strict=True) if found]
+        taken = set(names) & set(surroundings.persons.names)
+        if taken:
+            raise SimulationError(
+                f"the demand has a person '{min(taken)}', the name of a scripted pedestrian; rename the row"
+            )
+        row_of = np.cumsum(any_near) - 1 + first
+        persons_near = {
+            ego: np.concatenate([rows, row_of[near[ego]]]) for ego, rows in surroundings.persons_near.items()
+        }
+        merged = self._merged(surroundings.persons, names, time)
+        return replace(surroundings, persons=merged, persons_near=persons_near)
+
+    def _merged(self, known: Persons, names: Sequence[str], time: float) -> Persons:
+        chosen = [self._there[name] for name in names]
+        spots = [self._spot(one, state, time) for one, state in chosen]
+        motion = np.array([state.motion for _, state in chosen], dtype=np.float64).reshape(-1, 4)
+        phases = tuple(phase.value for _, phase in spots)
+        return Persons(
+            (*known.names, *names),
+            np.concatenate([known.position, motion[:, :2]]),
+            np.concatenate([known.velocity, motion[:, 2:]]),
+            (*known.edge, *(spot.edge for spot, _ in spots)),
+            (*known.crossing, *(spot.crossing for spot, _ in spots)),
+            np.concatenate(
+                [
+                    known.on_crossing,
+                    np.array([p == PedestrianPhase.CROSSING.value for p in phases], dtype=bool),
+                ]
+            ),
+            (*known.phase, *phases),
+            (*known.kind, *(one.kind for one, _ in chosen)),
+        )
+
+    def _spot(self, one: Scripted, state: State, time: float) -> tuple[Spot, PedestrianPhase]:
+        """Return where he is, the crossing that he walks on or next, and his phase."""
+        assert self._ground is not None
+        here = self._ground.at(state.x, state.y)
+        if here.crossing:
+            return here, PedestrianPhase.CROSSING
+        for x, y in one.behaviour.onward(state, time).tolist():
+            ahead = self._ground.at(x, y)
+            if ahead.crossing:
+                return Spot(here.edge, ahead.crossing), PedestrianPhase.WAITING
+        return here, PedestrianPhase.WALKING
+
+    def _seen(self, state: State, time: float, one: Scripted) -> Seen:
+        spot, phase = self._spot(one, state, time)
+        crossing = self._network.crossings.get(spot.crossing)
+        if crossing is None:
+            return Seen(*state.motion)
+        priority = crossing.kind is CrossingKind.ZEBRA or self._is_green(spot.crossing) is True
+        x_speed, y_speed = state.x_speed, state.y_speed
+        if priority and phase is PedestrianPhase.WAITING and abs(x_speed) + abs(y_speed) < WALKING:
+            onward = one.behaviour.onward(state, time)
+            ahead = onward[-1] - onward[0]
+            length = float(np.hypot(*ahead))
+            if length > 0.0:
+                x_speed, y_speed = (STEPPING_OUT * ahead / length).tolist()
+        half = 0.5 * crossing.width if priority else 0.0
+        return Seen(state.x, state.y, x_speed, y_speed, priority, half)
+
+    def _scene(self, time: float, egos: Sequence[RoadUser]) -> Scene:
+        assert self._population is not None
+        green = {name: self._is_green(name) for name in self._population.signals}
+        return Scene(time, egos, (), {name: shows for name, shows in green.items() if shows is not None})
+
+    def _is_green(self, crossing: str) -> bool | None:
+        """Return what a crossing's signal shows to pedestrians; ``None`` when it is off or there is none."""
+        source = self._network.crossings[crossing]
+        if not source.signal:
+            return None
+        state = self._sumo.trafficlight.getRedYellowGreenState(source.signal)
+        letters = [state[index] for index in source.signal_indices]
+        return None if all(letter in "oO" for letter in letters) else any(one in "gG" for one in letters)
+
+    def _let_in(self, scene: Scene, until: float) -> None:
+        """Let those come into view who do by the end of the step."""
+        assert self._population is not None
+        for ego in scene.egos:
+            if ego.name not in self._egos_seen:
+                self._egos_seen.add(ego.name)
+                self._to_come += self._population.for_ego(ego.name)
+        waiting = []
+        later = replace(scene, time=until)
+        for one in self._to_come:
+            state = one.behaviour.first(later)
+            # He may set off within the step in which he comes.
+            state = state if state is None else one.behaviour.next(state, scene, until)
+            if state is None:
+                waiting.append(one)
+                continue
+            self._there[one.name] = (one, state)
+            self._traffic.watch(one.name, state.x, state.y)
+        self._to_come = waiting

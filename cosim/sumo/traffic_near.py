@@ -1,0 +1,168 @@
+"""The vehicles near scripted pedestrians, with the way that each will drive.
+
+SUMO tells who is near a point of interest as well as who is near a vehicle; so every scripted pedestrian is
+one, which also shows him in SUMO's window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.frames import heading_of
+from cosim.pedestrians.scene import RoadUser, Way
+from cosim.sumo.egos import ROADLESS_CLASSES
+from cosim.sumo.network import Network
+from cosim.sumo.path import Path
+from cosim.sumo.surroundings import INVALID, sumo_constant
+
+FloatArray = NDArray[np.float64]
+
+NEAR = 100.0
+"""[m]"""
+REACH = 120.0
+"""How far ahead a vehicle's way is known [m]."""
+_COLOUR = (255, 120, 0, 255)
+_LAYER = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """What SUMO's type of a vehicle says."""
+
+    length: float
+    width: float
+    min_gap: float
+    """Kept in front of whatever it stops for [m]."""
+    comfortable: float
+    """Deceleration [m/s^2]."""
+    hardest: float
+    """Emergency deceleration [m/s^2]."""
+    rails: bool
+    """Cannot be stopped as a road vehicle can."""
+
+
+class TrafficNear:
+    """Reads the vehicles near any scripted pedestrian, once per step.
+
+    Parameters
+    ----------
+    sumo : module or connection
+    network
+    """
+
+    def __init__(self, sumo: Any, network: Network) -> None:
+        self._sumo = sumo
+        self._network = network
+        self._bodies: dict[str, Body] = {}
+        self._ways: dict[tuple[str, ...], Path] = {}
+        names = ("VAR_POSITION3D", "VAR_SPEED", "VAR_ANGLE", "VAR_LANE_ID")
+        self._keys = tuple(sumo_constant(sumo, name) for name in names)
+        self._domain = sumo_constant(sumo, "CMD_GET_VEHICLE_VARIABLE")
+
+    def watch(self, name: str, x: float, y: float) -> None:
+        """Begin to look around a pedestrian."""
+        poi = self._sumo.poi
+        poi.add(name, x, y, _COLOUR, "pedestrian", _LAYER)
+        poi.subscribeContext(name, self._domain, NEAR, list(self._keys))
+
+    def move(self, name: str, x: float, y: float) -> None:
+        """Look from another place."""
+        self._sumo.poi.setPosition(name, x, y)
+
+    def leave(self, name: str) -> None:
+        """Look no longer."""
+        self._sumo.poi.unsubscribeContext(name, self._domain, NEAR)
+        self._sumo.poi.remove(name)
+
+    def body(self, vehicle: str) -> Body:
+        """Return what the vehicle's type says."""
+        found = self._bodies.get(vehicle)
+        if found is None:
+            of = self._sumo.vehicle
+            found = self._bodies[vehicle] = Body(
+                of.getLength(vehicle),
+                of.getWidth(vehicle),
+                of.getMinGap(vehicle),
+                of.getDecel(vehicle),
+                of.getEmergencyDecel(vehicle),
+                of.getVehicleClass(vehicle) in ROADLESS_CLASSES,
+            )
+        return found
+
+    def read(self, pedestrians: Sequence[str]) -> dict[str, list[RoadUser]]:
+        """Return the road vehicles near each pedestrian after the last step."""
+        known: dict[str, RoadUser | None] = {}
+        found: dict[str, list[RoadUser]] = {}
+        at, speed, angle, lane = self._keys
+        # What was taken off the road after the step is among the results still.
+        there = set(self._sumo.vehicle.getIDList()) if pedestrians else set()
+        for pedestrian in pedestrians:
+            near: list[RoadUser] = []
+            for name, values in self._sumo.poi.getContextSubscriptionResults(pedestrian).items():
+                if name not in there:
+                    continue
+                if name not in known:
+                    x, y = values[at][:2]
+                    known[name] = self._user(name, x, y, values[angle], values[speed], values[lane])
+                user = known[name]
+                if user is not None:
+                    near.append(user)
+            found[pedestrian] = near
+        return found
+
+    def _user(self, name: str, x: float, y: float, angle: float, speed: float, lane: str) -> RoadUser | None:
+        body = self.body(name)
+        if abs(x) >= INVALID or body.rails:
+            return None
+        way = self._way(name, x, y, lane)
+        return RoadUser(name, x, y, heading_of(angle), max(speed, 0.0), body.length, body.width, way)
+
+    def _way(self, name: str, x: float, y: float, lane: str) -> Way | None:
+        lanes = self._lanes_ahead(name, lane)
+        if not lanes:
+            return None
+        if lanes not in self._ways:
+            shape = np.concatenate([self._network.lanes[one].shape for one in lanes])
+            apart = np.concatenate([[True], np.hypot(*np.diff(shape, axis=0).T) > 1e-3])
+            self._ways[lanes] = Path(shape[apart])
+        return way_along(self._ways[lanes], x, y)
+
+    def _lanes_ahead(self, name: str, lane: str) -> tuple[str, ...]:
+        """Return the vehicle's lane and those that it will drive on, as far as it is known."""
+        network = self._network
+        if lane not in network.lanes:
+            return ()
+        lanes = [lane]
+        through = network.through.get(lane)
+        if through is not None:
+            lanes += [*through.via[through.via.index(lane) + 1 :], through.target]
+        ahead = sum(network.lanes[one].length for one in lanes[1:])
+        ahead += network.lanes[lane].length - self._sumo.vehicle.getLanePosition(name)
+        for link in self._sumo.vehicle.getNextLinks(name):
+            target, inner = link[0], link[4]
+            if ahead > REACH:
+                break
+            if target in lanes or target not in network.lanes:
+                continue
+            connection = network.through.get(inner)
+            via = connection.via if connection is not None else ()
+            lanes += [*via, target]
+            ahead += sum(network.lanes[one].length for one in (*via, target))
+        return tuple(lanes)
+
+
+def way_along(path: Path, x: float, y: float) -> Way:
+    """Return how somebody with the front bumper at (x, y) sees places along his path."""
+    alongs, acrosses, _ = path.project(np.array([[x, y]]))
+    front, beside = float(alongs[0]), float(acrosses[0])
+
+    def sees(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        alongs, acrosses, _ = path.project(points)
+        return alongs - front, acrosses - beside
+
+    return sees

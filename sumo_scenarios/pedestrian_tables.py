@@ -1,0 +1,303 @@
+"""What ``[[pedestrians]]`` of a ``scenario.toml`` may hold: who walks where, when and in which manner."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from sumo_scenarios.distribution import Distribution, read_distribution
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.trajectories import FASTEST_MPS, read_trajectories
+
+KINDS = ("trajectory", "line", "jaywalk", "crossing")
+MANNERS = ("steady", "hesitating", "running", "turning_back", "social_force")
+SLOWEST_MPS = 0.05
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
+
+
+def _within(low: float, high: float) -> BeforeValidator:
+    return BeforeValidator(lambda value: read_distribution(value, low, high))
+
+
+Speed = Annotated[Distribution, _within(SLOWEST_MPS, FASTEST_MPS)]
+Length = Annotated[Distribution, _within(0.0, 1e4)]
+Duration = Annotated[Distribution, _within(0.0, 1e5)]
+Offset = Annotated[Distribution, _within(-1e4, 1e4)]
+Share = Annotated[Distribution, _within(0.0, 1.0)]
+Size = Annotated[Distribution, _within(1.0, 50.0)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Place = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+
+
+class Table(BaseModel):
+    """A TOML table whose keys are all known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class MannerTable(Table):
+    """How somebody walks, once he has set off."""
+
+    kind: Literal["steady", "hesitating", "running", "turning_back", "social_force"] = "steady"
+    weight: NotNegative = 1.0
+    """Share of those who walk so, beside the other manners of the table."""
+    after_m: Length | None = None
+    """Where on his way he pauses, runs or turns."""
+    pause_s: Duration | None = None
+    """For how long he stands there."""
+    speed_mps: Speed | None = None
+    """With which he runs, or goes back."""
+    ego_within_s: Duration | None = None
+    """Runs or turns as soon as an ego would be at his line within this time, if that comes first."""
+
+    @model_validator(mode="after")
+    def fitting(self) -> MannerTable:
+        """Check that a manner has what it needs and nothing else."""
+        needs = {"hesitating": ("after_m", "pause_s"), "running": ("speed_mps",)}.get(self.kind, ())
+        knows = {
+            "hesitating": ("after_m", "pause_s"),
+            "running": ("after_m", "speed_mps", "ego_within_s"),
+            "turning_back": ("after_m", "pause_s", "speed_mps", "ego_within_s"),
+        }.get(self.kind, ())
+        for key in ("after_m", "pause_s", "speed_mps", "ego_within_s"):
+            given = getattr(self, key) is not None
+            if given and key not in knows:
+                raise ValueError(f"manner '{self.kind}' has no key '{key}'")
+            if not given and key in needs:
+                raise ValueError(f"manner '{self.kind}' needs the key '{key}'")
+        if self.kind in ("running", "turning_back") and self.after_m is None and self.ego_within_s is None:
+            raise ValueError(f"manner '{self.kind}' needs 'after_m' or 'ego_within_s', or both")
+        return self
+
+
+STARTS = ("time_s", "per_hour", "ego_distance_m", "ego_arrival_s", "overlap")
+
+
+class StartTable(Table):
+    """When somebody sets off: exactly one of the first five keys, and conditions."""
+
+    time_s: NotNegative | None = None
+    """After the warm-up."""
+    per_hour: NotNegative | None = None
+    """Many, at random times (Poisson)."""
+    ego_distance_m: Length | None = None
+    """When the ego's front bumper is this far from where it crosses his line."""
+    ego_arrival_s: Duration | None = None
+    """When the ego would be there in this time."""
+    overlap: Share | None = None
+    """So that the front bumper meets him at this share of its width, from the side that he comes from."""
+    ego_speed_mps: Positive | None = None
+    """Nominal speed for ``overlap``; without it, the ego's own."""
+    accepted_gap_s: Duration | None = None
+    """Waits until every vehicle comes at least this long after he steps before it."""
+    signal: Literal["", "red", "green"] = ""
+    """Sets off only while the signal of his crossing shows this."""
+
+    @model_validator(mode="after")
+    def one(self) -> StartTable:
+        """Check that there is exactly one start."""
+        given = [key for key in STARTS if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"start: expected exactly one of {', '.join(STARTS)}, got {len(given)}")
+        if self.ego_speed_mps is not None and self.overlap is None:
+            raise ValueError("start: 'ego_speed_mps' belongs to 'overlap'")
+        if self.by_ego and (self.accepted_gap_s is not None or self.signal):
+            raise ValueError(f"start: 'accepted_gap_s' and 'signal' do not go with '{given[0]}'")
+        return self
+
+    @property
+    def by_ego(self) -> bool:
+        """Whether an ego makes him set off: then there is one for each ego."""
+        return self.time_s is None and self.per_hour is None
+
+
+class GroupTable(Table):
+    """Several who walk side by side."""
+
+    size: Size
+    spacing_m: Positive = 0.8
+
+
+class PedestrianTable(Table):
+    """What all kinds share."""
+
+    name: str
+    kind: str
+
+
+class TrajectoryTable(PedestrianTable):
+    """Recorded trajectories, replayed."""
+
+    kind: Literal["trajectory"]
+    file: str
+    start_s: NotNegative = 0.0
+    """Time 0 of the file, after the warm-up."""
+
+
+class WalkerTable(PedestrianTable):
+    """Somebody who walks along a straight line."""
+
+    speed_mps: Speed
+    start: StartTable
+    acceleration_distance_m: NotNegative = 0.0
+    """Way on which he reaches his speed."""
+    stop_after_m: Length | None = None
+    """He walks this far and stops."""
+    stay_s: Duration = Distribution("choice", (0.0,))
+    """How long he stands at the end of his way before he is gone."""
+    manners: list[MannerTable] = [MannerTable()]
+    group: GroupTable | None = None
+
+    @model_validator(mode="after")
+    def weighted(self) -> WalkerTable:
+        """Check that some manner can be drawn, and what does not go together."""
+        if not self.manners or sum(manner.weight for manner in self.manners) <= 0.0:
+            raise ValueError("manners: expected at least one of weight above 0")
+        if self.start.signal and self.kind != "crossing":
+            raise ValueError("start: 'signal' belongs to kind 'crossing'")
+        if any(manner.kind == "social_force" for manner in self.manners) and self.stop_after_m is not None:
+            raise ValueError("manner 'social_force' does not go with 'stop_after_m'")
+        return self
+
+
+class LineTable(WalkerTable):
+    """From a place to a place: of the world, or along and across a lane."""
+
+    kind: Literal["line"]
+    lane: str = ""
+    """SUMO's lane, from whose beginning and centre line the places count; empty: x and y of the world."""
+    from_m: Place
+    to_m: Place
+    shift_m: Place = [0.0, 0.0]
+    """Added to both."""
+
+    @model_validator(mode="after")
+    def apart(self) -> LineTable:
+        """Check that the line has a direction."""
+        if self.from_m == self.to_m:
+            raise ValueError("from_m and to_m are the same place")
+        return self
+
+
+class JaywalkTable(WalkerTable):
+    """Over the road where there is no crossing, in a direction that the model of directions draws."""
+
+    kind: Literal["jaywalk"]
+    edge: str
+    opposite: str = ""
+    """Edge of the other direction; empty on a one-way road."""
+    section_m: Place
+    """Where he stands, along the edge."""
+    side: Literal["right", "left", "both"] = "both"
+    setback_m: NotNegative = 0.5
+    """How far he stands from the outermost lane for cars."""
+    goal_along_m: Offset = Distribution("choice", (0.0,))
+    """How far his goal is along the road, in the direction of the edge."""
+    goal_beyond_m: NotNegative = 1.0
+    """How far his goal is behind the road."""
+    choice_scale: Positive = 0.05
+    """The smaller, the surer the choice of a direction."""
+
+    @model_validator(mode="after")
+    def ordered(self) -> JaywalkTable:
+        """Check the section."""
+        if not 0.0 <= self.section_m[0] <= self.section_m[1]:
+            raise ValueError(f"section_m is {self.section_m}; expected two positions in order, from 0 on")
+        return self
+
+
+class CrossingTable(WalkerTable):
+    """Over a crossing of the network, whatever its signal shows unless ``start.signal`` says otherwise."""
+
+    kind: Literal["crossing"]
+    crossing: str
+    side: Literal["first", "last", "both"] = "both"
+    """End of the crossing that he comes from, in SUMO's order."""
+    setback_m: NotNegative = 0.5
+    """How far he stands before it."""
+
+
+TABLES: Mapping[str, type[PedestrianTable]] = {
+    "trajectory": TrajectoryTable,
+    "line": LineTable,
+    "jaywalk": JaywalkTable,
+    "crossing": CrossingTable,
+}
+
+
+def read_pedestrians(
+    rows: Sequence[Mapping[str, Any]], values: Mapping[str, Any], path: Path
+) -> tuple[PedestrianTable, ...]:
+    """Return the checked tables, ``"$name"`` replaced by the value of that parameter.
+
+    Parameters
+    ----------
+    rows : what ``[[pedestrians]]`` says
+    values : of the scenario's parameters
+    path : the definition, for messages; files are relative to its folder
+
+    Raises
+    ------
+    ScenarioError
+        One line with file, row and key.
+    """
+    tables: list[PedestrianTable] = []
+    for number, row in enumerate(rows, start=1):
+        place = f"{path}: [[pedestrians]] row {number}"
+        table = _read_row(_filled(row, values, place), place)
+        if any(table.name == other.name for other in tables):
+            raise ScenarioError(
+                f"{place}: there is a row named '{table.name}' already; expected another name"
+            )
+        if isinstance(table, TrajectoryTable):
+            table = table.model_copy(update={"file": str(path.parent / table.file)})
+            read_trajectories(Path(table.file))
+        tables.append(table)
+    return tuple(tables)
+
+
+def _filled(value: Any, values: Mapping[str, Any], place: str) -> Any:
+    if isinstance(value, str) and value.startswith("$"):
+        if value[1:] not in values:
+            exist = ", ".join(sorted(values)) or "none"
+            raise ScenarioError(f"{place}: names {value}; parameters that exist: {exist}")
+        return values[value[1:]]
+    if isinstance(value, Mapping):
+        return {key: _filled(inner, values, place) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_filled(inner, values, place) for inner in value]
+    return value
+
+
+def _read_row(row: Mapping[str, Any], place: str) -> PedestrianTable:
+    kind = row.get("kind")
+    if not isinstance(kind, str) or kind not in TABLES:
+        raise ScenarioError(f"{place}: kind is {kind!r}; expected one of {', '.join(TABLES)}")
+    try:
+        table = TABLES[kind].model_validate(row)
+    except ValidationError as error:
+        raise ScenarioError(f"{place}: {_first_line(error, TABLES[kind])}") from error
+    if not _NAME.fullmatch(table.name):
+        raise ScenarioError(
+            f"{place}: name is '{table.name}'; expected letters, digits, '_', '.', '-', a letter first"
+        )
+    return table
+
+
+def _first_line(error: ValidationError, table: type[BaseModel]) -> str:
+    details = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in details["loc"])
+    message = str(details["msg"]).removeprefix("Value error, ")
+    if details["type"] == "extra_forbidden":
+        return f"unknown key '{key}'; keys of this kind: {', '.join(table.model_fields)}"
+    if details["type"] == "missing":
+        return f"key '{key}' is missing"
+    if details["type"] == "value_error":
+        return f"key '{key}': {message}" if key else message
+    return f"key '{key}': {message[:1].lower()}{message[1:]}, got {details['input']!r}"
