@@ -114,6 +114,10 @@ class LaneChoice:
         self._target, self._because, self._last_change = wanted, because, perception.ego.time
         return self._target, because
 
+    def begin(self, perception: Perception, number: int, because: str) -> None:
+        """Begin a change to an adjacent lane for a reason of the method's own; ``choose`` goes on with it."""
+        self._target, self._because, self._last_change = number, because, perception.ego.time
+
     def _wanted(self, perception: Perception) -> tuple[int | None, str]:
         for_route = lane_for_route(perception, self._route_rule)
         if for_route is not None:

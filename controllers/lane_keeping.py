@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -44,6 +45,37 @@ class LaneKeeping:
     """How far ahead a coming bend is steered, because the wheel needs time to turn [s]."""
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a course leads at one point along the lane."""
+
+    across: float
+    """[m]"""
+    slope: float
+    """Its change along the lane."""
+    bend: float
+    """The slope's change along the lane [1/m]."""
+
+
+class Course(Protocol):
+    """A curve to follow, in the route frame."""
+
+    def at(self, along: float) -> Place:
+        """Return where it leads at that along coordinate [m]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel:
+    """The course that keeps one distance from the lane's centre line."""
+
+    across: float
+
+    def at(self, along: float) -> Place:
+        """Return the place; it is the same everywhere."""
+        return Place(self.across, 0.0, 0.0)
+
+
 def instants(ego: EgoState) -> FloatArray:
     """Return the times from now at which a command over the ego's plan interval changes [s]."""
     count = min(max(math.ceil(ego.plan_interval / STEP - 1e-9), 1), LONGEST)
@@ -52,7 +84,7 @@ def instants(ego: EgoState) -> FloatArray:
 
 def steering(
     perception: Perception,
-    target: float,
+    target: float | Course,
     acceleration: FloatArray,
     style: LaneKeeping | None = None,
 ) -> FloatArray:
@@ -61,7 +93,7 @@ def steering(
     Parameters
     ----------
     perception : where the ego is, and how its lane bends
-    target : across coordinate to go to, for instance ``Lane.offset`` [m]
+    target : across coordinate to go to, for instance ``Lane.offset`` [m], or a curve to follow
     acceleration : what is commanded meanwhile, at ``instants(perception.ego)`` [m/s^2]
     style : how briskly
 
@@ -69,14 +101,16 @@ def steering(
     -----
     With lateral error e, heading error ψ, lengths ℓ_e = max(approach_length, v · approach_time) and ℓ_ψ
     likewise: ψ* = −e / ℓ_e within limits, curvature = curve + ((ψ* − ψ) / ℓ_ψ − sin ψ / ℓ_e). Near the
-    lane both poles are real, −1 / ℓ_e and −1 / ℓ_ψ, so it is reached without overshoot.
+    lane both poles are real, −1 / ℓ_e and −1 / ℓ_ψ, so it is reached without overshoot. On a curve to
+    follow, e and ψ are counted from it and its own curvature is added.
     """
     style = style or LaneKeeping()
     ego, road = perception.ego, perception.road
+    course = Parallel(target) if isinstance(target, int | float) else target
     state = _State(ego)
     angles = np.zeros(len(acceleration))
     for i, wanted in enumerate(acceleration):
-        angles[i] = _angle(state, road, target, style)
+        angles[i] = _angle(state, road, course, style)
         state.move(float(wanted), float(angles[i]), road)
     return angles
 
@@ -111,23 +145,26 @@ class _State:
         self.angle = turned
 
 
-def _angle(state: _State, road: RoadAhead, target: float, style: LaneKeeping) -> float:
+def _angle(state: _State, road: RoadAhead, course: Course, style: LaneKeeping) -> float:
     speed = state.speed
+    here, soon = course.at(state.along), course.at(state.along + 0.5 * speed * style.preview)
+    direction = math.atan(here.slope)
     approach = max(style.approach_length, speed * style.approach_time)
     settling = max(style.heading_length, speed * style.heading_time)
     steepest = min(style.approach_angle, style.lateral_speed / max(speed, 0.1))
-    error = state.across - target
+    error = state.across - here.across
     wanted = -error / approach
-    moving = math.sin(state.heading) / approach
+    moving = math.sin(state.heading - direction) / approach
     if abs(wanted) > steepest:
         wanted, moving = math.copysign(steepest, wanted), 0.0
-    correction = (wanted - state.heading) / settling - moving
+    correction = (wanted + direction - state.heading) / settling - moving
     squared = max(speed * speed, 1.0)
     correction = _within(correction, style.correction / squared)
     # The wheel follows late, so the bend is taken from what lies between here and the preview.
     ahead = [curvature_at(road, state.along + speed * style.preview * share) for share in (0.0, 0.5, 1.0)]
     curve = sum(ahead) / len(ahead)
     curve *= math.cos(state.heading) / _stretch(curve, state.across)
+    curve += soon.bend * math.cos(math.atan(soon.slope)) ** 3
     total = _within(curve + correction, style.lateral_acceleration / squared)
     return _within(math.atan(state.ego.body.wheelbase * total), state.ego.drive.max_steering)
 

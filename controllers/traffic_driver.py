@@ -52,6 +52,18 @@ class TrafficDriver:
             perception, decision.target_lane, times, leaving=self._lanes.waiting
         ).acceleration
 
+    def change_to(self, perception: Perception, number: int, because: str) -> None:
+        """Begin a change to an adjacent lane that the method wants; from the next decision on it is watched.
+
+        Parameters
+        ----------
+        perception : as seen now
+        number : ``Lane.number`` to end in
+        because : the name to give as a reason
+        """
+        self._lanes.begin(perception, number, because)
+        self._changing_to = number
+
     def steering(self, perception: Perception, decision: Decision, acceleration: FloatArray) -> FloatArray:
         """Return the front-wheel angles towards the target lane, at the same instants [rad]."""
         lane = perception.road.lane(decision.target_lane)

@@ -1,11 +1,16 @@
 """Velocity-obstacle model predictive control: passing classes, decision rules, sequential QPs.
 
-What its parameters mean; what it does with them is in ``controllers/mpc_driver.py`` and ``docs/control.md``.
+What its parameters mean; what it does with them is in ``controllers/mpc_driver.py`` and ``docs/control.md``,
+with ``model=paper`` in ``controllers/avoidance_driver.py``.
 """
 
 from __future__ import annotations
 
 from controllers import passing
+from controllers.avoidance_classes import QuadraticOptimiser
+from controllers.avoidance_driver import AvoidanceDriver
+from controllers.avoidance_settings import Model, PaperSettings, driver_settings
+from controllers.emergency_braking import EmergencyBraking
 from controllers.horizon import growing_grid
 from controllers.interface import Controller
 from controllers.lane_choice import GapRule
@@ -45,12 +50,21 @@ def build(
     max_jerk_mps3: float = 12.0,
     freeze_braking_mps2: float = 7.0,
     yield_to_standing: bool = True,
-    cone: Cone = Cone.STEP,
+    cone: Cone | None = None,
     shape: Shape = Shape.RECTANGLE,
     disc_radius_m: float = 2.0,
     truncation_s: float = float("inf"),
     solver: str = "osqp",
     tolerance: float = 2e-4,
+    model: Model = Model.CLOSED_LOOP,
+    euler_step_s: float = 1.0,
+    euler_steps: int = 11,
+    euler_passes: int = 5,
+    replan_s: float = 1.0,
+    steering_weight: float = 3282.8,
+    top_speed_mps: float | None = None,
+    change_steps: int = 8,
+    emergency_brake: bool = False,
     predictor: str = named.CONSTANT_VELOCITY,
     seed: int = 1,
 ) -> Controller:
@@ -90,7 +104,8 @@ def build(
         Expect people who stand at the kerb of a zebra to step out.
     cone
         ``step`` keeps positions apart and steers for the lane alone; ``vo``, ``ivo`` and ``hybrid`` keep
-        relative velocities out of collision cones, by speed and steering together.
+        relative velocities out of collision cones, by speed and steering together. None is ``step``, with
+        ``model=paper`` it is ``vo``.
     shape, disc_radius_m
         What those cones enclose: the body grown by the margins, or a disc of this radius about its centre,
         pedestrian included.
@@ -98,6 +113,25 @@ def build(
         Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
         A solver that qpsolvers knows; tolerance of OSQP.
+    model
+        ``closed_loop``, or ``paper`` for the formulation of the paper. That one takes the parameters from
+        here on, and of those above ``cone`` (about a disc of ``disc_radius_m``), ``truncation_s``,
+        ``max_classes``, ``lane_changes``, ``standstill_gap_m``, ``headway_s``, ``solver``, ``tolerance``.
+    euler_step_s, euler_steps
+        Horizon; the vehicle moves in explicit Euler steps.
+    euler_passes
+        Quadratic programs per passing class at most.
+    replan_s
+        A plan is followed for this long, less when somebody new is in conflict.
+    steering_weight
+        Of a change of the wheel angle in the objective, beside one of the speed [(m/s)^2/rad^2];
+        3282.8 is one per square degree.
+    top_speed_mps
+        A plan may go up to this speed; none for the speed limit.
+    change_steps
+        Steps that a change of lane takes which is to avoid somebody.
+    emergency_brake
+        Whether an emergency brake has the last word along.
     predictor
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed
@@ -139,6 +173,30 @@ def build(
         if not value > 0.0:
             raise ValueError(f"{name} must be above 0, not {value}")
     check_solver(solver)
+    if Model(model) is Model.PAPER:
+        if euler_passes < 1:
+            raise ValueError(f"euler_passes must be at least 1, not {euler_passes}")
+        return AvoidanceDriver(
+            driver_settings(
+                PaperSettings(
+                    replan_s=replan_s,
+                    euler_step_s=euler_step_s,
+                    euler_steps=euler_steps,
+                    disc_radius_m=disc_radius_m,
+                    cone=Cone(cone or Cone.VO),
+                    truncation_s=truncation_s,
+                    steering_weight=steering_weight,
+                    top_speed_mps=top_speed_mps,
+                    standstill_gap_m=standstill_gap_m,
+                    headway_s=headway_s,
+                    lane_changes=lane_changes,
+                    change_steps=change_steps,
+                )
+            ),
+            QuadraticOptimiser(euler_passes, max(max_classes, 1), solver, tolerance),
+            named.sampled(predictor, seed=seed),
+            EmergencyBraking() if emergency_brake else None,
+        )
     return VelocityObstacleMpc(
         Settings(
             dt=growing_grid(steps, first_step_s, last_step_s),
@@ -154,7 +212,7 @@ def build(
                 bend_acceleration=bend_acceleration_mps2,
                 assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
             ),
-            cone=ConeParameters(Cone(cone), Shape(shape), disc_radius_m, truncation_s),
+            cone=ConeParameters(Cone(cone or Cone.STEP), Shape(shape), disc_radius_m, truncation_s),
             change=ChangeSettings(
                 allowed=lane_changes,
                 cost=change_cost,

@@ -1,0 +1,186 @@
+"""Changes lanes along a polynomial of degree seven and does not react to pedestrians at all: the reference.
+
+Across: lane keeping; changes of lane that route and traffic ask for, or one at the start, follow a septic
+path in place of the lane keeping's own. Along: what leaders, signals, right of way, bends and limits ask
+for. It yields to no pedestrian, not at a zebra either, and has no emergency brake: the comparison without
+avoidance of the velocity-obstacle paper.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from controllers import lane_keeping
+from controllers.driving_style import DrivingStyle
+from controllers.interface import (
+    Command,
+    Controller,
+    Decision,
+    Lane,
+    Manoeuvre,
+    Perception,
+    Plan,
+)
+from controllers.lane_choice import blocker
+from controllers.lane_path import LanePath, Odometer, told
+from controllers.septic_path import SepticPath
+from controllers.traffic_driver import TrafficDriver
+
+SHORTEST = 8.0
+"""No change is shorter, however slow the ego is [m]."""
+SHOWN = 40
+"""Points of the path in a plan."""
+AT_THE_START = "start"
+
+
+class StartChange(StrEnum):
+    """A change of lane to begin with."""
+
+    NONE = "none"
+    LEFT = "left"
+    RIGHT = "right"
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """A septic path as offset from the lane it leads to."""
+
+    path: SepticPath
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return self.path.length
+
+    def at(self, along: float) -> lane_keeping.Place:
+        """Return the place ``along`` after the beginning."""
+        place = self.path.at(along)
+        return lane_keeping.Place(place.across - self.path.width, place.slope, place.bend)
+
+
+class SepticLaneChange:
+    """Drives one ego.
+
+    Parameters
+    ----------
+    style : of the traffic driver
+    duration : of a change at the speed that it begins with [s]
+    length : of a change, whatever the speed [m]; ``None``: duration times speed
+    start : whether and where to change lanes as soon as there is room
+    after : distance to drive before that [m]
+    """
+
+    def __init__(
+        self,
+        style: DrivingStyle,
+        duration: float,
+        length: float | None,
+        start: StartChange,
+        after: float,
+    ) -> None:
+        self._traffic = TrafficDriver(style)
+        self._duration, self._length = duration, length
+        self._start, self._after = start, after
+        self._odometer = Odometer()
+        self._path: LanePath | None = None
+        self._target: int | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say which lane to be in; begin a path where that is another one."""
+        travelled = self._odometer.look(perception.ego)
+        decision = self._traffic.decide(perception)
+        if self._start is not StartChange.NONE and travelled >= self._after:
+            decision = self._at_the_start(perception, decision)
+        lane = perception.road.lane(decision.target_lane)
+        if self._target is None:
+            self._target = perception.road.reference
+        if lane is not None and decision.target_lane != self._target:
+            # A change that is given up leads back by lane keeping: nobody has time for another curve.
+            given_up = decision.manoeuvre is Manoeuvre.ABORT_CHANGE
+            self._path = None if given_up else self._begun(perception, lane, travelled)
+        self._target = decision.target_lane
+        return decision
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Drive as traffic asks, along the path while there is one."""
+        times = lane_keeping.instants(perception.ego)
+        acceleration = self._traffic.accelerations(perception, decision)
+        travelled = self._odometer.travelled
+        if self._path is not None and self._path.left(travelled) < 0.0:
+            self._path = None
+        course = self._path.seen(perception, travelled) if self._path is not None else None
+        if self._path is None or course is None:
+            return Plan(
+                Command(times, acceleration, self._traffic.steering(perception, decision, acceleration))
+            )
+        angles = lane_keeping.steering(perception, course, acceleration)
+        along = np.linspace(0.0, self._path.left(travelled), SHOWN)
+        speed = max(perception.ego.speed, 0.1)
+        return Plan(
+            Command(times, acceleration, angles),
+            times=along / speed,
+            along=along,
+            across=told(course, along),
+            speed=np.full(SHOWN, perception.ego.speed),
+        )
+
+    def _at_the_start(self, perception: Perception, decision: Decision) -> Decision:
+        """Begin the change asked for at the start, once, as soon as nobody is in the way."""
+        road = perception.road
+        if decision.manoeuvre is not Manoeuvre.KEEP or decision.target_lane != road.reference:
+            return decision
+        number = road.reference + (1 if self._start is StartChange.LEFT else -1)
+        if road.lane(number) is None or blocker(perception, number) is not None:
+            return decision
+        left, self._start = self._start is StartChange.LEFT, StartChange.NONE
+        self._traffic.change_to(perception, number, AT_THE_START)
+        manoeuvre = Manoeuvre.CHANGE_LEFT if left else Manoeuvre.CHANGE_RIGHT
+        return Decision(manoeuvre, number, because=AT_THE_START)
+
+    def _begun(self, perception: Perception, lane: Lane, travelled: float) -> LanePath:
+        ego = perception.ego
+        length = self._length if self._length is not None else self._duration * max(ego.speed, 0.0)
+        path = SepticPath(lane.offset - ego.across, max(length, SHORTEST))
+        return LanePath(lane.number, travelled, Beside(path))
+
+
+def build(
+    *,
+    duration_s: float = 4.0,
+    length_m: float | None = None,
+    start_change: StartChange = StartChange.NONE,
+    start_after_m: float = 0.0,
+    headway_s: float = 1.0,
+) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    duration_s : float
+        Of a change of lane, at the speed that it begins with [s].
+    length_m : float or None
+        Of a change of lane, whatever the speed [m]; none: duration times speed.
+    start_change : StartChange
+        ``left`` or ``right``: change to that lane once, as soon as there is room; ``none``.
+    start_after_m : float
+        Distance to drive before that change [m].
+    headway_s : float
+        Time gap to a leader [s].
+
+    Raises
+    ------
+    ValueError
+        If one is out of range.
+    """
+    above_zero = {"duration_s": duration_s, "length_m": 1.0 if length_m is None else length_m}
+    for name, value in above_zero.items():
+        if not 0.0 < value < float("inf"):
+            raise ValueError(f"{name} = {value} must be above 0 and finite")
+    for name, value in {"start_after_m": start_after_m, "headway_s": headway_s}.items():
+        if not 0.0 <= value < float("inf"):
+            raise ValueError(f"{name} = {value} must be at least 0 and finite")
+    style = DrivingStyle(headway=headway_s)
+    return SepticLaneChange(style, duration_s, length_m, StartChange(start_change), start_after_m)
