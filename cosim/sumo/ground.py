@@ -55,19 +55,19 @@ class Ground:
         for crossing in network.crossings.values():
             self._add(0, crossing.name, crossing.axis, 0.5 * crossing.width)
         for lane in network.lanes.values():
-            self._add(2 if lane.internal else 1, lane.edge, lane.shape, 0.5 * lane.width)
+            self._add(3 if lane.internal else 1, lane.edge, lane.shape, 0.5 * lane.width)
         for area in network.walking_areas.values():
             self._areas.append((area.name, area.outline))
             self._enter(area.outline, -len(self._areas))
 
     def at(self, x: float, y: float) -> Spot:
-        """Return what is at a place [m]: a crossing before a lane, a lane before a walking area."""
+        """Return what is at a place [m]: a crossing, else a lane, a walking area, a way through a junction."""
         best = (4, "")
         for index in self._near(x, y):
             if index < 0:
                 name, outline = self._areas[-index - 1]
                 if _contains(outline, x, y):
-                    best = min(best, (3, name))
+                    best = min(best, (2, name))
                 continue
             rank, name, shape, half = self._strips[index]
             if rank <= best[0] and _from_line(shape, x, y, ends=False) <= half + SEAM:
