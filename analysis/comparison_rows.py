@@ -41,6 +41,8 @@ def pair_runs(study: Study, conditions: Sequence[Condition], base: str, alt: str
     Under several conditions a seed counts once, with all its runs: what it is under one condition is not
     independent of what it is under another.
     """
+    if not conditions:
+        return Pairs((), (), 0, 0)
     sides = [[study.seeds(label, one) for one in conditions] for label in (base, alt)]
     everywhere = [set.intersection(*(set(runs) for runs in side)) for side in sides]
     anywhere = [set.union(*(set(runs) for runs in side)) for side in sides]

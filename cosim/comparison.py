@@ -89,7 +89,8 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
     first = rows[0]
     said = [
         f"Mean differences with 95 % intervals, paired by seed; Holm's correction over the "
-        f"{first['n_family']} tests of this table. No difference shown is not the same as no difference."
+        f"{first['n_family']} test{'s' * (first['n_family'] != 1)} of this table. "
+        "No difference shown is not the same as no difference."
     ]
     for name, side in ((first["base"], pairs.base), (first["alt"], pairs.alt)):
         hit, met = (

@@ -32,6 +32,7 @@ PAGES = (
     "docs/architecture.md",
     "docs/conventions.md",
     "docs/references.md",
+    "docs/statistics.md",
 )
 CITATION = re.compile(r"\[([A-Z][A-Za-z]*[A-Za-z0-9.-]*)\]_")
 ENTRY = re.compile(r"^[-*]?\s*\*{0,2}\[([^\]]+)\]", re.MULTILINE)

@@ -77,7 +77,7 @@ def compare_values(base: FloatArray, alt: FloatArray) -> Comparison:
     scale = max(float(np.abs(base).max()), float(np.abs(alt).max()))
     if np.ptp(differences) <= 1e-12 * scale:
         if abs(means[2]) <= 1e-12 * scale:
-            return Comparison(n, *means, 0.0, correlation=correlation, status="no_difference")
+            return Comparison(n, *means[:2], 0.0, 0.0, correlation=correlation, status="no_difference")
         sign = float(np.sign(means[2]))
         p = float(stats.binomtest(n, n).pvalue)
         return Comparison(
