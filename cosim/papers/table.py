@@ -59,14 +59,17 @@ def counts(claims: Sequence[Claim], titles: dict[str, str]) -> Table:
 
 
 def not_reproduced(claims: Sequence[Claim]) -> Table:
-    """Return the claims that did not come out, with the reason."""
-    table = Table(box=box.MARKDOWN, title="Not reproduced", title_justify="left", title_style="")
-    for heading in ("paper", "experiment", "claim", "paper's value", "ours", "why"):
-        table.add_column(heading, overflow="fold")
+    """Return the claims that did not come out, each with the reason below it."""
+    table = Table(box=None, show_header=False, title="Not reproduced", title_justify="left", title_style="")
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold")
     for claim in claims:
         if claim.status is Status.NOT_REPRODUCED:
             theirs, ours = (_with_unit(value, claim.unit) for value in (claim.paper_value, claim.our_value))
-            table.add_row(claim.paper, claim.experiment, claim.claim, theirs, ours, claim.why)
+            values = [f"paper: {theirs}"] * bool(theirs) + [f"ours: {ours}"] * bool(ours)
+            table.add_row(claim.paper, " ".join([f"{claim.experiment}: {claim.claim}", *values]))
+            if claim.why:
+                table.add_row("", claim.why, style="dim")
     return table
 
 
