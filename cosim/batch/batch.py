@@ -102,24 +102,24 @@ class Batch:
     def run(self, shown: Shown) -> Result:
         """Make what is missing, and write the tables of what is finished."""
         stopped = ""
-        with self.ledger.opened(self.request.study):
+        with self._crew() as crew, self.ledger.opened(self.request.study):
             missing = self.ledger.missing(self.jobs)  # another batch may just have ended
             tally = Tally(len(self.jobs), done=len(self.jobs) - len(missing))
             try:
-                with self._crew() as crew, shown as show:
+                with shown as show:
                     conduct(missing, crew, self.ledger, self.checked.identity, tally, show)
             except KeyboardInterrupt:
                 stopped = "interrupted"
             except SimulationError as error:
                 stopped = str(error)
-            self.pool.close()  # before the files of unfinished runs are removed
+            crew.close()  # before the files of unfinished runs are removed
             try:
                 tables.write(self.ledger, self.study.controllers)
             except SimulationError as error:
                 stopped = stopped or str(error)
         return Result(tally, stopped, self._not_valid())
 
-    def _crew(self) -> AbstractContextManager[Pool] | AbstractContextManager[Cluster]:
+    def _crew(self) -> Pool | Cluster:
         if self.request.scheduler is None:
             return self.pool
         from cosim.batch.dask_cluster import Cluster
@@ -150,7 +150,8 @@ def prepared(
     ledger = Ledger(request.folder)
     jobs = matrix.jobs()
     missing = ledger.missing(jobs)
-    with Pool(request.processes, _handling(request, study)) as pool:
+    most = max(len(missing), len({one.road for one in matrix.configurations}))
+    with Pool(min(request.processes, most), _handling(request, study)) as pool:
         checked = preflight.check(matrix, pool, request.study, progress)
         ledger.verify(jobs, checked.identity)
         yield Batch(request, study, matrix, ledger, checked, pool, jobs, missing)

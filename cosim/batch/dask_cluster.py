@@ -10,8 +10,10 @@ import hashlib
 import logging
 import multiprocessing
 import shutil
+import sys
 import tempfile
 import uuid
+import warnings
 from collections.abc import Iterable
 from concurrent.futures import CancelledError, Future
 from pathlib import Path
@@ -30,12 +32,18 @@ from cosim.errors import InputError, SimulationError
 
 try:
     from distributed import Client, KilledWorker, WorkerPlugin, get_worker
+    from distributed.comm.addressing import parse_address, parse_host_port
+    from distributed.comm.registry import get_backend
+    from distributed.versions import VersionMismatchWarning
 except ImportError as error:
     raise InputError(
         f"--scheduler needs Dask, which is not installed ({error}); pip install 'sumo-cosim[cluster]'"
     ) from error
 
-_new_client: Any = Client  # its methods have no types
+_new_client: Any = Client
+"""Its methods have no types."""
+LOGGERS = ("distributed", "distributed.client", "tornado.application")
+"""Those to which Dask gives a level."""
 CONNECT_TIMEOUT_S = 10.0
 LOOK_FOR_WORKERS_EVERY_S = 5.0
 
@@ -96,6 +104,22 @@ def _versions(controllers: tuple[str, ...]) -> dict[str, str]:
     return provenance.versions() | sources
 
 
+def _connected(address: str) -> Any:
+    try:
+        scheme, location = parse_address(address)
+        get_backend(scheme)
+        parse_host_port(location)
+        with warnings.catch_warnings():
+            # Other versions are told by us, as far as they change a number.
+            warnings.simplefilter("ignore", VersionMismatchWarning)
+            return _new_client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler {address}: no Dask scheduler answers there; expected its address, "
+            "for instance tcp://127.0.0.1:8786"
+        ) from error
+
+
 class Cluster:
     """A Dask cluster that makes runs; use as a context manager.
 
@@ -116,7 +140,8 @@ class Cluster:
     """
 
     def __init__(self, address: str, study: Path, jobs: Iterable[Job], handling: Handling) -> None:
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters of it is said by us
+        for name in LOGGERS:
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters of it is said by us
         self._address = address
         self._name = f"cosim-{hashlib.sha256(str(study.resolve()).encode()).hexdigest()[:12]}"
         places, controllers = set(), set()
@@ -125,14 +150,9 @@ class Cluster:
             controllers.add(job.configuration.controller)
         bundles = tuple(one for place in sorted(places) if (one := bundle(place)) is not None)
         self._threads = 0
+        self._told = False
         self._looked = -LOOK_FOR_WORKERS_EVERY_S
-        try:
-            self._client: Any = _new_client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"--scheduler {address}: no Dask scheduler answers there; expected its address, "
-                "for instance tcp://127.0.0.1:8786"
-            ) from error
+        self._client = _connected(address)
         try:
             self._agree(tuple(sorted(controllers)))
             self._client.register_plugin(StudyOnWorker(self._name, bundles, handling))
@@ -146,6 +166,10 @@ class Cluster:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the cluster, and nothing on its workers."""
         if self._client.status == "running":
             self._client.unregister_worker_plugin(self._name)
         self._client.close()
@@ -157,6 +181,9 @@ class Cluster:
             self._looked = now
             self._check_alive()
             self._threads = sum(self._client.nthreads().values())
+            if self._threads == 0 and not self._told:
+                self._told = True
+                print(f"no worker has joined the scheduler {self._address} yet", file=sys.stderr, flush=True)
         return max(1, 2 * self._threads)
 
     def submit(self, job: Job, folder: Path) -> Future[Outcome]:

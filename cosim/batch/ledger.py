@@ -99,6 +99,11 @@ class Ledger:
         """Return where a finished run is."""
         return self.folder / RUNS / name
 
+    def recorded(self) -> list[Path]:
+        """Return the folders of finished runs, and those that failed runs have left."""
+        failed = (path.parent for path in (self.folder / FAILED).glob(f"*/{RUN}/run.json"))
+        return [*(self.run_folder(name) for name in self.finished()), *sorted(failed)]
+
     def work_folder(self, job: Job, attempt: int) -> Path:
         """Return where an attempt at a run is made."""
         return self.folder / WORK / f"{job.name}-{attempt}"

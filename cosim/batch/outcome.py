@@ -17,7 +17,8 @@ LOG = "log.txt"
 REASON = "reason.txt"
 NOTE = "job.json"
 """How the study asked for the run; inside the run's folder."""
-LAST_LINES = 20
+LAST_LINES = 40
+LONGEST_LINE = 300
 
 # Of any of these no further run can be expected to succeed.
 _FULL = tuple(os.strerror(code) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
@@ -46,7 +47,7 @@ class Outcome:
             text = (self.folder / LOG).read_text(encoding="utf-8", errors="replace")
         except OSError:
             return ()
-        return text.splitlines()[-LAST_LINES:]
+        return [line[:LONGEST_LINE] for line in text.splitlines()[-LAST_LINES:]]
 
 
 def says_full(text: str) -> bool:

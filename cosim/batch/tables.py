@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from analysis.study import write_tables
 from cosim.batch.ledger import Ledger
 from cosim.errors import SimulationError
 
@@ -19,11 +18,13 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> None:
     SimulationError
         If that is not possible.
     """
+    from analysis.study import write_tables  # loads statistics, which only a batch that has ended needs
+
     baseline = USUAL_BASELINE if USUAL_BASELINE in controllers else controllers[0]
-    names = ledger.finished()
+    folders = ledger.recorded()
     try:
         ledger.write_failures()
-        if names:
-            write_tables(ledger.folder, [ledger.run_folder(name) for name in names], baseline)
+        if folders:
+            write_tables(ledger.folder, folders, baseline)
     except (OSError, ValueError) as error:
         raise SimulationError(f"{ledger.folder}: the tables could not be written: {error}") from error

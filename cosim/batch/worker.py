@@ -7,6 +7,7 @@ another one.
 from __future__ import annotations
 
 import faulthandler
+import importlib
 import multiprocessing
 import os
 import sys
@@ -50,9 +51,10 @@ class Handling:
 
 
 def begin() -> None:
-    """Get a new worker process ready."""
+    """Get a new worker process ready; what is loaded here counts for no run's time limit."""
     faulthandler.enable()
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    importlib.import_module("cosim.execution")
 
 
 def check(job: Job, start_sumo: bool) -> tuple[Inputs, str] | str:
