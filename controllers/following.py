@@ -39,7 +39,13 @@ class Following:
         self._right_of_way = RightOfWay(self.style.acceleration)
 
     def follow(
-        self, perception: Perception, target_lane: int, times: FloatArray, *, leaving: bool = False
+        self,
+        perception: Perception,
+        target_lane: int,
+        times: FloatArray,
+        *,
+        leaving: bool = False,
+        free_speed: float | None = None,
     ) -> Longitudinal:
         """Return desired accelerations at the given times from now.
 
@@ -49,6 +55,7 @@ class Following:
         target_lane : ``Lane.number`` to end in; its leader is followed as well as the own one
         times : instants from now, ascending from 0 [s]
         leaving : the ego waits for a chance to leave its lane; then it keeps room to a standing leader
+        free_speed : desired where nothing is ahead; ``None``: the speed limit here [m/s]
 
         Notes
         -----
@@ -65,7 +72,7 @@ class Following:
         places = np.append(places, [max(one.gap, 0.0) for one in passed])
         speeds = np.append(speeds, [style.passing_speed] * len(passed))
         names = (*names, *(one.name for one in passed))
-        free = limit_now(perception.road, ego.body.front)
+        free = limit_now(perception.road, ego.body.front) if free_speed is None else free_speed
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0
         because = ""

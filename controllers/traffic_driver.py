@@ -36,13 +36,27 @@ class TrafficDriver:
             reason = self._following.follow(perception, target, np.zeros(1)).because
         return Decision(manoeuvre, target, because=threat or reason)
 
-    def accelerations(self, perception: Perception, decision: Decision) -> FloatArray:
-        """Return what traffic and road allow, at ``lane_keeping.instants(ego)`` [m/s^2]."""
+    @property
+    def waiting(self) -> bool:
+        """Whether it wants another lane that is not free."""
+        return self._lanes.waiting
+
+    def accelerations(
+        self, perception: Perception, decision: Decision, *, free_speed: float | None = None
+    ) -> FloatArray:
+        """Return what traffic and road allow, at ``lane_keeping.instants(ego)`` [m/s^2].
+
+        Parameters
+        ----------
+        perception, decision : as seen and decided
+        free_speed : desired where nothing is ahead, instead of the speed limit here [m/s]
+        """
         allowed = self._following.follow(
             perception,
             decision.target_lane,
             lane_keeping.instants(perception.ego),
             leaving=self._lanes.waiting,
+            free_speed=free_speed,
         ).acceleration
         return np.minimum(allowed, PAUSING) if self._lanes.paused else allowed
 
