@@ -1,0 +1,88 @@
+"""Who waits at a kerb crosses in the most probable direction; who walks keeps his direction."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.forecast import Forecast, Predictor
+
+WALKING = 0.2
+"""Slower is standing [m/s]."""
+BESIDE_ROAD = 1.0
+"""Who stands no further beside the road is at its kerb … [m]."""
+ON_ROAD = 0.5
+"""… and so is who stands no further on it [m]."""
+
+
+class DirectionPrediction:
+    """Predicts by the model of directions, the goal being unknown.
+
+    - Who walks has chosen already, and is expected to keep speed and direction; ``reach`` is 0.
+    - Who stands at the kerb, or waits where a crossing begins, is expected to step out now and to walk at
+      ``speed`` in the most probable direction for a goal straight across, until he is over. ``reach`` is
+      what he has walked times the spread of the distribution.
+    - Who stands anywhere else is expected to stay.
+
+    Parameters
+    ----------
+    model : of the choice
+    speed : of those who step out [m/s]
+
+    Notes
+    -----
+    [LiLuZhang]_ fixes the direction at departure. It knows the goal; a car does not, so "straight across"
+    stands in for it. The kerbs are those of the crossing that is next, elsewhere the ends of the lanes
+    that the ego may use.
+    """
+
+    def __init__(self, model: DirectionModel, speed: float = WALKING_SPEED) -> None:
+        self._model = model
+        self._speed = speed
+
+    def predict(self, perception: Perception, times: FloatArray) -> Forecast:
+        """Return where everybody is most probably, and how sure that is."""
+        people = perception.pedestrians
+        along_speed, across_speed = people.along_speed.copy(), people.across_speed.copy()
+        until, spread = np.full(len(people), np.inf), np.zeros(len(people))
+        right, left = _kerbs(perception)
+        for i in _about_to_cross(perception, right, left):
+            errand = Errand(float(left[i] - right[i]))
+            angle = self._model.most_probable(errand)
+            from_left = bool(people.across[i] > 0.5 * (right[i] + left[i]))
+            along_speed[i], across_speed[i] = velocity(angle, self._speed, from_left=from_left)
+            beyond = float(people.across[i] - right[i] if from_left else left[i] - people.across[i])
+            until[i] = beyond / abs(across_speed[i])
+            spread[i] = self._model.spread(errand) * self._speed
+        walked = np.minimum(times, until[:, None])
+        return Forecast(
+            times,
+            people.along[:, None] + along_speed[:, None] * walked,
+            people.across[:, None] + across_speed[:, None] * walked,
+            spread[:, None] * walked,
+        )
+
+
+def _kerbs(perception: Perception) -> tuple[FloatArray, FloatArray]:
+    """Return the right and left end of the road that each pedestrian is at [m]."""
+    road, people = perception.road, perception.pedestrians
+    # The last entry, which index −1 means, is the road away from crossings.
+    right = np.array([*(crossing.right for crossing in road.crossings), road.right_edge])
+    left = np.array([*(crossing.left for crossing in road.crossings), road.left_edge])
+    return right[people.crossing], left[people.crossing]
+
+
+def _about_to_cross(perception: Perception, right: FloatArray, left: FloatArray) -> NDArray[np.int64]:
+    """Return who stands at a kerb, by index."""
+    people = perception.pedestrians
+    standing = np.hypot(people.along_speed, people.across_speed) < WALKING
+    outside = np.maximum(right - people.across, people.across - left)
+    near = (outside < BESIDE_ROAD) | people.waiting
+    return np.flatnonzero(standing & near & (outside > -ON_ROAD) & (left > right))
+
+
+def build() -> Predictor:
+    """Build the predictor."""
+    return DirectionPrediction(DirectionModel())
