@@ -1,0 +1,168 @@
+"""The numbers of the potential-field paper's experiments."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from cosim.papers import potential_field
+from cosim.papers.claim import Claim, Status
+from cosim.papers.potential_field_scenes import (
+    FIXED_AXIS,
+    GRAVITY,
+    SAFE,
+    SCENES,
+    Scene,
+    Track,
+    driven,
+    planned,
+)
+from cosim.papers.potential_field_spread import directions, gain_grid, orders
+
+SCENE = MappingProxyType({scene.name: scene for scene in SCENES})
+RIGHT_ANGLE = math.radians(90.0)
+
+
+@pytest.fixture(scope="module")
+def claims(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]:
+    """Run all experiments once."""
+    folder = tmp_path_factory.mktemp("figures")
+    return potential_field.run(folder), folder
+
+
+@pytest.mark.parametrize(("name", "axis"), [("1", 18.779), ("2", 21.975), ("3", 11.841), ("4", 20.900)])
+def test_the_long_half_axes_of_the_four_scenes(name: str, axis: float) -> None:
+    assert SCENE[name].long_axis == pytest.approx(axis, abs=5e-4)
+    assert pytest.approx(1.83) == SAFE
+
+
+def test_with_one_start_for_all_scenes_their_axes_would_not_be_the_papers() -> None:
+    """So the starts differ, whichever they are: the paper has scene 3 alone below 15 m."""
+    assert Scene("3", 50.0, 4.0, RIGHT_ANGLE).long_axis == pytest.approx(23.8, abs=0.05)
+    axes = [Scene("", 50.0, 3.0, math.radians(angle)).long_axis for angle in (30.0, 90.0, 150.0)]
+    assert axes[1] < 15.0 < axes[2]
+    assert planned(Scene("2", 50.0, 3.0, math.radians(30.0)), axes[0]).side == "left"
+
+
+@pytest.mark.parametrize(
+    ("name", "fixed", "variable"),
+    [
+        # largest curvature [1/m], smallest clearance [m], where the avoidance begins [m]
+        ("1", (0.00363, 0.82, 22.0), (0.00249, 0.92, 14.7)),
+        ("2", (0.00399, 0.40, 25.7), (0.00215, 0.60, 13.5)),
+        ("3", (0.00336, 1.11, 25.2), (0.00476, 1.01, 31.7)),
+        ("4", (0.00388, 0.54, 21.0), (0.00225, 0.70, 11.2)),
+    ],
+)
+def test_the_planned_paths(
+    name: str, fixed: tuple[float, float, float], variable: tuple[float, float, float]
+) -> None:
+    scene = SCENE[name]
+    for axis, (bend, clearance, begins) in ((FIXED_AXIS, fixed), (scene.long_axis, variable)):
+        track = planned(scene, axis)
+        assert track.highest_curvature == pytest.approx(bend, abs=6e-6)
+        assert track.clearance == pytest.approx(clearance, abs=0.0051)
+        assert track.begins == pytest.approx(begins, abs=0.051)
+        assert track.side == ("left" if name == "3" else "right")
+        assert track.beyond_edge < 0.0
+        assert track.falls_then_rises()
+
+
+@pytest.mark.parametrize(("name", "acceleration"), [("1", 0.16), ("2", 0.14), ("3", 0.30), ("4", 0.14)])
+def test_the_lateral_accelerations(name: str, acceleration: float) -> None:
+    track = planned(SCENE[name], SCENE[name].long_axis)
+    assert track.lateral_acceleration / GRAVITY == pytest.approx(acceleration, abs=0.0051)
+
+
+def test_a_field_that_moves_with_the_pedestrian_bends_the_path_more() -> None:
+    scene = Scene("3", 70.0, 4.0, RIGHT_ANGLE)
+    fixed, variable = (planned(scene, axis, moving=True) for axis in (FIXED_AXIS, scene.long_axis))
+    assert fixed.highest_curvature == pytest.approx(0.00545, abs=6e-6)
+    assert variable.highest_curvature == pytest.approx(0.00636, abs=6e-6)
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"scene {scene.name}")
+@pytest.mark.parametrize("axis", ["fixed", "variable"])
+def test_the_car_drives_what_was_planned(scene: Scene, axis: str) -> None:
+    plan = planned(scene, FIXED_AXIS if axis == "fixed" else scene.long_axis)
+    track: Track = driven(scene, axis)
+    off = np.abs(track.y - np.interp(track.x, plan.x, plan.y))
+    assert off.max() < 0.1
+    assert track.clearance == pytest.approx(plan.clearance, abs=0.08)
+    assert track.highest_curvature == pytest.approx(plan.highest_curvature, rel=0.15)
+    assert track.side == plan.side
+    assert track.beyond_edge < 0.0
+    # Constant speed: 25 m/s along the path, which is hardly longer than the road.
+    assert np.diff(track.x)[-10:] == pytest.approx(2.5, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("moving", "curvature", "untouched", "on_road", "everything"),
+    [(False, (102, 102, 105, 99), 66, 75, 33), (True, (102, 102, 102, 102), 72, 78, 42)],
+)
+def test_the_orders_are_generic_and_safety_is_not(
+    moving: bool, curvature: tuple[int, ...], untouched: int, on_road: int, everything: int
+) -> None:
+    assert len(np.asarray(gain_grid().centre)) == 108
+    found = orders(moving=moving)
+    # A set at its limit may fall on either side where rounding differs.
+    assert [int(holds.sum()) for holds in found.curvature.values()] == pytest.approx(curvature, abs=1)
+    assert found.begins.all()
+    assert found.left.all()
+    counts = [int(holds.sum()) for holds in (found.untouched, found.on_road, found.everything)]
+    assert counts == pytest.approx([untouched, on_road, everything], abs=1)
+
+
+def test_the_tuned_field_does_not_avoid_who_walks_in_any_direction() -> None:
+    fixed, variable = directions(variable=False), directions(variable=True)
+    assert fixed.probabilities.sum() == pytest.approx(1.0)
+    assert variable.touched == pytest.approx(0.451, abs=0.005)
+    assert fixed.touched == pytest.approx(0.999, abs=0.005)
+
+
+def test_every_claim_has_what_the_table_needs(claims: tuple[list[Claim], Path]) -> None:
+    found, _ = claims
+    assert {claim.paper for claim in found} == {"003"}
+    for claim in found:
+        assert claim.our_value
+        assert claim.claim.endswith(".")
+        assert claim.why or claim.status is Status.REPRODUCED
+    keys = [(claim.experiment, claim.claim) for claim in found]
+    assert len(keys) == len(set(keys))
+
+
+def test_what_is_reproduced_what_is_fitted_and_what_is_not(claims: tuple[list[Claim], Path]) -> None:
+    by_status = {
+        status: {(claim.experiment, claim.claim) for claim in claims[0] if claim.status is status}
+        for status in Status
+    }
+    assert {experiment for experiment, _ in by_status[Status.REPRODUCED]} == {"directions"}
+    missed = {experiment for experiment, _ in by_status[Status.NOT_REPRODUCED]}
+    assert missed == {
+        "directions, both utilities linear",
+        "108 untuned gain sets, field at the conflict point",
+        "108 untuned gain sets, field moves",
+        "direction drawn from the model, start (50, 4)",
+    }
+    fitted = [claim for claim in claims[0] if claim.status is Status.FITTED]
+    assert {f"scene {name}, {how}" for name in "1234" for how in ("path", "driven")} <= {
+        claim.experiment for claim in fitted
+    }
+
+
+def test_the_figures_are_drawn_and_always_the_same(claims: tuple[list[Claim], Path], tmp_path: Path) -> None:
+    names = {path.name for path in claims[1].iterdir()}
+    assert names == {
+        "003-curvature.png",
+        "003-direction-probabilities.png",
+        "003-distance.png",
+        "003-field-and-paths.png",
+    }
+    again = potential_field.run(tmp_path)
+    assert again == claims[0]
+    for name in names:
+        assert (tmp_path / name).read_bytes() == (claims[1] / name).read_bytes()
