@@ -17,6 +17,8 @@ from controllers.trapezoid_profile import PlannedSpeed, PlanningLimits, Situatio
 
 STEADY = 0.2
 """An obstacle's smaller acceleration is not expected to go on [m/s^2]."""
+OTHER_SPEED = 0.1
+"""A plan is not begun to be driven from a speed that differs by more [m/s]."""
 ENDS_AT_NO_GAP = frozenset({"0", "gone"})
 """Cases without a gap to end at."""
 
@@ -101,6 +103,10 @@ class KeptPlan:
         moved, speed, _ = self.plan.profile.at(max(elapsed - self.delay, 0.0))
         moved += self.plan.profile.speed * min(elapsed, self.delay)
         return self.situation.gap + self.situation.obstacle_speed * elapsed - moved, speed
+
+    def has_speed(self, now: float, speed: float) -> bool:
+        """Say whether it is a plan for this speed: one that was not driven for a while may not be."""
+        return abs(self.plan.profile.at(now - self.since)[1] - speed) <= OTHER_SPEED
 
     def fits(
         self, now: float, situation: Situation, limits: PlanningLimits, gone: float, triggers: Triggers

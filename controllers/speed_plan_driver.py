@@ -166,9 +166,10 @@ class SpeedPlanDriver:
         self._plans.forget_others(set(found))
         asked = self._asked(found, moment, ego)
         first = self._first(asked)
-        if first != self._governing:
+        if first != self._governing and not found[first][0].has_speed(moment.now, state.speed):
             found[first] = self._plans.plan_for(targets[first], moment, renew=True)
-            asked, self._governing = self._asked(found, moment, ego), first
+            asked = self._asked(found, moment, ego)
+        self._governing = first
         kept = found[first][0]
         acceleration = np.minimum(
             np.min(list(asked.accelerations.values()), axis=0), road[_entry(steps, asked.times)]
