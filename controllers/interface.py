@@ -108,6 +108,13 @@ class Pedestrians:
     """True for those on the crossing itself (phase CROSSING)."""
     waiting: NDArray[np.bool_]
     """True for those whose next edge is that crossing (phase WAITING)."""
+    uncertainty: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Standard deviation of the position along either axis [m]; not given: zeros, the truth is known."""
+
+    def __post_init__(self) -> None:
+        """Fill in what is not given."""
+        if not len(self.uncertainty) and self.names:
+            object.__setattr__(self, "uncertainty", np.zeros(len(self.names)))
 
     def __len__(self) -> int:
         return len(self.names)

@@ -15,7 +15,7 @@ from analysis import recording
 from controllers.interface import Decision, FloatArray, Neighbour, Perception, Plan
 from cosim.loop import ToWorld
 from cosim.parquet_sink import ParquetSink
-from cosim.world import EgoTruth, MapArea, Snapshot
+from cosim.world import EgoTruth, MapArea, Sensed, Snapshot
 
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
@@ -24,7 +24,7 @@ _UNPLANNED = (None,) * (len(recording.EGOS) - recording.EGOS.get_field_index("ru
 
 
 class Recorder:
-    """Writes egos, neighbours, plans and timing of one run.
+    """Writes egos, neighbours, plans, timing and what was sensed of one run.
 
     Use as a context manager: however the block is left, what was recorded until then is in the files.
     The wall clock appears in ``timing.parquet`` only.
@@ -36,6 +36,7 @@ class Recorder:
         self._neighbours = ParquetSink(folder / "neighbours.parquet", recording.NEIGHBOURS)
         self._plans = ParquetSink(folder / "plans.parquet", recording.PLANS)
         self._timing = ParquetSink(folder / "timing.parquet", recording.TIMING)
+        self._sensing: ParquetSink | None = None
         self._planned_now: dict[str, tuple[Any, ...]] = {}
         self._last_kept_plan: dict[str, int] = {}
         self.first_time: float | None = None
@@ -83,6 +84,11 @@ class Recorder:
         self._planned_now.clear()
         self._neighbours.add_columns(_person_columns(snapshot))
         self._neighbours.add_columns(_vehicle_columns(snapshot))
+        if snapshot.sensed is not None:
+            if self._sensing is None:
+                self._sensing = ParquetSink(self._folder / "sensing.parquet", recording.SENSING)
+            for sensed in snapshot.sensed:
+                self._sensing.add_columns(_sensing_columns(sensed))
 
     def write_map(self, areas: Sequence[MapArea]) -> None:
         """Write ``map.json``: lanes, crossings and walking areas near where the egos have been."""
@@ -103,9 +109,10 @@ class Recorder:
     def close(self) -> None:
         """Write the last rows of every file, also when one of them cannot be written."""
         errors: list[OSError] = []
-        for sink in (self._egos, self._neighbours, self._plans, self._timing):
+        for sink in (self._egos, self._neighbours, self._plans, self._timing, self._sensing):
             try:
-                sink.close()
+                if sink is not None:
+                    sink.close()
             except OSError as error:
                 errors.append(error)
         if errors:
@@ -226,6 +233,21 @@ def _vehicle_columns(snapshot: Snapshot) -> list[Any]:
         vehicles.lane,
         [None] * count,
         [None] * count,
+    ]
+
+
+def _sensing_columns(sensed: Sensed) -> list[Any]:
+    count = len(sensed.names)
+    return [
+        [sensed.time] * count,
+        [sensed.ego] * count,
+        sensed.names,
+        sensed.told.tolist(),
+        sensed.state,
+        *(
+            [_finite(one) for one in values.tolist()]
+            for values in (sensed.age, sensed.error, sensed.uncertainty)
+        ),
     ]
 
 

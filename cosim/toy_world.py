@@ -1,7 +1,8 @@
 """A straight road without SUMO: fast tests, and experiments with exact initial conditions.
 
 The road runs east from x = 0, lanes count from the right (south) and lane 0's centre line is y = 0.
-Pedestrians and vehicles are scripted; the ego is the same plant as in SUMO. Perception is exact.
+Pedestrians and vehicles are scripted; the ego is the same plant as in SUMO. Perception is exact, unless a
+sensing model is given.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ from controllers.interface import (
     constant_command,
 )
 from cosim.plant import Plant
+from cosim.sensing.interface import Scene, Sensing, Site
+from cosim.sensing.models.perfect import Model as Perfect
+from cosim.sensing.senses import Senses
 from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 
 FloatArray = NDArray[np.float64]
@@ -123,6 +127,10 @@ class ToyWorld:
         [s]
     step
         [s]
+    sensing
+        How the ego comes to know of pedestrians.
+    seed
+        Of what sensing draws.
     """
 
     road: ToyRoad = field(default_factory=ToyRoad)
@@ -136,22 +144,27 @@ class ToyWorld:
     drive: Drive = field(default_factory=Drive)
     view: float = 100.0
     name: str = "ego"
+    sensing: Sensing = field(default_factory=Perfect)
+    seed: int = 1
     time: float = field(init=False, default=0.0)
     plant: Plant = field(init=False)
     _command: Command = field(init=False)
     _reference: int = field(init=False)
     _travelled: float = field(init=False, default=0.0)
+    _senses: Senses = field(init=False)
 
     def __post_init__(self) -> None:
         self.plant = Plant(self.body, self.drive, 0.0, self.lane * self.road.lane_width, 0.0, self.speed)
         self._command = constant_command(0.0, 0.0)
         self._reference = self.lane
+        self._senses = Senses(self.sensing, self._site(), self.seed)
 
     def sense(self) -> Sequence[Perception] | None:
         """Return the ego's perception; ``None`` after ``duration``."""
         if self.time >= self.duration - 1e-9:
             return None
         self._switch_lane()
+        self._senses.begin()
         vehicles = self._vehicles()
         return (Perception(self._ego(), self._pedestrians(), vehicles, self._gaps(vehicles), self._road()),)
 
@@ -221,13 +234,14 @@ class ToyWorld:
                 tuple(q.name for q in self.vehicles),
                 v[0],
                 v[1],
-                np.arctan2(v[3], np.where(np.hypot(v[2], v[3]) > 1e-9, v[2], 1.0)),
+                _heading(v),
                 np.hypot(v[2], v[3]),
                 np.array([q.length for q in self.vehicles]),
                 np.array([q.width for q in self.vehicles]),
                 ("toy",) * len(cars),
                 ("passenger",) * len(cars),
             ),
+            sensed=None if self.sensing.exact else self._senses.now,
         )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -345,23 +359,57 @@ class ToyWorld:
         ]
         c = _columns([m for _, m in near])
         index = {i: at for at, (i, _) in enumerate(self._seen_crossings())}
-        on = [index.get(self._crossing_of(m[0], m[1]), -1) for _, m in near]
+        on = np.array([index.get(self._crossing_of(m[0], m[1]), -1) for _, m in near], dtype=np.int64)
+        names, radius = tuple(p.name for p, _ in near), np.array([p.radius for p, _ in near])
+        told, uncertainty = np.arange(len(near)), np.zeros(len(near))
+        if not self.sensing.exact:
+            belief = self._senses.look(self._scene(names, c, radius))
+            told, uncertainty = np.flatnonzero(belief.told), belief.uncertainty
+            c = np.vstack([belief.position.T, belief.velocity.T])
         return Pedestrians(
-            tuple(p.name for p, _ in near),
-            c[0] - self.plant.x,
-            c[1] - centre,
-            c[2],
-            c[3],
-            np.array([p.radius for p, _ in near]),
-            np.array(on, dtype=np.int64),
-            np.array([i >= 0 for i in on], dtype=bool),
-            np.zeros(len(near), dtype=bool),
+            tuple(names[i] for i in told.tolist()),
+            c[0, told] - self.plant.x,
+            c[1, told] - centre,
+            c[2, told],
+            c[3, told],
+            radius[told],
+            on[told],
+            on[told] >= 0,
+            np.zeros(len(told), dtype=bool),
+            uncertainty[told],
         )
+
+    def _scene(self, names: tuple[str, ...], motion: FloatArray, radius: FloatArray) -> Scene:
+        cars = _columns([v.motion(self.time) for v in self.vehicles])
+        return Scene(
+            self.name,
+            self.time,
+            round(self.time / self.step),
+            self.plant.x,
+            self.plant.y,
+            self.plant.heading,
+            self.body,
+            names,
+            motion[:2].T,
+            motion[2:].T,
+            radius,
+            cars[:2].T,
+            _heading(cars),
+            np.array([v.length for v in self.vehicles]),
+            np.array([v.width for v in self.vehicles]),
+        )
+
+    def _site(self) -> Site:
+        right, left = self._edges()
+        crossings = {
+            f"toy_c{i}": np.array([[c.x + c.width / 2, right], [c.x + c.width / 2, left]])
+            for i, c in enumerate(self.road.crossings)
+        }
+        return Site(crossings, np.zeros((0, 4)), np.zeros((0, 4)))
 
     def _vehicles(self) -> Vehicles:
         now = _columns([v.motion(self.time) for v in self.vehicles])
         before = _columns([v.motion(self.time - self.step) for v in self.vehicles])
-        heading = np.arctan2(now[3], np.where(np.hypot(now[2], now[3]) > 1e-9, now[2], 1.0))
         return Vehicles(
             tuple(v.name for v in self.vehicles),
             now[0] - self.plant.x,
@@ -369,7 +417,7 @@ class ToyWorld:
             now[2],
             now[3],
             (now[2] - before[2]) / self.step,
-            heading,
+            _heading(now),
             np.array([v.length for v in self.vehicles]),
             np.array([v.width for v in self.vehicles]),
         )
@@ -405,3 +453,8 @@ class ToyWorld:
 
 def _columns(rows: Sequence[tuple[float, float, float, float]]) -> FloatArray:
     return np.array(rows, dtype=np.float64).reshape(len(rows), 4).T
+
+
+def _heading(motion: FloatArray) -> FloatArray:
+    """Return where vehicles point; one that stands points east."""
+    return np.asarray(np.arctan2(motion[3], np.where(np.hypot(motion[2], motion[3]) > 1e-9, motion[2], 1.0)))

@@ -82,6 +82,25 @@ class VehiclesTruth:
 
 
 @dataclass(frozen=True, slots=True)
+class Sensed:
+    """What one ego knew of the pedestrians near it when it planned last; arrays of length n."""
+
+    time: float
+    ego: str
+    names: tuple[str, ...]
+    told: NDArray[np.bool_]
+    """Whether its controller was told of this one."""
+    state: tuple[str, ...]
+    """Whether he was measured then: ``cosim.sensing.interface.State`` in small letters."""
+    age: FloatArray
+    """Time since the measurement that was believed; nan where it was not told [s]."""
+    error: FloatArray
+    """From where he was believed to where he was; nan where it was not told [m]."""
+    uncertainty: FloatArray
+    """Standard deviation of the position along either axis, as believed; nan where it was not told [m]."""
+
+
+@dataclass(frozen=True, slots=True)
 class Snapshot:
     """The world's truth at one instant; what the judge sees, whatever the egos could sense."""
 
@@ -91,6 +110,8 @@ class Snapshot:
     vehicles: VehiclesTruth
     teleports: int = 0
     """Egos teleported by SUMO since the start."""
+    sensed: tuple[Sensed, ...] | None = None
+    """What egos knew at the beginning of the step, if they planned; ``None`` where they know the truth."""
 
 
 @dataclass(frozen=True, slots=True)

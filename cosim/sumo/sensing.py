@@ -175,6 +175,7 @@ def _pedestrians(view: View, surroundings: Surroundings, crossings: Sequence[Pat
         crossing,
         concerned & on_crossing,
         concerned & ~on_crossing,
+        np.zeros(len(rows)) if persons.uncertainty is None else persons.uncertainty[rows],
     )
 
 

@@ -40,6 +40,8 @@ class Persons:
     on_crossing: NDArray[np.bool_]
     phase: tuple[str, ...]
     kind: tuple[str, ...]
+    uncertainty: FloatArray | None = None
+    """Standard deviation of the positions, where they are what an ego believes [m]."""
 
 
 @dataclass(frozen=True, slots=True)

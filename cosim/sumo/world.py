@@ -15,10 +15,13 @@ from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
 from cosim.pedestrians.scene import RoadUser
 from cosim.plant import Plant, body_of
+from cosim.sensing.interface import Sensing
+from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.foes import FoeFinder, near
+from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
@@ -71,15 +74,22 @@ class SumoWorld:
     seed : draws the egos of a share; SUMO's own seed is among the prepared options
     drive : actuators of every ego
     gui : show SUMO's window
+    sensing : how egos come to know of pedestrians; not given: they know the truth
 
     Raises
     ------
     InputError
-        If SUMO cannot start, or an ego's route or type is not possible.
+        If SUMO cannot start, or an ego's route or type, or what senses for it, is not possible.
     """
 
     def __init__(
-        self, scenario: Scenario, prepared: Prepared, seed: int, drive: Drive | None = None, gui: bool = False
+        self,
+        scenario: Scenario,
+        prepared: Prepared,
+        seed: int,
+        drive: Drive | None = None,
+        gui: bool = False,
+        sensing: Sensing | None = None,
     ) -> None:
         self._network = read_network(prepared.net_file)
         self._begin = prepared.begin_s
@@ -107,6 +117,7 @@ class SumoWorld:
             self._observer = Observer(self._sumo, self._network, self.step)
             self._foes = FoeFinder(self._sumo, self._network)
             self._scripted.join(self._sumo, self.step)
+            self._knowledge = self._known_by(sensing or Perfect(), seed)
             self._surroundings: Surroundings = self._observer.read((), {})
         except BaseException:
             self._connection.close()
@@ -121,6 +132,7 @@ class SumoWorld:
         if self._over():
             self._sources.check_seen(self._any_ego, self._time)
             return None
+        self._knowledge.begin()
         if self._steps % self._plan_every:
             return ()
         with self._connection.reporting(f"sensing at {self._time:.2f} s"):
@@ -193,6 +205,7 @@ class SumoWorld:
                 tuple(cars.kind[row] for row in others),
             ),
             self._teleports,
+            self._knowledge.now,
         )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -268,6 +281,7 @@ class SumoWorld:
 
     def _forget(self, name: str) -> None:
         self._actuation.forget(name)
+        self._knowledge.forget(name)
         del self._egos[name]
 
     def _follow_up(self, ego: _Ego) -> None:
@@ -350,9 +364,16 @@ class SumoWorld:
 
     # Sensing ------------------------------------------------------------------------------------------
 
+    def _known_by(self, sensing: Sensing, seed: int) -> Knowledge:
+        try:
+            return Knowledge(sensing, self._sumo, self._network, seed, self.step)
+        except ValueError as error:
+            raise InputError(f"sensing: {error}") from error
+
     def _perceive(self, ego: _Ego, lights: dict[str, str]) -> Perception:
         plant = ego.plant
-        view = look(ego.name, plant, ego.track, self._surroundings)
+        known = self._knowledge.believed(ego.name, plant, self._time, self._surroundings)
+        view = look(ego.name, plant, ego.track, known)
         frame = ego.frame = view.frame
         names = {signal.name for signal in visible_signals(frame)}
         names |= {c.source.signal for c in visible_crossings(frame) if c.source.signal}
@@ -374,8 +395,8 @@ class SumoWorld:
             plant.drive,
             self._plan_every * self.step,
         )
-        foes = self._foes.find(view, self._surroundings, lights)
-        return perceive(state, view, ego.track, self._surroundings, lights, foes, ego.own_limit)
+        foes = self._foes.find(view, known, lights)
+        return perceive(state, view, ego.track, known, lights, foes, ego.own_limit)
 
     def _truth(self, ego: _Ego) -> EgoTruth:
         plant, track = ego.plant, ego.track

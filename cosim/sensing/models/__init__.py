@@ -1,0 +1,1 @@
+"""One sensing model per file."""

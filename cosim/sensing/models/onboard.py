@@ -1,0 +1,19 @@
+"""The ego's own sensor, which does not see through vehicles and buildings."""
+
+from __future__ import annotations
+
+from cosim.sensing.interface import Sensor, Site
+from cosim.sensing.vision import Vision, VisionSettings
+
+
+class Model(VisionSettings):
+    """The parameters, and the sensors made of them."""
+
+    @property
+    def exact(self) -> bool:
+        """Egos have to look."""
+        return False
+
+    def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
+        """Return the sensor of one ego."""
+        return Vision(self, site, seed, ego)

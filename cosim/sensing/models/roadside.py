@@ -1,0 +1,19 @@
+"""Roadside units tell the ego by radio; it has no sensor of its own for pedestrians."""
+
+from __future__ import annotations
+
+from cosim.sensing.interface import Sensor, Site
+from cosim.sensing.radio import Radio, RadioSettings
+
+
+class Model(RadioSettings):
+    """The parameters, and the receivers made of them."""
+
+    @property
+    def exact(self) -> bool:
+        """Egos have to be told."""
+        return False
+
+    def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
+        """Return the receiver of one ego."""
+        return Radio(self, site, seed, ego)

@@ -1,0 +1,93 @@
+"""The ego's own sensor: range, field of view, what stands in the way, noise, misses, tracks."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from cosim.sensing import sight
+from cosim.sensing.interface import Belief, FloatArray, Scene, Site
+from cosim.sensing.noise import Noise
+from cosim.sensing.settings import Count, FullAngle, NotNegative, Positive, Probability, Settings
+from cosim.sensing.tracks import Tracks
+
+
+class VisionSettings(Settings):
+    """What the sensor on board is like; all defaults are assumed."""
+
+    range_m: Positive = 60.0
+    """To the middle of a pedestrian [m]."""
+    field_of_view_deg: FullAngle = 120.0
+    """Full angle, about straight ahead [deg]."""
+    mount_behind_front_m: NotNegative = 1.8
+    """From the front bumper back to the sensor, behind the windscreen [m]."""
+    mount_left_m: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.0
+    """From the middle of the ego to the left [m]."""
+    position_noise_m: NotNegative = 0.2
+    """Standard deviation along either axis [m]."""
+    velocity_noise_mps: NotNegative = 0.3
+    miss_probability: Probability = 0.05
+    """That somebody in view is not detected, at each look."""
+    confirm_hits: Count = 3
+    """So many detections within ``confirm_looks`` confirm a track; only those are told."""
+    confirm_looks: Count = 5
+    hold_s: NotNegative = 1.0
+    """A confirmed track goes on without a detection for this long [s]."""
+
+    @model_validator(mode="after")
+    def can_be_confirmed(self) -> VisionSettings:
+        """Check that so many detections fit into so many looks."""
+        if self.confirm_hits > self.confirm_looks:
+            raise ValueError(
+                f"confirm_hits = {self.confirm_hits}: at most confirm_looks = {self.confirm_looks} expected"
+            )
+        return self
+
+
+class Vision:
+    """The sensor of one ego.
+
+    Nothing is known of a pedestrian until his track is confirmed; then he is told where the filter has
+    him, and, while he is not detected, where he would be at his last velocity.
+    """
+
+    def __init__(self, settings: VisionSettings, site: Site, seed: int, ego: str) -> None:
+        self._settings = settings
+        self._walls = site.walls
+        self._noise = Noise(seed, f"vision:{ego}")
+        self._tracks = Tracks(
+            settings.confirm_hits,
+            settings.confirm_looks,
+            settings.hold_s,
+            settings.position_noise_m,
+            settings.velocity_noise_mps,
+        )
+
+    def look(self, scene: Scene) -> Belief:
+        """Return what is known now."""
+        settings, count = self._settings, len(scene.names)
+        eye = self._eye(scene)
+        field_of_view = math.radians(settings.field_of_view_deg)
+        within = sight.in_view(eye, scene.heading, scene.position, settings.range_m, field_of_view)
+        seen = np.zeros(count, dtype=np.bool_)
+        seen[within] = sight.visible(
+            eye, scene.position[within], scene.radius[within], sight.vehicles_in(scene), self._walls
+        )
+        draws = self._noise.draw(scene.names, scene.tick)
+        detected = seen & (draws.uniform >= settings.miss_probability)
+        measured = np.concatenate([scene.position, scene.velocity], axis=1)
+        measured += draws.normal * np.repeat([settings.position_noise_m, settings.velocity_noise_mps], 2)
+        told, estimate, deviation, age = self._tracks.update(scene.time, scene.names, detected, measured)
+        estimate[~told] = deviation[~told] = age[~told] = np.nan
+        return Belief(
+            told, estimate[:, :2], estimate[:, 2:], deviation, age, sight.states(within, seen, detected)
+        )
+
+    def _eye(self, scene: Scene) -> FloatArray:
+        ahead = scene.body.front - self._settings.mount_behind_front_m
+        left = self._settings.mount_left_m
+        cosine, sine = math.cos(scene.heading), math.sin(scene.heading)
+        return np.array([scene.x + ahead * cosine - left * sine, scene.y + ahead * sine + left * cosine])

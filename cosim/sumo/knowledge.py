@@ -1,0 +1,123 @@
+"""What the egos of a SUMO world know of pedestrians: the surroundings as each believes them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.plant import Plant
+from cosim.sensing.interface import Scene, Sensing, Site
+from cosim.sensing.senses import Senses
+from cosim.sumo.network import Network
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Persons, Surroundings
+from cosim.world import Sensed
+
+FloatArray = NDArray[np.float64]
+
+BUILDING = "building"
+"""How the types of SUMO's polygons begin that stand in the way."""
+
+
+class Knowledge:
+    """Asks the sensors of all egos; where egos know the truth nobody is asked.
+
+    Which crossing a pedestrian is on or next, and his size, are told as they are of everybody who is told
+    of at all. Vehicles are known as they are.
+
+    Parameters
+    ----------
+    sensing : the model
+    sumo : module or connection
+    network
+    seed : of the run
+    step : [s]
+
+    Raises
+    ------
+    ValueError
+        If the model's parameters do not fit the network.
+    """
+
+    def __init__(self, sensing: Sensing, sumo: Any, network: Network, seed: int, step: float) -> None:
+        self._step = step
+        self._senses = None if sensing.exact else Senses(sensing, site_of(sumo, network), seed)
+
+    def begin(self) -> None:
+        """Begin an instant at which egos look."""
+        if self._senses is not None:
+            self._senses.begin()
+
+    def forget(self, ego: str) -> None:
+        """Remove the sensors of an ego that is gone."""
+        if self._senses is not None:
+            self._senses.forget(ego)
+
+    @property
+    def now(self) -> tuple[Sensed, ...] | None:
+        """What the egos knew at this instant; ``None`` where they know the truth."""
+        return None if self._senses is None else self._senses.now
+
+    def believed(self, ego: str, plant: Plant, time: float, surroundings: Surroundings) -> Surroundings:
+        """Return the surroundings as one ego knows them; of its pedestrians only."""
+        if self._senses is None:
+            return surroundings
+        persons, rows = surroundings.persons, surroundings.persons_near[ego]
+        cars, near = surroundings.cars, surroundings.cars_near[ego]
+        belief = self._senses.look(
+            Scene(
+                ego,
+                time,
+                round(time / self._step),
+                plant.x,
+                plant.y,
+                plant.heading,
+                plant.body,
+                _chosen(persons.names, rows.tolist()),
+                persons.position[rows],
+                persons.velocity[rows],
+                np.full(len(rows), PEDESTRIAN_RADIUS),
+                cars.front[near],
+                cars.heading[near],
+                cars.length[near],
+                cars.width[near],
+            )
+        )
+        told = rows[belief.told]
+        some = told.tolist()
+        known = Persons(
+            _chosen(persons.names, some),
+            belief.position[belief.told],
+            belief.velocity[belief.told],
+            _chosen(persons.edge, some),
+            _chosen(persons.crossing, some),
+            persons.on_crossing[told],
+            _chosen(persons.phase, some),
+            _chosen(persons.kind, some),
+            belief.uncertainty[belief.told],
+        )
+        return replace(surroundings, persons=known, persons_near={ego: np.arange(len(told))})
+
+
+def site_of(sumo: Any, network: Network) -> Site:
+    """Return what does not move: crossings, lanes, and the buildings that the configuration has."""
+    lanes = [np.hstack([lane.shape[:-1], lane.shape[1:]]) for lane in network.lanes.values()]
+    crossings = {name: crossing.axis for name, crossing in network.crossings.items()}
+    walls = [
+        _sides(np.array([point[:2] for point in sumo.polygon.getShape(name)], dtype=np.float64))
+        for name in sorted(sumo.polygon.getIDList())
+        if sumo.polygon.getType(name).startswith(BUILDING)
+    ]
+    nothing = np.zeros((0, 4))
+    return Site(crossings, np.concatenate([nothing, *lanes]), np.concatenate([nothing, *walls]))
+
+
+def _sides(outline: FloatArray) -> FloatArray:
+    return np.hstack([outline, np.roll(outline, -1, axis=0)])
+
+
+def _chosen(texts: Sequence[str], rows: Sequence[int]) -> tuple[str, ...]:
+    return tuple(texts[row] for row in rows)
