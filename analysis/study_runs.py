@@ -131,6 +131,8 @@ def _setting(meta: Mapping[str, Any]) -> dict[str, str]:
     parameters = dict((meta.get("parameters") or {}).get("scenario") or {})
     for key in ("step_s", "warmup_s", "actuation", "sensing"):
         parameters.setdefault(key, meta.get(key))
+    sensing = dict((meta.get("parameters") or {}).get("sensing") or {})
+    parameters |= {f"sensing.{key}": value for key, value in sensing.items()}
     parameters.setdefault("duration_s", meta.get("requested_duration_s"))
     egos = {f"ego_{key.removeprefix('ego_')}": value for key, value in (meta.get("egos") or {}).items()}
     inputs = _digest(sorted((meta.get("inputs") or {}).values()))

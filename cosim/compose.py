@@ -16,6 +16,9 @@ from cosim.errors import InputError
 from cosim.provenance import Inputs
 from cosim.rehearsal import rehearse
 from cosim.request import RunRequest
+from cosim.sensing import catalog as sensing_catalog
+from cosim.sensing import chosen
+from cosim.sensing.interface import Sensing
 from cosim.sumo.world import SumoWorld
 from cosim.world import World
 from sumo_scenarios import library
@@ -50,16 +53,18 @@ def compose(request: RunRequest) -> Composition:
         For an unknown scenario, controller or parameter, and for input that SUMO refuses.
     """
     with _as_input_errors():
-        scenario, given = _tried(request)
+        tried = _tried(request)
+        scenario = tried.scenario
         work_dir = TemporaryDirectory(prefix="cosim-")
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))
-            world = SumoWorld(scenario, prepared, request.seed, gui=request.gui)
+            world = SumoWorld(scenario, prepared, request.seed, gui=request.gui, sensing=tried.sensing)
         except BaseException:
             work_dir.cleanup()
             raise
+    given = tried.controller
     drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
-    inputs = _inputs(request, scenario, given, prepared)
+    inputs = _inputs(request, tried, prepared)
     return Composition(world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir)
 
 
@@ -72,31 +77,48 @@ def inputs_of(request: RunRequest) -> Inputs:
         As `compose`, but for what only SUMO finds.
     """
     with _as_input_errors(), TemporaryDirectory(prefix="cosim-") as work_dir:
-        scenario, given = _tried(request)
-        return _inputs(request, scenario, given, library.prepare(scenario, request.seed, Path(work_dir)))
+        tried = _tried(request)
+        return _inputs(request, tried, library.prepare(tried.scenario, request.seed, Path(work_dir)))
 
 
-def _tried(request: RunRequest) -> tuple[Scenario, dict[str, object]]:
-    """Return the scenario and the controller's parameters that are given; what cannot be is refused."""
-    scenario, controller_texts = _scenario(request)
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """What a run is made of, found to be possible."""
+
+    scenario: Scenario
+    controller: dict[str, object]
+    """Parameters of the controller that are given."""
+    sensing_name: str
+    sensing: Sensing
+
+
+def _tried(request: RunRequest) -> _Tried:
+    """Return the scenario, the sensing and the controller's given parameters; what cannot be is refused."""
+    scenario = _with_egos(library.load(request.scenario), request)
+    table = scenario.table.sensing if scenario.table is not None else {}
+    model = request.sensing or chosen.name_in(table)
+    known = (*library.parameter_names(scenario), *catalog.parameters(request.controller))
+    sensing_texts, texts = chosen.split(request.settings, model, known)
+    scenario, controller_texts = _with_parameters(scenario, request, texts)
+    place = str((scenario.folder or Path()) / library.DEFINITION)
+    sensing_name, sensing = chosen.choose(table, place, request.sensing, sensing_texts)
     if not (scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share):
         raise InputError(
             f"{scenario.name} has no ego: give --ego-route, --ego-vehicle or --ego-share to say which"
         )
-    given = _controller_parameters(request, scenario, controller_texts)
+    given = _controller_parameters(request, scenario, sensing_name, controller_texts)
     # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
     rehearse(request.controller, catalog.build(request.controller, seed=request.seed, **given), given)
-    return scenario, given
+    return _Tried(scenario, given, sensing_name, sensing)
 
 
-def _inputs(
-    request: RunRequest, scenario: Scenario, given: Mapping[str, object], prepared: library.Prepared
-) -> Inputs:
+def _inputs(request: RunRequest, tried: _Tried, prepared: library.Prepared) -> Inputs:
+    scenario = tried.scenario
     return Inputs(
         scenario=scenario.name,
         scenario_parameters=scenario_parameters(scenario),
         controller=request.controller,
-        controller_parameters={**catalog.parameters(request.controller), **given},
+        controller_parameters={**catalog.parameters(request.controller), **tried.controller},
         seed=request.seed,
         egos=asdict(scenario.egos),
         step_s=scenario.step_s,
@@ -104,6 +126,8 @@ def _inputs(
         duration_s=scenario.duration_s,
         actuation=scenario.actuation,
         files=prepared.inputs,
+        sensing=tried.sensing_name,
+        sensing_parameters=sensing_catalog.values_of(tried.sensing),
     )
 
 
@@ -115,36 +139,45 @@ def scenario_parameters(scenario: Scenario) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None} | dict(scenario.parameters)
 
 
-def _scenario(request: RunRequest) -> tuple[Scenario, Mapping[str, str]]:
+def _with_egos(scenario: Scenario, request: RunRequest) -> Scenario:
+    """Return the scenario with the egos that are asked for."""
+    if request.ego_route:
+        return library.with_egos(scenario, route=request.ego_route)
+    if request.ego_vehicle is not None:
+        return library.with_egos(scenario, vehicle=(request.ego_vehicle,))
+    if request.ego_share is not None:
+        return library.with_egos(scenario, share=request.ego_share)
+    return scenario
+
+
+def _with_parameters(
+    scenario: Scenario, request: RunRequest, settings: Mapping[str, str]
+) -> tuple[Scenario, Mapping[str, str]]:
     """Return the scenario as asked for, and the settings that are none of its parameters."""
-    texts = dict(request.settings)
+    texts = dict(settings)
     if request.duration_s is not None:
         texts["duration_s"] = f"{request.duration_s!r}"
     if request.actuation is not None:
         texts["actuation"] = request.actuation
-    scenario = library.load(request.scenario)
-    if request.ego_route:
-        scenario = library.with_egos(scenario, route=request.ego_route)
-    elif request.ego_vehicle is not None:
-        scenario = library.with_egos(scenario, vehicle=(request.ego_vehicle,))
-    elif request.ego_share is not None:
-        scenario = library.with_egos(scenario, share=request.ego_share)
     return library.with_parameters(scenario, texts)
 
 
 def _controller_parameters(
-    request: RunRequest, scenario: Scenario, texts: Mapping[str, str]
+    request: RunRequest, scenario: Scenario, sensing: str, texts: Mapping[str, str]
 ) -> dict[str, object]:
     known = catalog.parameters(request.controller)
     for key in texts:
         if key not in known:
             of_scenario = library.parameter_names(scenario)
-            near = difflib.get_close_matches(key, [*of_scenario, *known], n=1)
+            of_sensing = tuple(sensing_catalog.parameters(sensing))
+            near = difflib.get_close_matches(key, [*of_scenario, *known, *of_sensing], n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
+            have = [name for name in sensing_catalog.names() if key in sensing_catalog.parameters(name)]
+            hint = f"--sensing {' or '.join(have)} has it; " if have else hint
             raise InputError(
                 f"--set {key}: no such parameter; {hint}scenario {scenario.name!r} has "
                 f"{', '.join(of_scenario)}; controller {request.controller!r} has "
-                f"{', '.join(known) or 'none'}"
+                f"{', '.join(known) or 'none'}; sensing {sensing!r} has {', '.join(of_sensing) or 'none'}"
             )
     return catalog.parse(request.controller, texts)
 

@@ -1,4 +1,4 @@
-"""What exists: scenarios, controllers and metrics, each with its first line and its parameters."""
+"""What exists: scenarios, controllers, metrics and sensing models, with first lines and parameters."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from analysis import metric_catalog
 from controllers import catalog
+from cosim.sensing import catalog as sensing_catalog
 from sumo_scenarios import library
 
 
@@ -45,6 +46,18 @@ def controllers() -> list[Entry]:
     return [
         Entry(name, catalog.describe(name), tuple(map(_setting, catalog.parameters(name).items())))
         for name in catalog.names()
+    ]
+
+
+def sensing_models() -> list[Entry]:
+    """Return the sensing models."""
+    return [
+        Entry(
+            name,
+            sensing_catalog.describe(name),
+            tuple(map(_setting, sensing_catalog.parameters(name).items())),
+        )
+        for name in sensing_catalog.names()
     ]
 
 

@@ -7,13 +7,15 @@ import json
 import math
 import subprocess
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+PERFECT = "perfect"
+"""Sensing that tells egos the truth."""
 _DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp")
 """What may change a run's numbers, besides this tool; absent ones are left out."""
 
@@ -36,6 +38,8 @@ class Inputs:
     actuation: str
     files: Mapping[str, str]
     """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
+    sensing: str = PERFECT
+    sensing_parameters: Mapping[str, Any] = field(default_factory=dict)
 
     def config_id(self) -> str:
         """Return the identity of everything but the seed: the controller's name and a hash."""
@@ -46,7 +50,10 @@ class Inputs:
         return _digest({**self._content(), "seed": self.seed, "versions": versions()}, 16)
 
     def _content(self) -> dict[str, Any]:
+        # Runs have the identities that they had before there was a choice of sensing.
+        sensing = {"sensing": self.sensing, "sensing_parameters": dict(self.sensing_parameters)}
         return {
+            **(sensing if self.sensing != PERFECT else {}),
             "scenario": self.scenario,
             "scenario_parameters": dict(self.scenario_parameters),
             "controller": self.controller,
@@ -85,10 +92,11 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "valid": False,
         "invalid_reason": "the run has not ended",
         "actuation": inputs.actuation,
-        "sensing": "perfect",
+        "sensing": inputs.sensing,
         "parameters": {
             "scenario": _writable(inputs.scenario_parameters),
             "controller": _writable(inputs.controller_parameters),
+            "sensing": _writable(inputs.sensing_parameters),
         },
         "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),

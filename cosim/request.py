@@ -30,6 +30,8 @@ class RunRequest:
     """Vehicle of the demand to take over."""
     ego_share: float | None = None
     """Share of the passenger cars to take over."""
+    sensing: str | None = None
+    """How egos come to know of pedestrians; ``None``: as the scenario says."""
     gui: bool = False
     out: Path | None = None
 

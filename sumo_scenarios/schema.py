@@ -103,6 +103,8 @@ class ScenarioTable(Table):
     times: dict[str, float] = {}
     parameters: dict[str, ParameterTable] = {}
     egos: EgosTable = EgosTable()
+    sensing: dict[str, ParameterValue] = {}
+    """How egos come to know of pedestrians, ``model`` and its parameters; checked by who has the models."""
     pedestrians: list[dict[str, Any]] = []
     """Scripted ones; checked by ``pedestrian_tables`` once the parameters have values."""
 

@@ -28,12 +28,15 @@ class Configuration:
     scenario_name: str
     controller: str
     scenario_settings: Pairs
+    """Those of sensing are among them."""
     controller_settings: Pairs
     varied: Pairs
     """Those of the parameters that differ between configurations."""
     ego_route: tuple[str, ...] = ()
     ego_vehicle: str | None = None
     ego_share: float | None = None
+    sensing: str | None = None
+    """``None``: as the scenario says."""
 
     @property
     def settings(self) -> Pairs:
@@ -43,7 +46,8 @@ class Configuration:
     @property
     def road(self) -> object:
         """What is the same for every configuration that differs in the controller alone."""
-        return self.place, self.scenario_settings, self.ego_route, self.ego_vehicle, self.ego_share
+        egos = self.ego_route, self.ego_vehicle, self.ego_share
+        return self.place, self.scenario_settings, *egos, self.sensing
 
     @property
     def label(self) -> str:
@@ -61,6 +65,7 @@ class Configuration:
             ego_route=self.ego_route,
             ego_vehicle=self.ego_vehicle,
             ego_share=self.ego_share,
+            sensing=self.sensing,
         )
 
 
@@ -80,6 +85,7 @@ class Job:
         asked_for = [
             *(one.scenario, one.controller, sorted(one.settings), self.seed),
             *(one.ego_route, one.ego_vehicle, one.ego_share),
+            *([] if one.sensing is None else [one.sensing]),
         ]
         digest = hashlib.sha256(json.dumps(asked_for).encode()).hexdigest()[:8]
         return f"{label[:LONGEST_LABEL]}-seed{self.seed}-{digest}"
@@ -100,4 +106,6 @@ class Job:
             words += ["--ego-vehicle", one.ego_vehicle]
         if one.ego_share is not None:
             words += ["--ego-share", f"{one.ego_share:g}"]
+        if one.sensing is not None:
+            words += ["--sensing", one.sensing]
         return shlex.join(words)

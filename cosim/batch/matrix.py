@@ -1,4 +1,4 @@
-"""From a study file to its runs: scenarios × controllers × seeds × varied parameters."""
+"""From a study file to its runs: scenarios × controllers × sensing × seeds × varied parameters."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from cosim import inventory
 from cosim.batch.job import Configuration, Job
 from cosim.batch.study import StudyTable, Value, parse_seeds
 from cosim.errors import InputError
+from cosim.sensing import catalog as sensing_catalog
+from cosim.sensing.chosen import PREFIX, name_in
 from sumo_scenarios import library
 
 EGO_KEYS = ("ego_route", "ego_vehicle", "ego_share")
@@ -37,14 +39,16 @@ class _Place:
     place: str
     name: str
     parameters: tuple[str, ...]
+    sensing: str
+    """Name of the scenario's own model."""
 
 
 def build_matrix(study: StudyTable, file: Path) -> Matrix:
     """Return the runs of a study.
 
     A parameter of ``[set]`` or ``[vary]`` applies to the scenarios that have it, otherwise to the
-    controllers that have it, as ``cosim run --set`` does; where neither has it, it is left out and
-    multiplies nothing.
+    controllers or sensing models that have it, as ``cosim run --set`` does; where none has it, it is left
+    out and multiplies nothing.
 
     Raises
     ------
@@ -55,12 +59,14 @@ def build_matrix(study: StudyTable, file: Path) -> Matrix:
         places = [_place(text, study, file.parent) for text in study.scenarios]
         parameters = {name: inventory.controller_parameters(name) for name in study.controllers}
         _check_names(places)
-        _check_keys([*study.settings, *study.vary], places, parameters)
+        sensing = {name: _sensing_parameters(name) for place in places for name in _models(study, place)}
+        _check_keys([*study.settings, *study.vary], places, {**parameters, **sensing})
         configurations = [
             one
             for place in places
             for controller in study.controllers
-            for one in _configurations(study, place, controller, parameters[controller])
+            for model in _models(study, place)
+            for one in _configurations(study, place, controller, parameters[controller], model)
         ]
     except (ValueError, InputError) as error:
         raise InputError(f"{file}: {error}") from error
@@ -82,7 +88,17 @@ def _place(text: str, study: StudyTable, folder: Path) -> _Place:
             vehicle=(chosen["ego_vehicle"],) if "ego_vehicle" in chosen else (),
             share=chosen.get("ego_share"),
         )
-    return _Place(text, place, scenario.name, library.parameter_names(scenario))
+    table = scenario.table.sensing if scenario.table is not None else {}
+    return _Place(text, place, scenario.name, library.parameter_names(scenario), name_in(table))
+
+
+def _models(study: StudyTable, place: _Place) -> Sequence[str]:
+    return study.sensing or (place.sensing,)
+
+
+def _sensing_parameters(model: str) -> tuple[str, ...]:
+    names = tuple(sensing_catalog.parameters(model))
+    return (*names, *(f"{PREFIX}{name}" for name in names))
 
 
 def _check_names(places: Iterable[_Place]) -> None:
@@ -112,9 +128,11 @@ def _check_keys(
 
 
 def _configurations(
-    study: StudyTable, place: _Place, controller: str, parameters: Sequence[str]
+    study: StudyTable, place: _Place, controller: str, parameters: Sequence[str], model: str
 ) -> list[Configuration]:
-    known = {*EGO_KEYS, *place.parameters, *parameters}
+    of_road = {*place.parameters, *_sensing_parameters(model)}
+    known = {*EGO_KEYS, *of_road, *parameters}
+    differs = (("sensing", model),) if len(study.sensing) > 1 else ()
     fixed = {key: value for key, value in study.settings.items() if key in known}
     axes = {key: values for key, values in study.vary.items() if key in known}
     found = []
@@ -127,9 +145,10 @@ def _configurations(
             place=place.place,
             scenario_name=place.name,
             controller=controller,
-            scenario_settings=tuple(pair for pair in settings if pair[0] in place.parameters),
-            controller_settings=tuple(pair for pair in settings if pair[0] not in place.parameters),
-            varied=tuple((key, _text(value)) for key, value in varied.items()),
+            scenario_settings=tuple(pair for pair in settings if pair[0] in of_road),
+            controller_settings=tuple(pair for pair in settings if pair[0] not in of_road),
+            varied=(*differs, *((key, _text(value)) for key, value in varied.items())),
+            sensing=model if study.sensing else None,
             **_egos(everything),
         )
         one.request(0)  # refuses egos that exclude each other

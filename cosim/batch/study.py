@@ -29,6 +29,8 @@ class StudyTable(BaseModel):
     scenarios: list[str]
     """Names, or paths relative to the study file."""
     controllers: list[str]
+    sensing: list[str] = []
+    """Sensing models; none given: as each scenario says."""
     seeds: str | list[int]
     settings: dict[str, Value] = Field(default={}, alias="set")
     """Scenario and controller parameters of every run that has them."""
@@ -112,6 +114,7 @@ def _check(study: StudyTable) -> None:
     axes: list[tuple[str, Iterable[Value]]] = [
         ("scenarios", study.scenarios),
         ("controllers", study.controllers),
+        *([("sensing", study.sensing)] if "sensing" in study.model_fields_set else []),
         *((f"vary.{key}", values) for key, values in study.vary.items()),
     ]
     for name, values in axes:

@@ -18,12 +18,13 @@ class Kind(StrEnum):
     SCENARIOS = "scenarios"
     CONTROLLERS = "controllers"
     METRICS = "metrics"
+    SENSING = "sensing"
 
 
 def show(
     kind: Annotated[Kind, typer.Argument(help="What to list.", show_choices=True)], debug: Debug = False
 ) -> int:
-    """List scenarios, controllers or metrics, with the parameters that --set takes.
+    """List scenarios, controllers, metrics or sensing models, with the parameters that --set takes.
 
     \b
     Examples:
@@ -36,6 +37,7 @@ def show(
         Kind.SCENARIOS: inventory.scenarios,
         Kind.CONTROLLERS: inventory.controllers,
         Kind.METRICS: inventory.metrics,
+        Kind.SENSING: inventory.sensing_models,
     }[kind]()
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="bold")

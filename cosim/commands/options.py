@@ -14,5 +14,5 @@ Out = Annotated[
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a scenario or controller parameter; repeatable."),
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a scenario, controller or sensing parameter."),
 ]

@@ -36,6 +36,14 @@ def run(
     ego_share: Annotated[
         float | None, typer.Option(metavar="SHARE", help="Take over this share of the passenger cars.")
     ] = None,
+    sensing: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="What egos know of pedestrians: cosim list sensing.",
+            show_default="as the scenario",
+        ),
+    ] = None,
     gui: Annotated[bool, typer.Option("--gui", help="Show the run in sumo-gui.")] = False,
     debug: Debug = False,
 ) -> int:
@@ -46,6 +54,7 @@ def run(
       cosim run midblock_zebra
       cosim run midblock_unmarked --controller aeb --seed 7 --out results/aeb-7
       cosim run midblock_zebra --set pedestrians_per_hour=600 --set vehicles_per_hour=1000
+      cosim run bus_stop_occlusion --sensing onboard --set range_m=40
       cosim run town.sumocfg --ego-route "e1 e2 e3" --duration-s 600
       cosim run town.sumocfg --ego-share 0.1 --controller vo_mpc
       cosim run town.sumocfg --ego-vehicle car.12 --gui
@@ -68,6 +77,7 @@ def run(
         ego_route=tuple((ego_route or "").split()),
         ego_vehicle=ego_vehicle,
         ego_share=ego_share,
+        sensing=sensing,
         gui=gui,
         out=out,
     )

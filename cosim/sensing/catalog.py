@@ -17,6 +17,7 @@ from typing import Any, cast
 
 from pydantic import ValidationError
 
+from cosim.errors import InputError
 from cosim.sensing import models
 from cosim.sensing.interface import Sensing
 from cosim.sensing.settings import Settings
@@ -70,13 +71,13 @@ def build(name: str, values: Mapping[str, object]) -> Sensing:
 
     Raises
     ------
-    ValueError
+    InputError
         One line: unknown model or parameter, or a value of the wrong type or out of range.
     """
     try:
         return cast(Sensing, _model(name).model_validate(dict(values)))
     except ValidationError as error:
-        raise ValueError(f"sensing '{name}': {_told(name, error)}") from error
+        raise InputError(f"sensing '{name}': {_told(name, error)}") from error
 
 
 def values_of(sensing: Sensing) -> dict[str, Any]:
@@ -90,7 +91,7 @@ def _model(name: str) -> type[Settings]:
 
 def _module(name: str) -> ModuleType:
     if name not in names():
-        raise ValueError(f"no sensing model '{name}'; {_existing(name, names())}")
+        raise InputError(f"no sensing model '{name}'; {_existing(name, names())}")
     return importlib.import_module(f"{models.__name__}.{name}")
 
 
