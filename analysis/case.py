@@ -14,6 +14,7 @@ from analysis.crossings import Traversal, traversals
 from analysis.ego_steps import EgoSteps, ego_steps
 from analysis.encounters import Encounter, Surroundings, find_encounters
 from analysis.geometry import BoolArray, FloatArray
+from analysis.knowledge import Knowledge, knowledge_of
 from analysis.prediction import PredictedArea, predict_area
 from analysis.run import RecordedRun
 from analysis.samples import Samples, gather
@@ -51,6 +52,8 @@ class Case:
     ego_leave: FloatArray
     person_enter: FloatArray
     person_leave: FloatArray
+    knowledge: Mapping[tuple[str, str], Knowledge] | None
+    """What each ego knew of each pedestrian, by names; ``None`` where it knew the truth."""
     entered: BoolArray
     """The encounter has a conflict area, or the pedestrian was exposed; else he only waited."""
 
@@ -117,6 +120,7 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
         ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),
         person_enter=np.array([np.nan if area is None else area.person.enter for area in areas]),
         person_leave=np.array([np.nan if area is None else area.person.leave for area in areas]),
+        knowledge=knowledge_of(run),
         entered=np.array([area is not None for area in areas], dtype=np.bool_) | samples.any(samples.exposed),
     )
 

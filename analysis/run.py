@@ -36,6 +36,7 @@ _EGO_FLAGS = ("intervention", "handed_back", "planned", "solved")
 _EGO_TEXTS = ("ego_id", "rule", "plan_status", "passing")
 _OBJECT_NUMBERS = ("time_s", "x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m")
 _OBJECT_TEXTS = ("object_id", "object_kind", "object_type", "crossing_id", "phase")
+_PERFECT = "perfect"
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
 
@@ -95,6 +96,8 @@ class RecordedRun:
     neighbours: Columns
     timing: Columns
     areas: tuple[Area, ...]
+    sensing: Columns | None = None
+    """What egos knew of pedestrians; ``None`` where they knew the truth."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""
@@ -144,7 +147,16 @@ def read_run(folder: Path) -> RecordedRun:
     )
     times = np.unique(np.round(np.concatenate([egos.numbers["time_s"], neighbours.numbers["time_s"]]), 6))
     areas = _read_areas(folder / "map.json")
-    return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas)
+    sensing = _read_sensing(folder / "sensing.parquet", str(meta.get("sensing") or _PERFECT))
+    return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, sensing)
+
+
+def _read_sensing(path: Path, model: str) -> Columns | None:
+    if model == _PERFECT:
+        return None
+    return _read_table(
+        path, recording.SENSING, ("time_s",), (), ("told",), ("ego_id", "object_id"), "ego_id", "object_id"
+    )
 
 
 def _read_json(path: Path) -> dict[str, Any]:
@@ -170,12 +182,13 @@ def _read_table(
     optional: tuple[str, ...],
     flags: tuple[str, ...],
     texts: tuple[str, ...],
-    key: str,
+    *keys: str,
 ) -> Columns:
+    """Return the rows of a table; there is one for each time and value of the key columns."""
     table = _load(path, schema)
     found = {name: _numbers(path, table, name, needed=name in numbers) for name in (*numbers, *optional)}
     coded = {name: _texts(table, name) for name in texts}
-    _require_forward_time(path, found["time_s"], coded[key])
+    _require_forward_time(path, found["time_s"], *(coded[key] for key in keys))
     return Columns(
         numbers=found,
         flags={name: table[name].fill_null(False).to_numpy().astype(np.bool_) for name in flags},
@@ -217,7 +230,7 @@ def _texts(table: pa.Table, name: str) -> Texts:
     return Texts(codes, tuple(encoded.dictionary.to_pylist()))
 
 
-def _require_forward_time(path: Path, time: FloatArray, keys: Texts) -> None:
+def _require_forward_time(path: Path, time: FloatArray, *keys: Texts) -> None:
     steps = np.diff(time)
     if (steps < 0.0).any():
         row = int(np.argmax(steps < 0.0)) + 1
@@ -225,14 +238,16 @@ def _require_forward_time(path: Path, time: FloatArray, keys: Texts) -> None:
             f"{path}: column 'time_s', row {row + 1}: time goes backwards "
             f"from {time[row - 1]:g} s to {time[row]:g} s"
         )
-    if (keys.codes < 0).any():
-        raise RecordingError(f"{path}: row {int(np.argmax(keys.codes < 0)) + 1}: no name")
-    order = np.lexsort((np.arange(len(time)), keys.codes))
-    same = (np.diff(keys.codes[order]) == 0) & (np.diff(time[order]) <= 1e-9)
+    codes = np.array([key.codes for key in keys])
+    if (codes < 0).any():
+        raise RecordingError(f"{path}: row {int(np.argmax((codes < 0).any(axis=0))) + 1}: no name")
+    order = np.lexsort((np.arange(len(time)), *codes))
+    same = (np.diff(codes[:, order]) == 0).all(axis=0) & (np.diff(time[order]) <= 1e-9)
     if same.any():
         row = int(order[int(np.argmax(same)) + 1])
+        names = ", ".join(repr(key.at(row)) for key in keys)
         raise RecordingError(
-            f"{path}: column 'time_s', row {row + 1}: {keys.at(row)!r} has a second row at {time[row]:g} s"
+            f"{path}: column 'time_s', row {row + 1}: {names} has a second row at {time[row]:g} s"
         )
 
 

@@ -206,6 +206,11 @@ ENCOUNTERS = Table(
             "controller_status", "whether every plan was solved", "ok", "infeasible", "timeout", required=True
         ),
         _flag("preventable_r157", "a careful driver could have stopped; empty where undefined"),
+        _at_least_0(
+            "visible_before_conflict_s",
+            "s",
+            "time for which the ego had been told of him; empty where it knew",
+        ),
         _flag("late_entry", "he entered inside the ego's comfort stopping distance; empty where undefined"),
         _at_least_0("k_mean_s", "s", "mean risk-perception coefficient of the approach"),
         _count("n_interventions", "steps at which SUMO did something else", required=True),
