@@ -45,6 +45,8 @@ GAINS_FOR = 1.0
 """An ego that speeds up is expected to do so for this time [s]."""
 BESIDE = 8.0
 """Pedestrians who never come so near to the ego's lane in the time looked at do not matter [m]."""
+WIDE = 0.5
+"""More than the clearance wanted that a straight drive has to leave for no other to be simulated [m]."""
 STOP_GAP = 1.0
 """Distance to be left to the place of a pedestrian by an ego that stops for him [m]."""
 
@@ -121,6 +123,9 @@ class CourseFinder:
         centres = np.concatenate([lanes[:1], np.repeat(lanes, len(settings.strengths))])
         obstacles = obstacles_on(perception, met, centres, settings.road)
         pushes = obstacles.share[1, :count] * obstacles.long_axis[1, :count]
+        speeds = _speeds(perception, acceleration, _instants(perception))
+        if not pushes.any() and self._wide_of_all(perception, forecast, speeds, centres[0]):
+            return None
         obstacles = replace(obstacles, share=obstacles.share * strengths[:, None])
         shape = field_of(perception, centres, obstacles, settings.road)
         drives = drive(
@@ -128,7 +133,7 @@ class CourseFinder:
             len(centres),
             perception.ego,
             perception.road,
-            _speeds(perception, acceleration, _instants(perception)),
+            speeds,
             STEP,
             settings.guidance,
         )
@@ -149,7 +154,28 @@ class CourseFinder:
             _ellipses(shape, max(chosen, 1), count),
         )
 
-    def _hits(self, perception: Perception, forecast: Forecast, drives: Drives) -> tuple[Flags, Flags]:
+    def _wide_of_all(
+        self, perception: Perception, forecast: Forecast, speeds: FloatArray, centre: float
+    ) -> bool:
+        """Say whether nobody comes near an ego that drives straight on, here or on a centre line.
+
+        Saves the simulated drives where they would say nothing else.
+        """
+        along = np.concatenate([[0.0], np.cumsum(0.5 * STEP * (speeds[:-1] + speeds[1:]))])
+        shape = (len(speeds), 2)
+        straight = Drives(
+            STEP * np.arange(len(speeds), dtype=np.float64),
+            np.broadcast_to(along[:, None], shape),
+            np.broadcast_to(np.array([perception.ego.across, centre]), shape),
+            np.zeros(shape),
+            speeds,
+            np.zeros((len(speeds) - 1, 2)),
+        )
+        return not self._hits(perception, forecast, straight, WIDE)[0].any()
+
+    def _hits(
+        self, perception: Perception, forecast: Forecast, drives: Drives, more: float = 0.0
+    ) -> tuple[Flags, Flags]:
         """Say when on which drive whom it comes too near to, shape (K, m, n), and whom to stop for, (K, n).
 
         Nobody is stopped for who stands beside the way, wherever the predictor sees him go: at a crossing
@@ -168,7 +194,7 @@ class CourseFinder:
         expected = disc_clearances(*path, body, then.along, then.across, people.radius[:, None] + then.reach)
         straight = disc_clearances(*path, body, straight_on, straight_over, alone)
         walks = np.hypot(people.along_speed, people.across_speed) >= WALKING
-        wanted = self.settings.clearance + self.settings.unsure * times[:, None, None] * walks
+        wanted = self.settings.clearance + more + self.settings.unsure * times[:, None, None] * walks
         # Who is too near already only must not come nearer.
         wanted = np.minimum(wanted, np.minimum(expected, straight)[0] - TOLERANCE)
         ahead, now = expected < wanted, straight < wanted
