@@ -15,7 +15,7 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from cosim.cli import app
-from cosim.commands import analyse, compare, conformance, listing, papers, run
+from cosim.commands import analyse, batch, compare, conformance, listing, papers, run
 from cosim.request import parse_settings
 from sumo_scenarios import library
 
@@ -30,6 +30,8 @@ PAGES = (
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "docs/architecture.md",
+    "docs/batches.md",
+    "docs/cluster.md",
     "docs/conventions.md",
     "docs/references.md",
     "docs/statistics.md",
@@ -59,6 +61,7 @@ def commands() -> list[str]:
         function.__doc__ or ""
         for function in (
             run.run,
+            batch.batch,
             analyse.analyse,
             compare.compare,
             conformance.conformance,

@@ -70,6 +70,8 @@ def page(everything: Mapping[str, Any]) -> str:
         parts += _agreement(everything["agreement"])
     if "control_over_sumo" in everything:
         parts += _control_over_sumo(everything["control_over_sumo"])
+    if "batch" in everything:
+        parts += _batch(everything["batch"])
     return "\n\n".join(parts) + "\n"
 
 
@@ -151,5 +153,47 @@ def _control_over_sumo(loop: Mapping[str, Any]) -> list[str]:
         "## One loop with SUMO",
         f"`{loop['scenario']}`, {loop['steps']} steps of {loop['step_s']:g} s, on average "
         f"{loop['vehicles']:.0f} vehicles and {loop['persons']:.0f} persons in it; mean ms per step.",
+        markdown(rows),
+    ]
+
+
+def batch_bars(found: Mapping[str, Any]) -> list[str]:
+    """Return one line per bar of a batch, with the measured value beside it."""
+    bars, one, two = found["bars"], found["jobs_1"], found["jobs_2"]
+    overhead = 1.0 / one["throughput_ratio"] - 1.0
+    memory = found["memory"]
+    slope = memory["mb_per_100_runs"]
+    spread = "{:.2f} to {:.2f}".format(min(two["throughput_ratios"]), max(two["throughput_ratios"]))
+    return [
+        f"bar: throughput with two processes at least {bars['least_throughput']:g} of two that share "
+        f"the same runs; measured {two['throughput_ratio']:.2f} ({spread}) of two that call them in turn, "
+        f"{two['throughput_ratio_shells']:.2f} of two shells that start cosim run for each: "
+        f"{_verdict(two['throughput_ratio'] >= bars['least_throughput'])}",
+        f"bar: overhead below {bars['most_overhead']:.0%} of the same runs called in turn in one process; "
+        f"measured {overhead:+.1%} of wall-clock time, {one['cpu_ratio'] - 1.0:+.1%} of processor time: "
+        f"{_verdict(overhead < bars['most_overhead'])}",
+        f"bar: memory of a worker grows by less than {bars['most_mb_per_100_runs']:g} MB in 100 short runs, "
+        f"over {memory['runs']}; measured {slope:+.2f} MB, its process replaced after every "
+        f"{memory['runs_per_process']} runs ({memory['mb_per_100_runs_within_a_process']:+.2f} MB within a "
+        f"process, most of it kept by SUMO): {_verdict(slope < bars['most_mb_per_100_runs'])}",
+    ]
+
+
+def _verdict(met: bool) -> str:
+    return "met" if met else "MISSED"
+
+
+def _batch(found: Mapping[str, Any]) -> list[str]:
+    rows = [
+        {"at a time": jobs, "runs": found[f"jobs_{jobs}"]["runs"]}
+        | {f"{kind}, s": f"{value:.1f}" for kind, value in found[f"jobs_{jobs}"]["wall_s"].items()}
+        | {f"{kind}, processor s": f"{value:.1f}" for kind, value in found[f"jobs_{jobs}"]["cpu_s"].items()}
+        for jobs in (1, 2)
+    ]
+    return [
+        "## A batch against plain processes",
+        "\n".join(f"- {line}" for line in batch_bars(found)),
+        f"Runs of {found['simulated_s']:g} simulated seconds, start and tables of the batch included; "
+        f"medians of {found['rounds']} rounds in turns, shells once.",
         markdown(rows),
     ]

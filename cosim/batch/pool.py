@@ -21,8 +21,8 @@ from cosim.batch.outcome import REASON, Outcome
 from cosim.batch.worker import Handling
 from cosim.provenance import Inputs
 
-RUNS_PER_PROCESS = 200
-"""After so many a process makes room for a fresh one."""
+RUNS_PER_PROCESS = 100
+"""SUMO 1.28 keeps about a kilobyte of each personFlow of a simulation that has ended."""
 CHECK_TIMEOUT_S = 600.0
 
 
@@ -35,10 +35,19 @@ class Pool:
     handling : Handling
     places : Mapping
         Where scenarios are on this machine, if elsewhere than the jobs say.
+    runs_per_process : int
+        After so many a process makes room for a fresh one.
     """
 
-    def __init__(self, processes: int, handling: Handling, places: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        processes: int,
+        handling: Handling,
+        places: Mapping[str, str] | None = None,
+        runs_per_process: int = RUNS_PER_PROCESS,
+    ) -> None:
         self.processes = processes
+        self._runs_per_process = runs_per_process
         self._handling = handling
         self._places = places or {}
         self._pool: Any = None
@@ -98,7 +107,7 @@ class Pool:
             if self._pool is None:
                 self._pool = ProcessPool(
                     self.processes,
-                    max_tasks=RUNS_PER_PROCESS,
+                    max_tasks=self._runs_per_process,
                     initializer=worker.begin,
                     context=get_context("spawn"),
                 )

@@ -1,0 +1,183 @@
+"""What the batch machinery costs: against plain processes, against plain calls, and in memory.
+
+Run with ``make bench``. What is compared takes turns, because the speed of a machine drifts.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
+
+import resource
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from measuring import results
+
+from cosim.batch.job import Configuration, Job
+from cosim.batch.pool import RUNS_PER_PROCESS, Pool
+from cosim.batch.worker import Handling
+
+ROUNDS = 3
+RUNS = {1: 40, 2: 120}
+"""Runs of a round, by how many run at a time: about a minute's work, as in a small study."""
+SCENARIO, CONTROLLER = "midblock_zebra", "aeb"
+SETTINGS = {"warmup_s": 20, "duration_s": 60}
+SHORT = {"warmup_s": 2, "duration_s": 6}
+SHORT_RUNS = 500
+SETTLED = 20
+"""Runs after which memory is looked at."""
+
+LEAST_THROUGHPUT = 0.95
+MOST_OVERHEAD = 0.10
+MOST_MB_PER_100_RUNS = 1.0
+
+IN_TURN = """
+import sys
+from pathlib import Path
+from cosim.execution import execute
+from cosim.request import RunRequest
+
+out, first, step, last, scenario, controller, *settings = sys.argv[1:]
+settings = dict(one.split("=") for one in settings)
+for seed in range(int(first), int(last) + 1, int(step)):
+    execute(RunRequest(scenario, controller, seed, settings, out=Path(out) / str(seed)))
+"""
+
+
+def batch(folder: Path, jobs: int, runs: int) -> list[list[str]]:
+    """Return the command of a batch, as the only one."""
+    lines = [
+        f'scenarios = ["{SCENARIO}"]',
+        f'controllers = ["{CONTROLLER}"]',
+        f'seeds = "1-{runs}"',
+        "[set]",
+        *(f"{key} = {value}" for key, value in SETTINGS.items()),
+    ]
+    (folder / "study.toml").write_text("\n".join(lines))
+    options = ["--out", str(folder / "out"), "--jobs", str(jobs)]
+    return [[sys.executable, "-m", "cosim.cli", "batch", str(folder / "study.toml"), *options]]
+
+
+def in_turn(folder: Path, processes: int, runs: int) -> list[list[str]]:
+    """Return commands that call the same runs one after the other, shared among processes."""
+    settings = [f"{key}={value}" for key, value in SETTINGS.items()]
+    return [
+        [
+            *(sys.executable, "-c", IN_TURN, str(folder), str(first), str(processes), str(runs)),
+            *(SCENARIO, CONTROLLER, *settings),
+        ]
+        for first in range(1, processes + 1)
+    ]
+
+
+def shells(folder: Path, processes: int, runs: int) -> list[list[str]]:
+    """Return shells that start ``cosim run`` for each of the same runs, shared among them."""
+    settings = " ".join(f"--set {key}={value}" for key, value in SETTINGS.items())
+    run = f"{sys.executable} -m cosim.cli run {SCENARIO} --controller {CONTROLLER} {settings}"
+    share = "for seed in $(seq {} {} {}); do {} --seed $seed --out {}/$seed; done"
+    return [
+        ["bash", "-ec", share.format(first, processes, runs, run, folder)]
+        for first in range(1, processes + 1)
+    ]
+
+
+def timed(commands: list[list[str]]) -> tuple[float, float]:
+    """Return the wall-clock time until all commands have ended, and the processor time they used [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    started = time.perf_counter()
+    quiet = subprocess.DEVNULL
+    processes = [subprocess.Popen(command, stdout=quiet, stderr=quiet) for command in commands]
+    codes = [process.wait() for process in processes]
+    wall_s = time.perf_counter() - started
+    if any(codes):
+        raise SystemExit(f"{commands[0][:4]} ended with {codes}")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall_s, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def compared(processes: int) -> dict[str, Any]:
+    """Return times of a batch and of plain processes, taken in turns; of shells once, which take longest."""
+    kinds = {"batch": batch, "in turn": in_turn, "shells": shells}
+    wall: dict[str, list[float]] = {kind: [] for kind in kinds}
+    cpu: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for number in range(ROUNDS):
+        order = ["batch", "in turn"] if number % 2 == 0 else ["in turn", "batch"]
+        for kind in (*order, "shells") if number == 0 else order:
+            with TemporaryDirectory() as folder:
+                wall_s, cpu_s = timed(kinds[kind](Path(folder), processes, RUNS[processes]))
+            wall[kind].append(wall_s)
+            cpu[kind].append(cpu_s)
+    ratios = [plain / own for plain, own in zip(wall["in turn"], wall["batch"], strict=True)]
+    return {
+        "runs": RUNS[processes],
+        "wall_s": {kind: median(values) for kind, values in wall.items()},
+        "cpu_s": {kind: median(values) for kind, values in cpu.items()},
+        "throughput_ratio": median(ratios),
+        "throughput_ratios": ratios,
+        "throughput_ratio_shells": wall["shells"][0] / wall["batch"][0],
+        "cpu_ratio": median(own / plain for plain, own in zip(cpu["in turn"], cpu["batch"], strict=True)),
+    }
+
+
+def memory() -> dict[str, Any]:
+    """Return how the memory of a worker grows over many short runs: as used, and within one process."""
+    pairs = tuple((key, str(value)) for key, value in SHORT.items())
+    one = Configuration(SCENARIO, SCENARIO, SCENARIO, CONTROLLER, pairs, (), ())
+    sizes_mb: list[float] = []
+    with TemporaryDirectory() as folder, Pool(1, Handling(600.0)) as pool:
+        for seed in range(1, SHORT_RUNS + 1):
+            place = Path(folder) / str(seed)
+            outcome = pool.submit(Job(one, seed), place).result()
+            if outcome.reason:
+                raise SystemExit(outcome.reason)
+            sizes_mb.append(_largest_child_mb())
+            shutil.rmtree(place)
+    return {
+        "runs": SHORT_RUNS,
+        "runs_per_process": RUNS_PER_PROCESS,
+        "most_mb": max(sizes_mb),
+        "mb_per_100_runs": _slope(sizes_mb[SETTLED:]),
+        "mb_per_100_runs_within_a_process": _slope(sizes_mb[SETTLED : RUNS_PER_PROCESS - 1]),
+    }
+
+
+def _slope(sizes_mb: list[float]) -> float:
+    """Return the slope of the straight line that fits best, per 100 runs."""
+    return 100.0 * float(np.polyfit(np.arange(len(sizes_mb)), sizes_mb, 1)[0])
+
+
+def _largest_child_mb() -> float:
+    """Return the resident memory of the worker, the largest of our children [MB]."""
+    import psutil
+
+    return max(child.memory_info().rss for child in psutil.Process().children()) / 1e6
+
+
+def main() -> None:
+    """Measure, print and publish."""
+    found: dict[str, Any] = {"rounds": ROUNDS, "simulated_s": SETTINGS["duration_s"]}
+    for processes in (1, 2):
+        entry = found[f"jobs_{processes}"] = compared(processes)
+        times = ", ".join(f"{kind} {value:.1f} s" for kind, value in entry["wall_s"].items())
+        print(f"{RUNS[processes]} runs, {processes} at a time: {times}")
+    found["memory"] = memory()
+    found["bars"] = {
+        "least_throughput": LEAST_THROUGHPUT,
+        "most_overhead": MOST_OVERHEAD,
+        "most_mb_per_100_runs": MOST_MB_PER_100_RUNS,
+    }
+    print("\n".join(results.batch_bars(found)))
+    results.publish("batch", found)
+
+
+if __name__ == "__main__":
+    main()
