@@ -96,6 +96,8 @@ class StartTable(Table):
     """Nominal speed for ``overlap``; without it, the ego's own."""
     accepted_gap_s: Duration | None = None
     """Waits until every vehicle comes at least this long after he steps before it."""
+    watchful: Share = Distribution("choice", (1.0,))
+    """Share of those who wait for a gap that look again before each lane; the others walk on."""
     signal: Literal["", "red", "green"] = ""
     """Sets off only while the signal of his crossing shows this."""
 

@@ -13,6 +13,8 @@ LOOK_AHEAD = 3.0
 """How far ahead on his line somebody says that he will walk [m]."""
 SPACING = 0.5
 """[m]"""
+SIDE = 0.3
+"""Nobody walks past a vehicle's front nearer than this [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +27,33 @@ class Meeting:
     """Distance along the line at which the disc enters what the body sweeps [m]."""
     middle: float
     leaves: float
+    nearest: float
+    """As ``along``, of the nearest place between entering and leaving: a line may be oblique [m]."""
+    furthest: float
 
     def arrival(self, vehicle: RoadUser) -> float:
         """Return the time until the front bumper is at the line; inf for who stands or has passed [s]."""
-        if self.along + vehicle.length < 0.0:
+        if self.furthest + vehicle.length < 0.0:
             return math.inf
-        if self.along <= RADIUS:
-            return 0.0  # on it
-        return (self.along - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
+        if self.nearest <= RADIUS + SIDE:
+            return 0.0  # on it, moving or not
+        return (self.nearest - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
+
+    def leaves_gap(self, vehicle: RoadUser, enters: float, gap: float) -> bool:
+        """Return whether the vehicle lets somebody pass who enters what its body sweeps in a time.
+
+        It does if it would be there at least ``gap`` later, if it is past by then, or if it stands.
+
+        Parameters
+        ----------
+        vehicle : of this meeting
+        enters, gap : [s]
+        """
+        arrival = self.arrival(vehicle)
+        if math.isinf(arrival) or arrival >= enters + gap:
+            return True
+        passed = self.furthest + vehicle.length + RADIUS
+        return vehicle.speed > 0.0 and passed / vehicle.speed < enters
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,12 +120,10 @@ class Line:
         # Backwards from the middle, and forwards, to where the disc is outside what the body sweeps.
         enters = _first_zero(ways[before][::-1], outside[before][::-1])
         leaves = _first_zero(ways[after], outside[after])
-        return Meeting(
-            float(np.interp(middle, ways, along)),
-            0.0 if enters is None else enters,
-            middle,
-            self.length if leaves is None else leaves,
-        )
+        first = 0.0 if enters is None else enters
+        last = self.length if leaves is None else leaves
+        inner = np.interp([first, middle, last], ways, along)
+        return Meeting(float(inner[1]), first, middle, last, float(inner.min()), float(inner.max()))
 
 
 def _first_zero(places: FloatArray, values: FloatArray) -> float | None:

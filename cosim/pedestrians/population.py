@@ -37,6 +37,9 @@ from sumo_scenarios.pedestrian_tables import (
 )
 from sumo_scenarios.trajectories import read_trajectories
 
+ON_THE_ROAD = 2.0
+"""Gap that is enough for somebody who is on the road already [s]."""
+
 
 class Places(Protocol):
     """Where the places of a description are in the world."""
@@ -166,10 +169,13 @@ class Population:
         which = table.manners[int(given("manner", chosen))]
         manner = _manner(which, draw)
         start = _start(table.start, draw, line, manner.legs(pace, length), time, ego)
-        start = self._conditions(start, table, line, pace, draw("accepted_gap_s", table.start.accepted_gap_s))
+        gap = draw("accepted_gap_s", table.start.accepted_gap_s)
+        start = self._conditions(start, table, line, pace, gap)
+        looks = self._stream(table, instance, "looks").random() < given("watchful", table.start.watchful)
+        watches = min(gap, ON_THE_ROAD) if gap is not None and looks else None
         appears = time if table.start.per_hour is not None else self._begin
         stay = given("stay_s", table.stay_s)
-        leader = Walker(line, pace, manner, start, length, stay, appears, ego)
+        leader = Walker(line, pace, manner, start, length, stay, appears, ego, watches)
         size = 1 if table.group is None else round(given("size", table.group.size))
         spacing = 0.0 if table.group is None else table.group.spacing_m
         walkers = [

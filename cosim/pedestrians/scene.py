@@ -194,3 +194,18 @@ def begun(legs: Sequence[Leg], elapsed: float) -> tuple[Leg, ...]:
         part.append(Leg(min(leg.duration, elapsed), leg.speed, leg.acceleration))
         elapsed -= leg.duration
     return tuple(part)
+
+
+def remaining(legs: Sequence[Leg], elapsed: float) -> tuple[Leg, ...]:
+    """Return the part of a walk after a time.
+
+    >>> remaining((Leg(2.0, 1.0), Leg(3.0, 2.0)), 4.0)
+    (Leg(duration=1.0, speed=2.0, acceleration=0.0),)
+    """
+    part: list[Leg] = []
+    for leg in legs:
+        gone = min(max(elapsed, 0.0), leg.duration)
+        if gone < leg.duration:
+            part.append(Leg(leg.duration - gone, leg.after(gone)[1], leg.acceleration))
+        elapsed -= leg.duration
+    return tuple(part)

@@ -112,8 +112,7 @@ class Impact:
 class WhenClear:
     """As soon after another start as every vehicle leaves him a gap.
 
-    A vehicle leaves it if it would be at his line at least ``gap`` after he enters what its body sweeps, if
-    it is past by then, or if it stands.
+    See `Meeting.leaves_gap`.
 
     Parameters
     ----------
@@ -139,14 +138,7 @@ class WhenClear:
         meeting = self.line.meeting(vehicle)
         if meeting is None:
             return False
-        arrival = meeting.arrival(vehicle)
-        if math.isinf(arrival):
-            return False
-        enters = max(meeting.enters, 0.0) / self.speed
-        passed = (
-            (meeting.along + vehicle.length + RADIUS) / vehicle.speed if vehicle.speed > 0.0 else math.inf
-        )
-        return not (passed < enters or arrival >= enters + self.gap)
+        return not meeting.leaves_gap(vehicle, max(meeting.enters, 0.0) / self.speed, self.gap)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,15 @@ from dataclasses import dataclass, replace
 
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Manner, Pace, soonest_arrival
-from cosim.pedestrians.scene import FloatArray, Scene, State, duration_of, travelled
+from cosim.pedestrians.scene import FloatArray, Leg, Scene, State, begun, duration_of, remaining, travelled
 from cosim.pedestrians.start import Start
 
 COMES_INTO_VIEW_M = 120.0
 """Whose start an ego decides is there when it is this near [m]."""
 COMES_INTO_VIEW_S = 5.0
 """... or when it would make him set off within this time [s]."""
+STOPS_BEFORE = 0.3
+"""Who looks stops this long before he would be in a vehicle's way [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +30,7 @@ class Walker:
     stay : how long he stands where it ends [s]
     appears : from when on he is there [s]; for ``ego`` he is not there before that ego is near
     ego : whose coming he waits for; empty for nobody's
+    watches : gap that he needs to step before a vehicle on his way; ``None``: he does not look [s]
     """
 
     line: Line
@@ -38,6 +41,7 @@ class Walker:
     stay: float = 0.0
     appears: float = 0.0
     ego: str = ""
+    watches: float | None = None
 
     def first(self, scene: Scene) -> State | None:
         """Return him standing at the beginning, once he is there."""
@@ -60,6 +64,7 @@ class Walker:
                 legs, scene.time - started, self.length, soonest_arrival(self.line, scene.ego(self.ego))
             )
             legs = legs if changed is None else changed
+            legs = self._paused(legs, scene, scene.time - started, until - scene.time)
         elapsed = until - started
         if elapsed > duration_of(legs) + self.stay:
             return None
@@ -76,6 +81,25 @@ class Walker:
         if speed < 0.0 or goal < way:
             return Line(state.x, state.y, self.line.x, self.line.y).onward(0.0)
         return Line(self.line.x, self.line.y, *self.line.point(max(goal, 1e-3))).onward(way)
+
+    def _paused(self, legs: tuple[Leg, ...], scene: Scene, elapsed: float, step: float) -> tuple[Leg, ...]:
+        """Return his plan, with a step's pause now if he is about to step before a vehicle that comes."""
+        way, speed = travelled(legs, elapsed)
+        later = travelled(legs, elapsed + step + STOPS_BEFORE)[0]
+        if self.watches is None or later == way:
+            return legs
+        for vehicle in scene.vehicles:
+            meeting = self.line.meeting(vehicle)
+            if meeting is None:
+                continue
+            # Walking back, he comes from the other side.
+            missing = meeting.enters - way if later > way else way - meeting.leaves
+            if not 0.0 < missing <= abs(later - way):
+                continue
+            enters = missing / max(abs(speed), self.pace.speed)
+            if not meeting.leaves_gap(vehicle, enters, self.watches):
+                return (*begun(legs, elapsed), Leg(step, 0.0), *remaining(legs, elapsed))
+        return legs
 
     def _is_near(self, scene: Scene) -> bool:
         near = any(

@@ -36,6 +36,8 @@ class Spot:
     edge: str
     """Of the crossing, the lane or the walking area; empty beside all of them."""
     crossing: str = ""
+    on_road: bool = False
+    """Where vehicles drive: on a lane for them, in a junction or on a crossing."""
 
 
 class Ground:
@@ -49,30 +51,31 @@ class Ground:
     def __init__(self, network: Network) -> None:
         self._network = network
         self._shapes: dict[str, LaneShape] = {}
-        self._strips: list[tuple[int, str, FloatArray, float]] = []
+        self._strips: list[tuple[int, str, FloatArray, float, bool]] = []
         self._areas: list[tuple[str, FloatArray]] = []
         self._cells: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
         for crossing in network.crossings.values():
-            self._add(0, crossing.name, crossing.axis, 0.5 * crossing.width)
+            self._add(0, crossing.name, crossing.axis, 0.5 * crossing.width, True)
         for lane in network.lanes.values():
-            self._add(3 if lane.internal else 1, lane.edge, lane.shape, 0.5 * lane.width)
+            road = _is_for_vehicles(lane)
+            self._add(3 if lane.internal else 1, lane.edge, lane.shape, 0.5 * lane.width, road)
         for area in network.walking_areas.values():
             self._areas.append((area.name, area.outline))
             self._enter(area.outline, -len(self._areas))
 
     def at(self, x: float, y: float) -> Spot:
-        """Return what is at a place [m]: a crossing, else a lane, a walking area, a way through a junction."""
-        best = (4, "")
+        """Return what is at a place [m]: crossing, else lane, walking area, way through a junction."""
+        best = (4, "", False)
         for index in self._near(x, y):
             if index < 0:
                 name, outline = self._areas[-index - 1]
                 if _contains(outline, x, y):
-                    best = min(best, (2, name))
+                    best = min(best, (2, name, False))
                 continue
-            rank, name, shape, half = self._strips[index]
+            rank, name, shape, half, road = self._strips[index]
             if rank <= best[0] and _from_line(shape, x, y, ends=False) <= half + SEAM:
-                best = min(best, (rank, name))
-        return Spot(best[1], best[1] if best[0] == 0 else "")
+                best = min(best, (rank, name, road))
+        return Spot(best[1], best[1] if best[0] == 0 else "", best[2])
 
     def check_inside(self, points: FloatArray) -> int | None:
         """Return the first of the points (n, 2) that is more than 20 m outside the network."""
@@ -136,10 +139,7 @@ class Ground:
         names = self._network.edges.get(edge)
         if names is None:
             raise ValueError(f"no edge '{edge}' in the network{_hint(edge, self._network.edges)}")
-        lanes = [self._network.lanes[name] for name in names]
-        lanes = [
-            lane for lane in lanes if lane.permissions.allow is None or not lane.permissions.allow <= ON_FOOT
-        ]
+        lanes = [lane for lane in map(self._network.lanes.__getitem__, names) if _is_for_vehicles(lane)]
         if not lanes:
             raise ValueError(f"edge '{edge}' has no lane for vehicles")
         return lanes
@@ -153,8 +153,8 @@ class Ground:
             )
         return self._shapes[lane.name]
 
-    def _add(self, rank: int, name: str, shape: FloatArray, half: float) -> None:
-        self._strips.append((rank, name, shape, half))
+    def _add(self, rank: int, name: str, shape: FloatArray, half: float, road: bool) -> None:
+        self._strips.append((rank, name, shape, half, road))
         self._enter(shape, len(self._strips) - 1)
 
     def _enter(self, shape: FloatArray, index: int) -> None:
@@ -170,12 +170,16 @@ class Ground:
 
     def _distance(self, index: int, x: float, y: float) -> float:
         if index >= 0:
-            _, _, shape, half = self._strips[index]
+            _, _, shape, half, _ = self._strips[index]
             return _from_line(shape, x, y) - half
         _, outline = self._areas[-index - 1]
         if _contains(outline, x, y):
             return 0.0
         return _from_line(np.concatenate([outline, outline[:1]]), x, y)
+
+
+def _is_for_vehicles(lane: NetLane) -> bool:
+    return lane.permissions.allow is None or not lane.permissions.allow <= ON_FOOT
 
 
 def _from_line(shape: FloatArray, x: float, y: float, ends: bool = True) -> float:

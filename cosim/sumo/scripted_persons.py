@@ -84,9 +84,8 @@ class ScriptedPersons:
             return
         near = self._traffic.read(list(self._there))
         scene = self._scene(time, egos)
-        self._yielding.hold(
-            {name: self._seen(state, time, one) for name, (one, state) in self._there.items()}, near, driven
-        )
+        seen = {name: self._seen(state, time, one) for name, (one, state) in self._there.items()}
+        self._yielding.hold({name: one for name, one in seen.items() if one is not None}, near, driven)
         until = time + self._step
         own = {ego.name for ego in egos}
         for name, (one, state) in list(self._there.items()):
@@ -175,24 +174,24 @@ class ScriptedPersons:
         for x, y in one.behaviour.onward(state, time).tolist():
             ahead = self._ground.at(x, y)
             if ahead.crossing:
-                return Spot(here.edge, ahead.crossing), PedestrianPhase.WAITING
+                return Spot(here.edge, ahead.crossing, here.on_road), PedestrianPhase.WAITING
         return here, PedestrianPhase.WALKING
 
-    def _seen(self, state: State, time: float, one: Scripted) -> Seen:
+    def _seen(self, state: State, time: float, one: Scripted) -> Seen | None:
+        """Return him as drivers see him; ``None`` for somebody who stands beside the road."""
         spot, phase = self._spot(one, state, time)
+        stands = abs(state.x_speed) + abs(state.y_speed) < WALKING
         crossing = self._network.crossings.get(spot.crossing)
-        if crossing is None:
-            return Seen(*state.motion)
-        priority = crossing.kind is CrossingKind.ZEBRA or self._is_green(spot.crossing) is True
+        if crossing is None or not (crossing.kind is CrossingKind.ZEBRA or self._is_green(crossing.name)):
+            return Seen(*state.motion) if spot.on_road or not stands else None
         x_speed, y_speed = state.x_speed, state.y_speed
-        if priority and phase is PedestrianPhase.WAITING and abs(x_speed) + abs(y_speed) < WALKING:
+        if phase is PedestrianPhase.WAITING and stands:
             onward = one.behaviour.onward(state, time)
             ahead = onward[-1] - onward[0]
             length = float(np.hypot(*ahead))
             if length > 0.0:
                 x_speed, y_speed = (STEPPING_OUT * ahead / length).tolist()
-        half = 0.5 * crossing.width if priority else 0.0
-        return Seen(state.x, state.y, x_speed, y_speed, priority, half)
+        return Seen(state.x, state.y, x_speed, y_speed, True, 0.5 * crossing.width)
 
     def _scene(self, time: float, egos: Sequence[RoadUser]) -> Scene:
         assert self._population is not None

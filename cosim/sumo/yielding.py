@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from cosim.pedestrians.scene import RADIUS, RoadUser
+from cosim.pedestrians.scene import RADIUS, STANDING, RoadUser
 from cosim.sumo.traffic_near import Body, TrafficNear
 
-LOOK_AHEAD = 1.5
+LOOK_AHEAD = 2.5
 """A driver expects somebody to walk on as he does for this time [s]."""
 LOOK_AHEAD_PRIORITY = 4.0
 """The same for somebody who has the right of way on a crossing [s]."""
@@ -27,6 +27,10 @@ STOP_LINE = 1.5
 """Distance from the crossing at which a vehicle stops that lets somebody go first [m]."""
 SIDE_MARGIN = 0.3
 """Between the vehicle's side and the pedestrian's [m]."""
+NEXT_LANE = 3.5
+"""Nobody changes lanes with a pedestrian so near to the side of his way: he is in the other lane [m]."""
+KEEPS_ITS_LANE = 512
+"""Lane-change mode: no change that SUMO wishes."""
 INTERVAL = 0.25
 """[s]"""
 OBEYS_BRAKES_BEYOND_COMFORT = ~4
@@ -48,7 +52,7 @@ class Seen:
 
 
 class Yielding:
-    """Bounds the speeds of SUMO's vehicles.
+    """Bounds the speeds of SUMO's vehicles, and keeps them in their lanes, near scripted pedestrians.
 
     Parameters
     ----------
@@ -63,6 +67,8 @@ class Yielding:
         self._step = step
         self._held: dict[str, int] = {}
         """Speed mode that each held vehicle had."""
+        self._kept: dict[str, int] = {}
+        """Lane-change mode that each vehicle had that must not change lanes."""
 
     def hold(
         self, seen: Mapping[str, Seen], near: Mapping[str, Sequence[RoadUser]], driven: Collection[str]
@@ -71,53 +77,68 @@ class Yielding:
 
         Parameters
         ----------
-        seen : pedestrians by name
+        seen : pedestrians on the road, moving or about to be, by name
         near : the vehicles near each of them
         driven : vehicles that controllers drive: they have to brake themselves
         """
         caps: dict[str, tuple[float, float]] = {}
+        keeps: set[str] = set()
         for name, pedestrian in seen.items():
             for vehicle in near[name]:
                 if vehicle.name in driven:
                     continue
-                cap = self._cap(vehicle, pedestrian, self._traffic.body(vehicle.name))
+                look = self._look(vehicle, pedestrian, self._traffic.body(vehicle.name))
+                if look is None:
+                    continue
+                keeps.add(vehicle.name)
                 before = caps.get(vehicle.name)
-                if cap is not None and (before is None or cap < before[0]):
-                    caps[vehicle.name] = (cap, vehicle.speed)
-        self._release(self._held.keys() - caps.keys())
+                if look < math.inf and (before is None or look < before[0]):
+                    caps[vehicle.name] = (look, vehicle.speed)
+        self._release(self._held.keys() - caps.keys(), self._kept.keys() - keeps)
+        vehicle_domain = self._sumo.vehicle
+        for name in sorted(keeps - self._kept.keys()):
+            self._kept[name] = vehicle_domain.getLaneChangeMode(name)
+            vehicle_domain.setLaneChangeMode(name, KEEPS_ITS_LANE)
         for name, (cap, speed) in caps.items():
             if name not in self._held:
-                mode: int = self._sumo.vehicle.getSpeedMode(name)
+                mode: int = vehicle_domain.getSpeedMode(name)
                 self._held[name] = mode
-                self._sumo.vehicle.setSpeedMode(name, mode & OBEYS_BRAKES_BEYOND_COMFORT)
+                vehicle_domain.setSpeedMode(name, mode & OBEYS_BRAKES_BEYOND_COMFORT)
             hardest = speed - self._traffic.body(name).hardest * self._step
-            self._sumo.vehicle.setSpeed(name, max(cap, hardest, 0.0))
+            vehicle_domain.setSpeed(name, max(cap, hardest, 0.0))
 
-    def _release(self, names: Collection[str]) -> None:
-        """Hand vehicles back to their drivers, those that are still there and not driven by a controller."""
-        if not names:
+    def _release(self, held: Collection[str], kept: Collection[str]) -> None:
+        """Hand vehicles back to their drivers, those that are still there."""
+        if not held and not kept:
             return
         there = set(self._sumo.vehicle.getIDList())
-        for name in sorted(names):
+        for name in sorted(held):
             mode = self._held.pop(name)
             if name in there:
                 self._sumo.vehicle.setSpeed(name, -1.0)
                 self._sumo.vehicle.setSpeedMode(name, mode)
+        for name in sorted(kept):
+            mode = self._kept.pop(name)
+            if name in there:
+                self._sumo.vehicle.setLaneChangeMode(name, mode)
 
     def forget(self, name: str) -> None:
-        """Leave a vehicle alone from now on: somebody else drives it."""
-        self._held.pop(name, None)
+        """Give a vehicle back to its driver, and leave it alone from now on: somebody else will drive it."""
+        self._release([name] if name in self._held else [], [name] if name in self._kept else [])
 
-    def _cap(self, vehicle: RoadUser, pedestrian: Seen, body: Body) -> float | None:
-        """Return the highest speed of the coming step; ``None`` if he is not in its way or far enough."""
-        ahead = _ahead(vehicle, pedestrian)
-        if ahead is None:
+    def _look(self, vehicle: RoadUser, pedestrian: Seen, body: Body) -> float | None:
+        """Return the highest speed of the coming step, inf for any; ``None`` for somebody of no concern."""
+        before = max(RADIUS + body.min_gap, pedestrian.half_crossing + STOP_LINE)
+        # Who is further away than a comfortable stop needs is no concern yet; ways are no shorter than that.
+        far = stopping_distance(vehicle.speed + body.comfortable * self._step, body.comfortable, self._step)
+        walked = LOOK_AHEAD_PRIORITY * math.hypot(pedestrian.x_speed, pedestrian.y_speed)
+        if math.dist((vehicle.x, vehicle.y), (pedestrian.x, pedestrian.y)) > far + before + walked:
             return None
-        gap = ahead - max(RADIUS + body.min_gap, pedestrian.half_crossing + STOP_LINE)
-        cap = stopping_speed(gap, body.comfortable, self._step)
-        if cap > vehicle.speed + body.comfortable * self._step:
-            return None
-        return cap
+        sight = _sight(vehicle, pedestrian)
+        if sight is None or math.isinf(sight):
+            return sight
+        cap = stopping_speed(sight - before, body.comfortable, self._step)
+        return math.inf if cap > vehicle.speed + body.comfortable * self._step else cap
 
 
 def stopping_speed(gap: float, deceleration: float, step: float) -> float:
@@ -140,15 +161,31 @@ def stopping_speed(gap: float, deceleration: float, step: float) -> float:
     return -lost + math.sqrt(lost * lost + 2.0 * deceleration * gap)
 
 
-def _ahead(vehicle: RoadUser, pedestrian: Seen) -> float | None:
-    """Return the distance from the front bumper to where he is, or soon will be, in the vehicle's way [m]."""
+def stopping_distance(speed: float, deceleration: float, step: float) -> float:
+    """Return the way of a step at a speed and a stop from it [m]; the inverse of `stopping_speed`.
+
+    >>> stopping_distance(stopping_speed(17.0, 4.0, 0.1), 4.0, 0.1)
+    17.0
+    """
+    return speed * step + speed**2 / (2.0 * deceleration)
+
+
+def _sight(vehicle: RoadUser, pedestrian: Seen) -> float | None:
+    """Return the distance from the front bumper to where he is, or soon will be, in the vehicle's way [m].
+
+    It is inf for somebody beside the way, and ``None`` for somebody far from it or behind the vehicle.
+    """
     half = 0.5 * vehicle.width + RADIUS + SIDE_MARGIN
     until = LOOK_AHEAD_PRIORITY if pedestrian.has_priority else LOOK_AHEAD
     times = np.linspace(0.0, until, round(until / INTERVAL) + 1)
     x, y = pedestrian.x + pedestrian.x_speed * times, pedestrian.y + pedestrian.y_speed * times
     along, across = vehicle.sees(np.column_stack([x, y]))
-    in_the_way = (np.abs(across) <= half) & (along >= 0.0)
+    if along[0] < -vehicle.length or np.abs(across).min() > half + NEXT_LANE:
+        return None
+    # By then the vehicle is past, if it does not brake.
+    past = (along + vehicle.length + RADIUS) / max(vehicle.speed, STANDING) < times
+    in_the_way = (np.abs(across) <= half) & (along >= 0.0) & ~past
     # Who is beside the vehicle now cannot be hit by its front.
     if along[0] < 0.0 or not in_the_way.any():
-        return None
-    return float(along[int(np.argmax(in_the_way))])
+        return math.inf
+    return float(along[in_the_way].min())
