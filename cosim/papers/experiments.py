@@ -16,6 +16,7 @@ from cosim.papers.claim import Claim
 
 EXTRA = ("matplotlib", "pymoo")
 """Packages of the extra ``papers``; the experiments need both."""
+_CONSTANTS = ("PAPER", "TITLE", "run")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,9 @@ def found() -> tuple[Experiment, ...]:
         importlib.import_module(f"{cosim.papers.__name__}.{info.name}")
         for info in pkgutil.iter_modules(cosim.papers.__path__)
     )
-    experiments = [_experiment(module) for module in modules if hasattr(module, "PAPER")]
+    experiments = [
+        _experiment(module) for module in modules if all(hasattr(module, name) for name in _CONSTANTS)
+    ]
     return tuple(sorted(experiments, key=lambda one: (one.paper, one.module)))
 
 
