@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from cosim.pedestrians.line import Line
@@ -15,6 +16,8 @@ COMES_INTO_VIEW_S = 5.0
 """... or when it would make him set off within this time [s]."""
 STOPS_BEFORE = 0.3
 """Who looks stops this long before he would be in a vehicle's way [s]."""
+ASIDE = 8.0
+"""Vehicles that cannot be nearer than this in time are not looked at in detail [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +91,11 @@ class Walker:
         later = travelled(legs, elapsed + step + STOPS_BEFORE)[0]
         if self.watches is None or later == way:
             return legs
+        x, y = self.line.point(way)
         for vehicle in scene.vehicles:
+            reach = vehicle.speed * (self.watches + STOPS_BEFORE + step) + vehicle.length + ASIDE
+            if math.dist((x, y), (vehicle.x, vehicle.y)) > reach:
+                continue
             meeting = self.line.meeting(vehicle)
             if meeting is None:
                 continue

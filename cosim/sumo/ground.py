@@ -30,6 +30,25 @@ ON_FOOT = frozenset({"pedestrian", "bicycle", "wheelchair"})
 
 
 @dataclass(frozen=True, slots=True)
+class _Strip:
+    """A lane or a crossing."""
+
+    rank: int
+    """Of several at one place the one with the lowest counts."""
+    name: str
+    shape: FloatArray
+    half: float
+    road: bool
+    box: tuple[float, float, float, float]
+
+    def contains(self, x: float, y: float) -> bool:
+        low_x, low_y, high_x, high_y = self.box
+        if not (low_x <= x <= high_x and low_y <= y <= high_y):
+            return False
+        return _from_line(self.shape, x, y, ends=False) <= self.half + SEAM
+
+
+@dataclass(frozen=True, slots=True)
 class Spot:
     """What is at a place."""
 
@@ -51,7 +70,8 @@ class Ground:
     def __init__(self, network: Network) -> None:
         self._network = network
         self._shapes: dict[str, LaneShape] = {}
-        self._strips: list[tuple[int, str, FloatArray, float, bool]] = []
+        self._strips: list[_Strip] = []
+        self._crossings: dict[tuple[int, int], list[_Strip]] = {}
         self._areas: list[tuple[str, FloatArray]] = []
         self._cells: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
         for crossing in network.crossings.values():
@@ -72,10 +92,22 @@ class Ground:
                 if _contains(outline, x, y):
                     best = min(best, (2, name, False))
                 continue
-            rank, name, shape, half, road = self._strips[index]
-            if rank <= best[0] and _from_line(shape, x, y, ends=False) <= half + SEAM:
-                best = min(best, (rank, name, road))
+            strip = self._strips[index]
+            if strip.rank <= best[0] and strip.contains(x, y):
+                best = min(best, (strip.rank, strip.name, strip.road))
         return Spot(best[1], best[1] if best[0] == 0 else "", best[2])
+
+    def first_crossing(self, points: FloatArray) -> str:
+        """Return the crossing that the first of the points (n, 2) on any is on; empty for none."""
+        for x, y in points.tolist():
+            cell = math.floor(x / CELL), math.floor(y / CELL)
+            if cell not in self._crossings:
+                near = [self._strips[index] for index in self._cells.get(cell, []) if index >= 0]
+                self._crossings[cell] = [strip for strip in near if strip.rank == 0]
+            for strip in self._crossings[cell]:
+                if strip.contains(x, y):
+                    return strip.name
+        return ""
 
     def check_inside(self, points: FloatArray) -> int | None:
         """Return the first of the points (n, 2) that is more than 20 m outside the network."""
@@ -154,7 +186,9 @@ class Ground:
         return self._shapes[lane.name]
 
     def _add(self, rank: int, name: str, shape: FloatArray, half: float, road: bool) -> None:
-        self._strips.append((rank, name, shape, half, road))
+        margin = half + SEAM
+        low, high = (shape.min(axis=0) - margin).tolist(), (shape.max(axis=0) + margin).tolist()
+        self._strips.append(_Strip(rank, name, shape, half, road, (*low, *high)))
         self._enter(shape, len(self._strips) - 1)
 
     def _enter(self, shape: FloatArray, index: int) -> None:
@@ -170,8 +204,8 @@ class Ground:
 
     def _distance(self, index: int, x: float, y: float) -> float:
         if index >= 0:
-            _, _, shape, half, _ = self._strips[index]
-            return _from_line(shape, x, y) - half
+            strip = self._strips[index]
+            return _from_line(strip.shape, x, y) - strip.half
         _, outline = self._areas[-index - 1]
         if _contains(outline, x, y):
             return 0.0

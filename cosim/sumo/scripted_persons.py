@@ -55,6 +55,8 @@ class ScriptedPersons:
             raise InputError(f"[[pedestrians]]: {error}") from error
         self._to_come: list[Scripted] = list(self._population.fixed) if self._population else []
         self._there: dict[str, tuple[Scripted, State]] = {}
+        self._spots: dict[str, tuple[State, Spot, PedestrianPhase]] = {}
+        """As last looked up: every step asks twice."""
         self._egos_seen: set[str] = set()
         self._sumo: Any = None
 
@@ -168,14 +170,16 @@ class ScriptedPersons:
     def _spot(self, one: Scripted, state: State, time: float) -> tuple[Spot, PedestrianPhase]:
         """Return where he is, the crossing that he walks on or next, and his phase."""
         assert self._ground is not None
-        here = self._ground.at(state.x, state.y)
+        known = self._spots.get(one.name)
+        if known is not None and known[0] is state:
+            return known[1], known[2]
+        here, phase = self._ground.at(state.x, state.y), PedestrianPhase.WALKING
         if here.crossing:
-            return here, PedestrianPhase.CROSSING
-        for x, y in one.behaviour.onward(state, time).tolist():
-            ahead = self._ground.at(x, y)
-            if ahead.crossing:
-                return Spot(here.edge, ahead.crossing, here.on_road), PedestrianPhase.WAITING
-        return here, PedestrianPhase.WALKING
+            phase = PedestrianPhase.CROSSING
+        elif ahead := self._ground.first_crossing(one.behaviour.onward(state, time)):
+            here, phase = Spot(here.edge, ahead, here.on_road), PedestrianPhase.WAITING
+        self._spots[one.name] = (state, here, phase)
+        return here, phase
 
     def _seen(self, state: State, time: float, one: Scripted) -> Seen | None:
         """Return him as drivers see him; ``None`` for somebody who stands beside the road."""
