@@ -27,6 +27,11 @@ LOOK_EVERY_S = 0.5
 class Crew(Protocol):
     """Processes that make runs, here or elsewhere."""
 
+    @property
+    def processes(self) -> int:
+        """How many runs are made at a time."""
+        ...
+
     def capacity(self) -> int:
         """Return how many runs to hand out at a time."""
         ...
@@ -92,7 +97,7 @@ def conduct(
             future = crew.submit(job, ledger.work_folder(job, submissions))
             running.add(future)
             future.add_done_callback(over.put)
-        tally.running = len(running)
+        tally.running = min(len(running), crew.processes)
         show(tally)
         try:
             future = over.get(timeout=LOOK_EVERY_S)

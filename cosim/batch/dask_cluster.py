@@ -174,6 +174,11 @@ class Cluster:
             self._client.unregister_worker_plugin(self._name)
         self._client.close()
 
+    @property
+    def processes(self) -> int:
+        """How many runs are made at a time."""
+        return self._threads
+
     def capacity(self) -> int:
         """Return how many runs to hand out at a time; at least one, for workers that are yet to join."""
         now = monotonic()

@@ -26,7 +26,10 @@ STRATEGIES = "controllers/strategies/"
 """Controllers, which do not know each other."""
 CONTROLLER_PLUGINS = "cosim.controllers"
 
-_COMPARED = ("scenario_id", "controller", "seed", "step_s", "warmup_s", "requested_duration_s", "actuation")
+_COMPARED = (
+    *("scenario_id", "controller", "seed", "sensing"),
+    *("step_s", "warmup_s", "requested_duration_s", "actuation"),
+)
 _NESTED = ("parameters", "egos", "inputs", "versions")
 
 

@@ -46,7 +46,7 @@ class Pool:
         places: Mapping[str, str] | None = None,
         runs_per_process: int = RUNS_PER_PROCESS,
     ) -> None:
-        self.processes = processes
+        self._processes = processes
         self._runs_per_process = runs_per_process
         self._handling = handling
         self._places = places or {}
@@ -60,9 +60,14 @@ class Pool:
     ) -> None:
         self.close()
 
+    @property
+    def processes(self) -> int:
+        """How many runs are made at a time."""
+        return self._processes
+
     def capacity(self) -> int:
         """Return how many runs to hand out at a time: one waits for each process, so that none is idle."""
-        return 2 * self.processes
+        return 2 * self._processes
 
     def submit(self, job: Job, folder: Path) -> Future[Outcome]:
         """Make a run in ``folder``, which must not exist."""
@@ -106,7 +111,7 @@ class Pool:
                 self.close()
             if self._pool is None:
                 self._pool = ProcessPool(
-                    self.processes,
+                    self._processes,
                     max_tasks=self._runs_per_process,
                     initializer=worker.begin,
                     context=get_context("spawn"),

@@ -84,6 +84,7 @@ def test_every_kind_of_input_that_changed_is_named(inputs: Inputs, monkeypatch: 
         "parameter controller.gain: None then, 2 now": replace(inputs, controller_parameters={"gain": 2}),
         "egos: count: 4 then, 5 now": replace(inputs, egos={**inputs.egos, "count": 5}),
         "seed: 1 then, 2 now": replace(inputs, seed=2),
+        "sensing: perfect then, onboard now": replace(inputs, sensing="onboard"),
     }
     for told, now in changes.items():
         assert differences(identity_of(now, "source"), made, "source") == [told]
