@@ -1,0 +1,177 @@
+"""The four situations of the drivable-area paper, as planning problems."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from controllers.drivable_area.avoidance import choose
+from controllers.drivable_area.braking_profile import TrapezoidalBraking
+from controllers.drivable_area.clearances import Shape
+from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdict, judge
+from controllers.drivable_area.pareto_search import Budget, Front
+from controllers.drivable_area.quintic_path import PathStart
+from controllers.drivable_area.reaction_space import GRAVITY
+from controllers.drivable_area.social_force import Walkers
+from controllers.interface import Body, FloatArray
+
+NUMBER = "002"
+FRICTION = 0.8
+GRIP = FRICTION * GRAVITY
+DEAD_TIME, RAMP = 0.1, 0.2
+"""Of the brake [s]."""
+LANE_WIDTH = 3.1
+OWN = 0.5 * LANE_WIDTH
+"""The lane's centre line, from the right edge: the offset of the paper's AEB, which only brakes [m]."""
+WALKER = 2.4
+"""Where the pedestrian starts, from the right edge [m]."""
+PACE = 1.25
+"""[m/s]"""
+START = f"the pedestrian's start, {WALKER:g} m from the edge and walking to the right, which is not given"
+SEED = 1
+BUDGET = Budget(population=32, generations=25)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of Table 2."""
+
+    offset: float
+    """y_final [m]"""
+    speed_kmh: float
+    """v_s"""
+    curvature: float
+    """cost_c"""
+    distance: float
+    """cost_d"""
+    entropy: float
+    """cost_s"""
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """One of A(1) to A(4), and what the paper's method found there."""
+
+    name: str
+    distance: float
+    """To the pedestrian [m]."""
+    speed_kmh: float
+    found: Row
+    brake: Row
+    """What AEB did."""
+
+    @property
+    def speed(self) -> float:
+        """Return the first speed [m/s]."""
+        return self.speed_kmh / 3.6
+
+    @property
+    def braking(self) -> TrapezoidalBraking:
+        """Return how AEB stops."""
+        return self.braking_to(0.0)
+
+    def braking_to(self, final_speed: float) -> TrapezoidalBraking:
+        """Return the trapezoidal braking to a final speed [m/s]."""
+        return TrapezoidalBraking(self.speed, final_speed, GRIP, DEAD_TIME, RAMP)
+
+    @property
+    def gap(self) -> float:
+        """Return what AEB leaves if it brakes at once; negative is a contact [m]."""
+        return self.distance - self.braking.distance
+
+
+STOPS = Row(1.55, 0.0, 0.0, 0.045, 0.0)
+HITS = replace(STOPS, distance=float("inf"))
+SITUATIONS = (
+    Situation("A1", 20.0, 40.0, Row(1.97, 14.72, 0.065, 0.069, 0.548), STOPS),
+    Situation("A2", 20.0, 50.0, Row(1.83, 11.35, 0.025, 0.057, 0.732), STOPS),
+    Situation("A3", 10.0, 40.0, Row(2.98, 16.25, 0.547, 0.274, 0.365), HITS),
+    Situation("A4", 10.0, 50.0, Row(2.83, 1.63, 0.349, 0.0923, 0.236), HITS),
+)
+
+RULES = Rules(
+    full_braking=True, within_friction=False, margin=0.0, edge_margin=0.0, horizon=6.0, step=0.05, walks=32
+)
+"""As the paper has it: full braking, no look at what the tyres hold."""
+
+
+def problem(situation: Situation, start: float = WALKER, way: float = -1.0) -> Scene:
+    """Return the situation as a planning problem; the car is the paper's disc.
+
+    Parameters
+    ----------
+    situation : which
+    start : of the pedestrian, from the right edge [m]
+    way : +1 walks to the left, −1 to the right
+    """
+    return Scene(
+        shape=Shape(Body(), disc_radius=1.6),
+        limits=CarLimits(deceleration=GRIP, curvature=1.0, friction=FRICTION, steering_rate=float("inf")),
+        start=PathStart(OWN),
+        speed=situation.speed,
+        acceleration=0.0,
+        length=situation.distance,
+        braking_distance=situation.distance,
+        right=-np.inf,
+        left=np.inf,
+        people=Walkers(
+            np.array([situation.distance]), np.array([start]), np.zeros(1), np.array([way * PACE])
+        ),
+    )
+
+
+def verdict(scene: Scene, rules: Rules, offset: FloatArray, speed: FloatArray, seed: int = SEED) -> Verdict:
+    """Return what becomes of candidates."""
+    noise = np.random.default_rng(seed).standard_normal((len(rules.times), len(scene.people.x), rules.walks))
+    return judge(scene, rules, offset, speed, noise)
+
+
+def at_the_table(situation: Situation, mode: EntropyMode = EntropyMode.PAPER) -> Verdict:
+    """Return what becomes of the candidate that the paper's method found."""
+    row = situation.found
+    return verdict(
+        problem(situation),
+        replace(RULES, entropy=mode),
+        np.array([row.offset]),
+        np.array([row.speed_kmh / 3.6]),
+    )
+
+
+def grid(situation: Situation) -> tuple[FloatArray, FloatArray]:
+    """Return the offsets and final speeds of 12 · 14 candidates [m, m/s]."""
+    offsets, speeds = np.meshgrid(np.linspace(0.0, 3.5, 12), np.linspace(0.0, situation.speed, 14))
+    return offsets.ravel(), speeds.ravel()
+
+
+def possible(situation: Situation, start: float, way: float, *, within_friction: bool = False) -> int:
+    """Return how many candidates of the grid touch nobody, and with the switch, stay within the friction."""
+    scene, rules = problem(situation, start, way), replace(RULES, within_friction=within_friction, step=0.02)
+    nobody_random = np.zeros((len(rules.times), 0, 1))
+    return int(judge(scene, rules, *grid(situation), nobody_random).feasible.sum())
+
+
+def nearest(situation: Situation, start: FloatArray, way: float, *, reacts: bool = True) -> FloatArray:
+    """Return how near the table's candidate, or a car that goes on as before, comes to pedestrians [m].
+
+    Parameters
+    ----------
+    start : of pedestrians that are alone each, from the right edge, shape (n,) [m]
+    way : +1 walks to the left, −1 to the right
+    reacts : whether the car drives the candidate
+    """
+    row = situation.found
+    offset, speed = (row.offset, row.speed_kmh / 3.6) if reacts else (OWN, situation.speed)
+    rules = replace(RULES, step=0.02)
+    nobody = np.zeros((len(rules.times), 0, 1))
+    moving = judge(problem(situation), rules, np.array([offset]), np.array([speed]), nobody).motions
+    walkers = start[:, None] + way * PACE * moving.times
+    return np.asarray(np.hypot(moving.along - situation.distance, moving.across - walkers).min(axis=1))
+
+
+def chosen(situation: Situation, mode: EntropyMode) -> tuple[Front, Verdict, int] | None:
+    """Return the front that NSGA-II finds, its verdict and the index of the chosen candidate."""
+    lower, upper = np.array([0.0, 0.0]), np.array([3.5, situation.speed])
+    rules = replace(RULES, entropy=mode)
+    return choose(problem(situation), rules, BUDGET, lower, upper, np.zeros((0, 2)), SEED)
