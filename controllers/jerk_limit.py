@@ -21,6 +21,8 @@ TRIES = 30
 """How often the window is adapted to the plan it leads to."""
 SHARES = (1.0, 0.5, 0.25)
 """Of that window, where it leads too near; the plan without a limit is what remains."""
+SHORTEST_WINDOW = 0.01
+"""A shorter one smooths nothing [s]."""
 ROUNDING = 1e-6
 """Share of the limit, and distance, that rounding may take [m]."""
 
@@ -64,7 +66,10 @@ def plan_with_jerk_limit(
             break
         window *= excess
     for share in SHARES:
-        plan = _planned(planner, situation, limits, share * min(window, longest), before)
+        shorter = share * min(window, longest)
+        if shorter < SHORTEST_WINDOW:
+            break
+        plan = _planned(planner, situation, limits, shorter, before)
         if _least_gap(plan, situation) >= least - ROUNDING:
             return plan
     return plain

@@ -17,6 +17,8 @@ SHORTER_BY = 1.0
 """Steps in which a place to arrive at is moved back until the ego could still stop [m]."""
 SHORTEST = 12
 """How many of them."""
+CREEPING = 1.0
+"""Rather than arrive more slowly, the ego stops [m/s]."""
 BODY_MARGIN = 0.25
 """What a stop before somebody who stays would leave at least [m]."""
 
@@ -99,7 +101,7 @@ def plan_until_gone(
             break
         brake = max(gone - math.sqrt(root), 0.0)
         slow = speed - braking * brake
-        if slow < 0.0:
+        if slow < CREEPING:
             break
         pieces = [Segment(brake, -braking), Segment(gone - brake, 0.0)]
         rise = max(limits.top_speed - slow, 0.0) / limits.acceleration

@@ -215,7 +215,8 @@ def _speed(speed: float, one: Segment, time: float) -> float:
 
 
 def _distance(speed: float, one: Segment, time: float) -> float:
-    return (speed + (0.5 * one.acceleration + one.jerk * time / 6.0) * time) * time
+    # No speed is negative; rounding at a standstill is not to drive backwards.
+    return max((speed + (0.5 * one.acceleration + one.jerk * time / 6.0) * time) * time, 0.0)
 
 
 def _equal_speed(speed: float, one: Segment, other: float) -> list[float]:
