@@ -125,8 +125,7 @@ class Batch:
         from cosim.batch.dask_cluster import Cluster
 
         self.pool.close()
-        return Cluster(
-            self.request.scheduler, self.ledger.folder, self.jobs, _handling(self.request, self.study)
+        return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
         )
 
     def _not_valid(self) -> dict[str, str]:

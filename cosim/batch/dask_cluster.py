@@ -14,7 +14,7 @@ import sys
 import tempfile
 import uuid
 import warnings
-from collections.abc import Iterable
+from collections.abc import Sequence
 from concurrent.futures import CancelledError, Future
 from pathlib import Path
 from time import monotonic
@@ -23,10 +23,10 @@ from typing import Any
 
 from cosim import provenance
 from cosim.batch.identity import source_digest
-from cosim.batch.job import Job
+from cosim.batch.job import Configuration, Job
 from cosim.batch.outcome import Outcome
 from cosim.batch.pool import Pool
-from cosim.batch.shipping import Bundle, bundle, pack_folder, unpack, unpack_bundle
+from cosim.batch.shipping import Bundle, bundles, pack_folder, unpack, unpack_bundle
 from cosim.batch.worker import Handling
 from cosim.errors import InputError, SimulationError
 
@@ -129,8 +129,8 @@ class Cluster:
         Of the scheduler, such as ``tcp://host:8786``.
     study : Path
         The study's folder; the same study replaces what an earlier batch has left on the workers.
-    jobs : Iterable
-        All runs that may be asked for.
+    configurations : Sequence
+        Whatever may be asked for.
     handling : Handling
 
     Raises
@@ -139,23 +139,21 @@ class Cluster:
         If nobody answers, or a worker has another version of anything.
     """
 
-    def __init__(self, address: str, study: Path, jobs: Iterable[Job], handling: Handling) -> None:
+    def __init__(
+        self, address: str, study: Path, configurations: Sequence[Configuration], handling: Handling
+    ) -> None:
         for name in LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters of it is said by us
         self._address = address
         self._name = f"cosim-{hashlib.sha256(str(study.resolve()).encode()).hexdigest()[:12]}"
-        places, controllers = set(), set()
-        for job in jobs:
-            places.add(job.configuration.place)
-            controllers.add(job.configuration.controller)
-        bundles = tuple(one for place in sorted(places) if (one := bundle(place)) is not None)
+        controllers = tuple(sorted({one.controller for one in configurations}))
         self._threads = 0
         self._told = False
         self._looked = -LOOK_FOR_WORKERS_EVERY_S
         self._client = _connected(address)
         try:
-            self._agree(tuple(sorted(controllers)))
-            self._client.register_plugin(StudyOnWorker(self._name, bundles, handling))
+            self._agree(controllers)
+            self._client.register_plugin(StudyOnWorker(self._name, bundles(configurations), handling))
         except BaseException:
             self._client.close()
             raise

@@ -5,13 +5,17 @@ from __future__ import annotations
 import io
 import os
 import tarfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from string import Template
 
+from cosim.batch.job import Configuration
 from sumo_scenarios import library
+from sumo_scenarios.demand import placeholders
 from sumo_scenarios.library import Scenario
 from sumo_scenarios.network_cache import source_files
+from sumo_scenarios.pedestrian_tables import TrajectoryTable
 from sumo_scenarios.sumocfg import read_sumocfg
 
 
@@ -26,23 +30,31 @@ class Bundle:
     archive: bytes
 
 
-def bundle(place: str) -> Bundle | None:
-    """Return the files that a scenario is made of; ``None`` for a built-in one, which every machine has.
+def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
+    """Return the files of every scenario that is not a built-in one, which every machine has.
 
-    These are the files that the run's identity covers: scenario.toml, network sources and demand, or a SUMO
+    These are the files that the run's identity covers: scenario.toml with all that it names, or a SUMO
     configuration with its network, routes and additional files. They keep their places relative to
     each other.
     """
-    if place in library.names():
-        return None
-    scenario = library.load(place)
-    files = sorted({path.resolve() for path in _files(scenario)})
-    entry = (scenario.folder or scenario.sumocfg or Path(place)).resolve()
+    files: dict[str, set[Path]] = {}
+    entries: dict[str, Path] = {}
+    # Parameters may decide which files a scenario names; the controller does not.
+    for one in {each.road: each for each in configurations}.values():
+        if one.place in library.names():
+            continue
+        scenario, _ = library.with_parameters(library.load(one.place), dict(one.scenario_settings))
+        entries[one.place] = (scenario.folder or scenario.sumocfg or Path(one.place)).resolve()
+        files.setdefault(one.place, set()).update(path.resolve() for path in _files(scenario))
+    return tuple(_bundle(place, entries[place], sorted(some)) for place, some in sorted(files.items()))
+
+
+def _bundle(place: str, entry: Path, files: Sequence[Path]) -> Bundle:
     root = Path(os.path.commonpath([str(entry.parent), *(str(path.parent) for path in files)]))
     return Bundle(place, entry.relative_to(root).as_posix(), pack(root, files))
 
 
-def _files(scenario: Scenario) -> Iterable[Path]:
+def _files(scenario: Scenario) -> Iterator[Path]:
     folder, table = scenario.folder, scenario.table
     if folder is not None and table is not None:
         yield folder / library.DEFINITION
@@ -50,13 +62,15 @@ def _files(scenario: Scenario) -> Iterable[Path]:
             for paths in source_files(folder, table.network).values():
                 yield from paths
         if table.demand is not None:
-            yield from (folder / name for name in (*table.demand.routes, *table.demand.additional))
+            values = placeholders(scenario, table)
+            for name in (*table.demand.routes, *table.demand.additional):
+                yield folder / Template(name).safe_substitute(values)
+        yield from (Path(each.file) for each in scenario.pedestrians if isinstance(each, TrajectoryTable))
         if table.packaged_sumocfg:
-            return
+            return  # comes with SUMO
     if scenario.sumocfg is not None:
         configuration = read_sumocfg(scenario.sumocfg)
-        yield scenario.sumocfg
-        yield configuration.net_file
+        yield from (scenario.sumocfg, configuration.net_file)
         yield from (*configuration.route_files, *configuration.additional_files)
 
 

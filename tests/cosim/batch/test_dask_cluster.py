@@ -16,7 +16,8 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from cosim.batch.dask_cluster import Cluster
-from cosim.batch.shipping import bundle, unpack_bundle
+from cosim.batch.job import Configuration
+from cosim.batch.shipping import bundles, unpack_bundle
 from cosim.batch.worker import Handling
 from cosim.errors import InputError
 from sumo_scenarios import library
@@ -188,7 +189,7 @@ def test_an_address_at_which_nobody_answers_is_refused_and_nothing_is_written(tm
 @pytest.mark.parametrize("address", ["nonsense://", "tcp://", "nowhere"])
 def test_what_is_no_address_is_refused(tmp_path: Path, address: str) -> None:
     with pytest.raises(InputError, match=f"--scheduler {address}: no Dask scheduler"):
-        Cluster(address, tmp_path, [some_job()], Handling(60.0))
+        Cluster(address, tmp_path, [some_job().configuration], Handling(60.0))
 
 
 @pytest.mark.slow
@@ -205,30 +206,52 @@ def test_workers_with_another_version_are_refused(tmp_path: Path) -> None:
     assert "has numpy 0.1; expected" in line
 
 
-def test_an_own_scenario_travels_with_everything_it_is_made_of(tmp_path: Path) -> None:
-    (tmp_path / "study" / "roads").mkdir(parents=True)
-    place = str(network(tmp_path / "study" / "roads"))
-    one = bundle(place)
-    assert one is not None
+def configuration_of(place: Path | str, **settings: str) -> Configuration:
+    """Return a configuration of a scenario that is at this place."""
+    return Configuration(str(place), str(place), "x", "sumo", tuple(settings.items()), (), ())
+
+
+def test_an_own_configuration_travels_with_everything_it_is_made_of(tmp_path: Path) -> None:
+    (tmp_path / "roads").mkdir()
+    (one,) = bundles([configuration_of(network(tmp_path / "roads"))])
     there = library.load(unpack_bundle(one, tmp_path / "there"))
     assert there.name == "town"
-    assert (tmp_path / "there" / "n.net.xml").read_bytes() == (
-        tmp_path / "study" / "roads" / "n.net.xml"
-    ).read_bytes()
+    copied, original = (folder / "n.net.xml" for folder in (tmp_path / "there", tmp_path / "roads"))
+    assert copied.read_bytes() == original.read_bytes()
 
 
-def test_a_scenario_folder_travels_with_the_folders_beside_it(tmp_path: Path) -> None:
-    for name in ("midblock_zebra", "midblock_unmarked", "road_users"):
-        shutil.copytree(library.LIBRARY / name, tmp_path / "here" / name)
-    (tmp_path / "here" / "midblock_unmarked").rename(tmp_path / "here" / "mine")
-    one = bundle(str(tmp_path / "here" / "mine"))
-    assert one is not None
+@pytest.mark.parametrize("name", library.names())
+def test_a_scenario_folder_travels_with_all_that_it_names(tmp_path: Path, name: str) -> None:
+    shutil.copytree(library.LIBRARY, tmp_path / "here", ignore=shutil.ignore_patterns("*.py"))
+    place = tmp_path / "here" / name
+    (one,) = bundles([configuration_of(place)])
     scenario = library.load(unpack_bundle(one, tmp_path / "there"))
-    assert scenario.name == "mine"
-    prepared = library.prepare(scenario, 1, tmp_path / "work")
-    original = library.prepare(library.load(str(tmp_path / "here" / "mine")), 1, tmp_path / "work")
-    assert prepared.inputs == original.inputs
+    assert scenario.name == name
+    inputs = [
+        library.prepare(each, 1, tmp_path / "work").inputs for each in (scenario, library.load(str(place)))
+    ]
+    assert inputs[0] == inputs[1]
+
+
+def test_a_file_that_a_parameter_chooses_travels_with_each_of_its_values(tmp_path: Path) -> None:
+    shutil.copytree(library.LIBRARY / "midblock_zebra", tmp_path / "here" / "mine")
+    shutil.copytree(library.LIBRARY / "road_users", tmp_path / "here" / "road_users")
+    definition = tmp_path / "here" / "mine" / "scenario.toml"
+    text = definition.read_text().replace('routes = ["demand.rou.xml"]', 'routes = ["$load.rou.xml"]')
+    assert "$load" in text
+    definition.write_text(
+        text + '\n[parameters.load]\ndefault = "light"\nchoices = ["light", "heavy"]\ndescription = "x"\n'
+    )
+    demand = definition.parent / "demand.rou.xml"
+    for load in ("light", "heavy"):
+        (definition.parent / f"{load}.rou.xml").write_text(demand.read_text())
+    place = definition.parent
+    (one,) = bundles([configuration_of(place, load=load) for load in ("light", "heavy")])
+    unpack_bundle(one, tmp_path / "there")
+    assert {path.name for path in (tmp_path / "there").rglob("*.rou.xml")} == {
+        *("light.rou.xml", "heavy.rou.xml"),
+    }
 
 
 def test_a_built_in_scenario_need_not_travel() -> None:
-    assert bundle("midblock_zebra") is None
+    assert bundles([configuration_of("midblock_zebra")]) == ()
