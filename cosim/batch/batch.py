@@ -125,8 +125,8 @@ class Batch:
         from cosim.batch.dask_cluster import Cluster
 
         self.pool.close()
+        handling = _handling(self.request, self.study)
         return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
-        )
 
     def _not_valid(self) -> dict[str, str]:
         described = ((name, self.ledger.description(name)) for name in self.ledger.finished())
