@@ -32,7 +32,8 @@ runs them and writes `claims.csv` and the figures; `make papers` writes this pag
   independent evidence.
 - **not reproduced**: it does not, or the paper leaves out what would be needed. The last column says which.
 
-An empty cell under "paper" means that the paper gives no number.
+An empty cell under "paper" means that the paper gives no number. Where a claim is held against something
+else, such as another solver, it says so and the cell has that number.
 """
 
 _HEADINGS = ("experiment", "claim", "paper", "ours", "unit", "tolerance", "status", "why")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -26,6 +26,11 @@ CLAIMS = [
     compared("004", "E1", 'It "stops".', theirs=29.0, ours=31.0, tolerance=0.5, unit="s", why="a | b"),
     observed("003", "all", "No kerb is crossed.", holds=True, theirs="−", ours="", fitted="width = 3.5 m"),
 ]
+
+
+def _cpu_time_of_children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _contents(folder: Path) -> dict[str, bytes]:
@@ -115,11 +120,12 @@ def test_one_paper_twice_gives_the_same_files_and_its_counts(
 def test_all_papers_twice_give_the_same_files_within_five_minutes(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "cosim.cli", "papers", "--out"]
     for name in ("first", "second"):
-        begun = time.monotonic()
+        begun = _cpu_time_of_children()
         subprocess.run(
             [*command, str(tmp_path / name)], check=True, capture_output=True, env=source_environment()
         )
-        assert time.monotonic() - begun < LONGEST_S
+        # Of both processes together, so that it says something about a machine that is busy, too.
+        assert _cpu_time_of_children() - begun < LONGEST_S
     first, second = _contents(tmp_path / "first"), _contents(tmp_path / "second")
     assert first.keys() == second.keys()
     assert [name for name in first if first[name] != second[name]] == []
