@@ -17,6 +17,8 @@ from controllers.interface import Controller
 from cosim.cli import app
 from cosim.commands import analyse, batch, compare, conformance, listing, papers, run
 from cosim.request import parse_settings
+from cosim.sensing.catalog import PERFECT, build
+from cosim.sensing.chosen import split
 from sumo_scenarios import library
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -92,6 +94,9 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
         if values["scenario"].endswith(".sumocfg"):
             assert any(values[key] for key in ("ego_route", "ego_vehicle", "ego_share"))
         else:
+            model = values["sensing"] or PERFECT
+            of_sensing, texts = split(texts, model, catalog.parameters(values["controller"]))
+            build(model, of_sensing)
             _, leftover = library.with_parameters(library.load(values["scenario"]), texts)
             catalog.parse(values["controller"], leftover)
 
