@@ -88,15 +88,27 @@ def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:
     found: list[Condition] = []
     for scenario in sorted({run.scenario_id for run in runs}):
         settings = {run.condition_id: run.setting for run in runs if run.scenario_id == scenario}
-        texts = _differences({key: _without_files(setting) for key, setting in settings.items()})
+        texts = _differences(_telling(settings))
         if len(set(texts.values())) < len(texts):  # same settings, other files
             texts = _differences(settings)
         found += [Condition(key, scenario, texts[key]) for key in settings]
     return tuple(sorted(found, key=lambda one: (one.scenario_id, one.text, one.condition_id)))
 
 
-def _without_files(setting: Mapping[str, str]) -> dict[str, str]:
-    return {key: value for key, value in setting.items() if key != "inputs"}
+def _telling(settings: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, str]]:
+    """Return the settings without hashes of files, and without what follows from the name of the sensing.
+
+    Sensing models have different parameters; one that is the same wherever it exists tells nothing.
+    """
+    values: dict[str, set[str]] = {}
+    for setting in settings.values():
+        for name, value in setting.items():
+            values.setdefault(name, set()).add(value)
+    same = {name for name, some in values.items() if name.startswith("sensing.") and len(some) == 1}
+    return {
+        key: {name: value for name, value in setting.items() if name != "inputs" and name not in same}
+        for key, setting in settings.items()
+    }
 
 
 def _labels(runs: Sequence[StudyRun]) -> dict[str, str]:

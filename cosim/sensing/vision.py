@@ -22,7 +22,7 @@ class VisionSettings(Settings):
     """To the middle of a pedestrian [m]."""
     field_of_view_deg: FullAngle = 120.0
     """Full angle, about straight ahead [deg]."""
-    mount_behind_front_m: NotNegative = 1.8
+    mount_behind_front_m: Annotated[float, Field(ge=0.0, le=20.0)] = 1.8
     """From the front bumper back to the sensor, behind the windscreen [m]."""
     mount_left_m: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.0
     """From the middle of the ego to the left [m]."""
