@@ -36,6 +36,7 @@ PAGES = (
     "docs/cluster.md",
     "docs/conventions.md",
     "docs/references.md",
+    "docs/sensing.md",
     "docs/statistics.md",
 )
 CITATION = re.compile(r"\[([A-Z][A-Za-z]*[A-Za-z0-9.-]*)\]_")
