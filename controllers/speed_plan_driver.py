@@ -14,6 +14,7 @@ import numpy as np
 from controllers import lane_keeping
 from controllers.actuator_prediction import CommandHistory, PredictedState, predicted_state
 from controllers.driving_style import DrivingStyle
+from controllers.emergency_braking import EmergencyBraking
 from controllers.following import BEND, SPEED_LIMIT, limit_now
 from controllers.interface import (
     Command,
@@ -81,6 +82,8 @@ class Made:
     """Commanded from each of the times on [m/s^2]."""
     yielding: Yielding
     obstacles: tuple[SpeedTarget, ...]
+    threat: str
+    """Who the emergency brake acts for; empty for nobody."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +109,7 @@ class SpeedPlanDriver:
     style : of the traffic driver that steers, and drives for signals, right of way and bends
     rule : when to go ahead of pedestrians
     predictor : of pedestrians; ``None``: they keep their velocities
+    brake : for whoever the plans do not know of; ``None`` for no such brake
     """
 
     def __init__(
@@ -116,6 +120,7 @@ class SpeedPlanDriver:
         style: DrivingStyle,
         rule: CrossingRule,
         predictor: Predictor | None = None,
+        brake: EmergencyBraking | None = None,
     ) -> None:
         self._plans = PlanKeeper(plans)
         self._limits = limits
@@ -123,6 +128,7 @@ class SpeedPlanDriver:
         self._style = style
         self._traffic = TrafficDriver(style)
         self._pedestrians = PedestrianTargets(rule, predictor)
+        self._brake = brake
         self._history = CommandHistory()
         self._governing = ""
         self._made: Made | None = None
@@ -131,7 +137,8 @@ class SpeedPlanDriver:
         """Say which lane to be in, and which obstacle governs the speed."""
         decision = self._traffic.decide(perception)
         self._made = self._make(perception, decision)
-        return replace(decision, because=self._made.kept.target.name or decision.because)
+        made = self._made
+        return replace(decision, because=made.threat or made.kept.target.name or decision.because)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Drive the most restrictive plan, or what the road asks for where that is less."""
@@ -176,10 +183,14 @@ class SpeedPlanDriver:
         )
         if ego.speed < STANDING and (_stays(kept, moment.now) or float(road.max()) <= 0.0):
             acceleration = np.minimum(acceleration, HOLDING)
+        threat = self._brake.watch(perception) if self._brake is not None else ""
+        if self._brake is not None:
+            braked = self._brake.accelerations(ego, steps)
+            acceleration = np.minimum(acceleration, braked[_entry(steps, asked.times)])
         acceleration = np.clip(acceleration, -ego.drive.max_deceleration, ego.drive.max_acceleration)
         self._history.add(ego.time, asked.times, acceleration)
         obstacles = tuple(one for one in targets.values() if one is not FREE)
-        return Made(perception, kept, moment, asked.times, acceleration, yielding, obstacles)
+        return Made(perception, kept, moment, asked.times, acceleration, yielding, obstacles, threat)
 
     def _moment(self, perception: Perception) -> Moment:
         """Return where and when plans begin."""
@@ -292,7 +303,7 @@ def _told(made: Made, command: Command, offset: float) -> Plan:
     speed = ahead[1, 1:]
     # The ego is a lag behind the plan, so a lag times its speed.
     along = ahead[0, 1:] - ahead[0, 0] + moment.state.delay * (moment.state.speed - speed)
-    emergency = not kept.plan.safe and ego.speed > STANDING
+    emergency = ego.speed > STANDING and (not kept.plan.safe or made.threat != "")
     places = [(ego.body.front + one.gap, ego.across) for one in made.obstacles]
     return Plan(
         command,

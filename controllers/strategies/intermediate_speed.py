@@ -9,6 +9,7 @@ and standing vehicles, into gaps that stay safe.
 from __future__ import annotations
 
 from controllers.driving_style import DrivingStyle
+from controllers.emergency_braking import EmergencyBraking
 from controllers.interface import Controller
 from controllers.intermediate_speed import plan_intermediate, safe_distance
 from controllers.plan_keeping import PlanSettings, Replanning
@@ -33,6 +34,7 @@ def build(
     predict: bool = False,
     time_margin_s: float = 1.0,
     side_margin_m: float = 0.6,
+    emergency_brake: bool = True,
     predictor: str = named.CONSTANT_VELOCITY,
     seed: int = 1,
 ) -> Controller:
@@ -66,6 +68,8 @@ def build(
         The ego goes ahead of a pedestrian who comes into its way this long after it is past [s].
     side_margin_m : float
         What a pedestrian's disc is grown by across the way [m].
+    emergency_brake : bool
+        Whether automatic emergency braking, as of ``aeb``, is there for whoever no plan is made for.
     predictor : str
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed : int
@@ -91,5 +95,6 @@ def build(
     rule = CrossingRule(standoff_m, side_margin=side_margin_m, time_margin=time_margin_s)
     rule.check()
     plans = PlanSettings(plan_intermediate, safe_distance, replanning, period_s, jerk_mps3, predict)
+    brake = EmergencyBraking() if emergency_brake else None
     style = DrivingStyle(standstill_gap=standoff_m, acceleration=max(acceleration_mps2, 1.8))
-    return SpeedPlanDriver(plans, limits, plan_from, style, rule, named.sampled(predictor, seed=seed))
+    return SpeedPlanDriver(plans, limits, plan_from, style, rule, named.sampled(predictor, seed=seed), brake)

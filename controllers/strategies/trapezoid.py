@@ -9,6 +9,7 @@ that the route asks for or that lead around slow and standing vehicles, into gap
 from __future__ import annotations
 
 from controllers.driving_style import DrivingStyle
+from controllers.emergency_braking import EmergencyBraking
 from controllers.interface import Controller
 from controllers.plan_keeping import PlanSettings, Replanning
 from controllers.prediction import named
@@ -28,6 +29,7 @@ def build(
     period_s: float = 0.1,
     time_margin_s: float = 1.0,
     side_margin_m: float = 0.6,
+    emergency_brake: bool = True,
     predictor: str = named.CONSTANT_VELOCITY,
     seed: int = 1,
 ) -> Controller:
@@ -49,6 +51,8 @@ def build(
         The ego goes ahead of a pedestrian who comes into its way this long after it is past [s].
     side_margin_m : float
         What a pedestrian's disc is grown by across the way [m].
+    emergency_brake : bool
+        Whether automatic emergency braking, as of ``aeb``, is there for whoever no plan is made for.
     predictor : str
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed : int
@@ -73,5 +77,8 @@ def build(
     rule = CrossingRule(standoff_m, side_margin=side_margin_m, time_margin=time_margin_s)
     rule.check()
     plans = PlanSettings(plan_trapezoid, stopping_gap, Replanning.PERIODIC, period_s)
+    brake = EmergencyBraking() if emergency_brake else None
     style = DrivingStyle(standstill_gap=standoff_m, acceleration=max(acceleration_mps2, 1.8))
-    return SpeedPlanDriver(plans, limits, PlanFrom.MEASURED, style, rule, named.sampled(predictor, seed=seed))
+    return SpeedPlanDriver(
+        plans, limits, PlanFrom.MEASURED, style, rule, named.sampled(predictor, seed=seed), brake
+    )

@@ -74,6 +74,7 @@ class Parameters:
             "max_speed_mps": self.top_speed,
             "standoff_m": self.standoff,
             "actuator_delay_s": actuator_delay,
+            "emergency_brake": False,
         }
 
 
