@@ -30,7 +30,15 @@ from controllers.interface import (
 from controllers.plan_keeping import KeptPlan, Moment, PlanKeeper, PlanSettings
 from controllers.prediction.forecast import Predictor
 from controllers.speed_profile import Segment, SpeedProfile
-from controllers.speed_targets import FREE, CrossingRule, PedestrianTargets, SpeedTarget, Yielding, leaders
+from controllers.speed_targets import (
+    FREE,
+    CrossingRule,
+    PedestrianTargets,
+    SpeedTarget,
+    Yielding,
+    leaders,
+    without,
+)
 from controllers.traffic_driver import TrafficDriver
 from controllers.trapezoid_profile import PlanningLimits, Situation
 
@@ -154,8 +162,8 @@ class SpeedPlanDriver:
         """Plan for everything that is ahead and combine the plans."""
         ego, steps = perception.ego, lane_keeping.instants(perception.ego)
         ahead, passed = leaders(perception, decision.target_lane, self._style, self._traffic.waiting)
-        without = replace(perception, gaps=_only(perception.gaps, passed))
-        road = self._traffic.accelerations(without, decision, free_speed=float("inf"))
+        alone = replace(perception, gaps=_only(perception.gaps, passed))
+        road = self._traffic.accelerations(alone, decision, free_speed=float("inf"))
         moment, due = self._moment(perception), self._plans.due(ego.time)
         targets = {one.key: one for one in (*ahead, FREE)}
         found = {key: self._plans.plan_for(one, moment, renew=due) for key, one in targets.items()}
@@ -183,8 +191,10 @@ class SpeedPlanDriver:
         )
         if ego.speed < STANDING and (_stays(kept, moment.now) or float(road.max()) <= 0.0):
             acceleration = np.minimum(acceleration, HOLDING)
-        threat = self._brake.watch(perception) if self._brake is not None else ""
+        threat = ""
         if self._brake is not None:
+            planned_for = frozenset(one.name for one in ahead) | yielding.names
+            threat = self._brake.watch(without(perception, planned_for))
             braked = self._brake.accelerations(ego, steps)
             acceleration = np.minimum(acceleration, braked[_entry(steps, asked.times)])
         acceleration = np.clip(acceleration, -ego.drive.max_deceleration, ego.drive.max_acceleration)

@@ -8,13 +8,14 @@ obstacle.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import TypeVar
 
 import numpy as np
 
 from controllers import passing
 from controllers.driving_style import DrivingStyle
-from controllers.interface import FloatArray, Perception
+from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
 from controllers.leaders import neighbours_ahead
 from controllers.prediction.forecast import Forecast, Predictor
 
@@ -89,6 +90,8 @@ class Yielding:
     """Whom the ego lets pass, and whom it passes ahead of."""
 
     targets: tuple[SpeedTarget, ...]
+    names: frozenset[str]
+    """Of all whom the targets are for."""
     passing: str
     """``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
     along: FloatArray
@@ -153,6 +156,7 @@ class PedestrianTargets:
         names = ["|".join(n for n, first in self._ahead.items() if first is side) for side in (False, True)]
         return Yielding(
             tuple(targets),
+            frozenset(conflicts.names[i] for i in yielded),
             f"behind={names[0]} ahead={names[1]}" if len(conflicts) else "",
             conflicts.along,
             conflicts.across,
@@ -187,6 +191,26 @@ class PedestrianTargets:
         before = self._ahead.get(conflicts.names[i])
         share = 1.0 if before is None else COMMITTED if before else RESUMED
         return enter > 0.0 and time_past(beyond) + share * rule.time_margin < enter
+
+
+def without(perception: Perception, names: frozenset[str]) -> Perception:
+    """Return a perception in which pedestrians and vehicles of these names do not exist."""
+    return replace(
+        perception,
+        pedestrians=_others(perception.pedestrians, names),
+        vehicles=_others(perception.vehicles, names),
+    )
+
+
+Many = TypeVar("Many", Pedestrians, Vehicles)
+
+
+def _others(many: Many, names: frozenset[str]) -> Many:
+    kept = [i for i, name in enumerate(many.names) if name not in names]
+    if len(kept) == len(many.names):
+        return many
+    arrays = {one.name: getattr(many, one.name)[kept] for one in fields(many) if one.name != "names"}
+    return replace(many, names=tuple(many.names[i] for i in kept), **arrays)
 
 
 def _beside(perception: Perception, conflicts: passing.Conflicts, i: int) -> bool:

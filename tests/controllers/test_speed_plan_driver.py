@@ -112,8 +112,7 @@ def test_a_pedestrian_who_stands_in_the_path_is_stopped_for_and_left_when_he_is_
     waiting = rows[(rows[:, 0] < 20.0) & (rows[:, 0] > 17.0)]
     clearance = distance - 0.25 - FRONT - waiting[:, 1]
     assert waiting[:, 3].max() < 0.02
-    # Asked once a second, the emergency brake acts in the last metres, lest it be too late.
-    assert 2.2 < clearance.min() <= clearance.max() < (2.9 if interval < 1.0 else 3.4)
+    assert 2.2 < clearance.min() <= clearance.max() < 2.9
     assert rows[-1, 3] > 12.0
     assert rows[:, 4].min() > -4.0
 
