@@ -2,8 +2,9 @@
 
 Along: a plan of constant accelerations for the leader, whose motion it does not know of, and for every place
 to stop at for pedestrians, made anew every period; the most restrictive one is driven. Signals, right of
-way, bends and lower limits ahead are those of a car-following driver. Across: lane keeping, and lane changes
-that the route asks for or that lead around slow and standing vehicles, into gaps that stay safe.
+way, bends and lower limits ahead are those of a car-following driver; automatic emergency braking is there
+for whoever no plan is made for. Across: lane keeping, and lane changes that the route asks for or that lead
+around slow and standing vehicles, into gaps that stay safe.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 
 from controllers.driving_style import DrivingStyle
 from controllers.interface import CrossingKind, Perception
-from controllers.speed_targets import CrossingRule, PedestrianTargets, SpeedTarget, Yielding, leaders
+from controllers.speed_targets import CrossingRule, PedestrianTargets, SpeedTarget, Yielding, leaders, without
 from tests.controllers.scenes import FRONT, LANE_WIDTH, Car, Walker, ego, perception, straight_road, zebra
 
 RULE = CrossingRule(standoff=2.5)
@@ -159,6 +159,26 @@ def test_on_the_way_into_another_lane_its_leader_counts_too() -> None:
     scene = perception(ego(10.0), straight_road(2, 0), cars=cars)
     found, _ = leaders(scene, 1, DrivingStyle(), leaving=False)
     assert {target.name for target in found} == {"car0", "car1"}
+
+
+def test_without_somebody_the_others_are_as_they_were() -> None:
+    walkers = [Walker(30.0 + i, 0.1 * i, 0.0, 1.0, 0, True) for i in range(3)]
+    scene = perception(walkers=walkers, cars=[Car(50.0, 0.0, 6.0)], crossings=[zebra(28.0)])
+    fewer = without(scene, frozenset({"person1", "car0"}))
+    assert fewer.pedestrians.names == ("person0", "person2")
+    assert fewer.pedestrians.along.tolist() == [30.0, 32.0]
+    assert fewer.pedestrians.on_crossing.tolist() == [True, True]
+    assert len(fewer.vehicles) == 0
+    assert without(scene, frozenset({"nobody"})).pedestrians is scene.pedestrians
+
+
+def test_the_targets_say_whom_they_are_for() -> None:
+    walkers = [Walker(42.0, -1.0, 0.0, 1.2, 0, True), Walker(42.0, -9.0, 0.0, 1.2, 0, True)]
+    found = _found(
+        perception(ego(10.0), straight_road(3, 1), walkers, crossings=[zebra(40.0)]), _at_speed(20.0)
+    )
+    assert found.names == frozenset({"person0"})
+    assert found.passing == "behind=person0 ahead=person1"
 
 
 @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
