@@ -276,6 +276,18 @@ class RoadAhead:
 
 
 @dataclass(frozen=True, slots=True)
+class Eyesight:
+    """Where from the ego looks for pedestrians; what vehicles hide from there it may not have been told."""
+
+    ahead: float
+    """From the rear axle to the sensor, along the body [m]."""
+    left: float
+    """From the body's middle to the sensor, left positive [m]."""
+    watched: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    """Areas that others watch who tell the ego, (k, 3): x and y of the middle in the world, radius [m]."""
+
+
+@dataclass(frozen=True, slots=True)
 class Perception:
     """Everything a controller may know at one instant."""
 
@@ -284,6 +296,8 @@ class Perception:
     vehicles: Vehicles
     gaps: NeighbourGaps
     road: RoadAhead
+    eyesight: Eyesight | None = None
+    """``None``: the ego is told of everybody."""
 
 
 class Rule(StrEnum):

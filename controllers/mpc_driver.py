@@ -35,7 +35,7 @@ from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan
 from controllers.plan_memory import PlanMemory, sampled_command
 from controllers.prediction.forecast import Predictor
 from controllers.right_of_way import RightOfWay
-from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across
+from controllers.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across, with_margins
 from controllers.velocity_obstacle import Cone
 
 FloatArray = NDArray[np.float64]
@@ -151,7 +151,8 @@ class VelocityObstacleMpc:
     def _seen(self, perception: Perception) -> Perception:
         """Return the perception with blocked lanes told as ending; worked out once per plan."""
         if self._view is None or self._view[0] is not perception:
-            self._view = (perception, self._blocked.look(perception))
+            seen = with_margins(perception, self.settings.passing.uncertainty_gain)
+            self._view = (perception, self._blocked.look(seen))
         return self._view[1]
 
     def _leaving(self, perception: Perception, lane: Lane | None) -> float:

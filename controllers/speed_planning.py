@@ -7,10 +7,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import passing, road_profile, traffic
+from controllers import occlusion, passing, road_profile, traffic
 from controllers.interface import Lane, Perception
 from controllers.lateral import SteeringPlan
 from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.occlusion import HiddenPedestrian
 from controllers.plan_memory import PlanMemory
 from controllers.prediction.forecast import Forecast, Predictor
 from controllers.right_of_way import RightOfWay, StopPlace
@@ -49,6 +50,9 @@ class PassingSettings:
     standstill_gap: float
     bend_acceleration: float
     assume: passing.PedestrianAssumptions
+    hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
+    uncertainty_gain: float = 0.0
+    """What a margin grows by for each metre that a position is uncertain (standard deviation)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,16 +243,21 @@ class SpeedPlanner:
         for along in self._watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
+        ceiling = CEILING_MARGIN + road_profile.reference_speed(
+            perception, positions, CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING
+        )
+        unseen = occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)
+        if unseen is not None:
+            slow = occlusion.reached(*unseen, positions, SLOWING_FOR_THE_ROAD)
+            reference = np.minimum(reference, slow)
+            ceiling = np.minimum(ceiling, occlusion.reached(*unseen, positions, CEILING_BRAKING))
         task = SpeedTask(
             speed=ego.speed,
             acceleration=ego.acceleration,
             command=self.memory.commanded(ego)[0],
             reference=reference,
             expected=expected,
-            ceiling=CEILING_MARGIN
-            + road_profile.reference_speed(
-                perception, positions, CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING
-            ),
+            ceiling=ceiling,
             # A line that is overrun already asks for a stop here, not for going back.
             upper=np.minimum(ahead.rear - BODY_GAP - front, max(line - 0.5 - front, 0.0)),
             lower=np.full(len(times), -np.inf),
@@ -321,6 +330,15 @@ class SpeedPlanner:
         times = self.memory.times
         none = np.zeros(len(times))
         return SpeedPlan(False, speed * times, none + speed, none, none, np.inf, 0.0, 0.0, none)
+
+
+def with_margins(perception: Perception, gain: float) -> Perception:
+    """Return the perception with discs that are larger by ``gain`` standard deviations of their positions."""
+    people = perception.pedestrians
+    if gain == 0.0 or not people.uncertainty.any():
+        return perception
+    grown = replace(people, radius=people.radius + gain * people.uncertainty)
+    return replace(perception, pedestrians=grown)
 
 
 def front_across(perception: Perception) -> float:

@@ -32,6 +32,7 @@ from controllers.interface import (
     constant_command,
 )
 from cosim.plant import Plant
+from cosim.sensing.eyesight import eyesight_of
 from cosim.sensing.interface import Scene, Sensing, Site
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sensing.senses import Senses
@@ -166,7 +167,16 @@ class ToyWorld:
         self._switch_lane()
         self._senses.begin()
         vehicles = self._vehicles()
-        return (Perception(self._ego(), self._pedestrians(), vehicles, self._gaps(vehicles), self._road()),)
+        return (
+            Perception(
+                self._ego(),
+                self._pedestrians(),
+                vehicles,
+                self._gaps(vehicles),
+                self._road(),
+                eyesight_of(self.sensing, self._site(), self.body),
+            ),
+        )
 
     def act(self, name: str, command: Command) -> None:
         """Follow a command from now on."""

@@ -18,6 +18,7 @@ from controllers.lane_decision import ChangeSettings
 from controllers.lateral import SteeringWeights
 from controllers.longitudinal import SpeedLimits, SpeedWeights
 from controllers.mpc_driver import ConeParameters, Settings, Shape, VelocityObstacleMpc
+from controllers.occlusion import HiddenPedestrian
 from controllers.prediction import named
 from controllers.qp import check_solver
 from controllers.speed_planning import PassingSettings
@@ -65,6 +66,10 @@ def build(
     top_speed_mps: float | None = None,
     change_steps: int = 8,
     emergency_brake: bool = False,
+    hidden_speed_mps: float = 1.5,
+    hidden_reaction_s: float = 0.8,
+    creep_mps: float = 2.0,
+    uncertainty_gain: float = 1.0,
     predictor: str = named.CONSTANT_VELOCITY,
     seed: int = 1,
 ) -> Controller:
@@ -132,6 +137,13 @@ def build(
         Steps that a change of lane takes which is to avoid somebody.
     emergency_brake
         Whether an emergency brake has the last word along.
+    hidden_speed_mps, hidden_reaction_s, creep_mps
+        Somebody who cannot be seen behind a standing vehicle may step out with this speed; what the ego takes
+        to brake for him; the speed below which it need not be for his sake. With a speed of 0 nobody is
+        expected. Only with sensing that is not perfect, and not with ``model=paper``.
+    uncertainty_gain
+        What both margins grow by for each metre that a pedestrian's position is uncertain (standard
+        deviation); 0 for not at all. Not with ``model=paper``.
     predictor
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed
@@ -153,6 +165,9 @@ def build(
         "headway_s": headway_s,
         "class_lock_s": class_lock_s,
         "change_cost": change_cost,
+        "hidden_speed_mps": hidden_speed_mps,
+        "hidden_reaction_s": hidden_reaction_s,
+        "uncertainty_gain": uncertainty_gain,
     }
     above_zero = {
         "disc_radius_m": disc_radius_m,
@@ -165,6 +180,7 @@ def build(
         "emergency_braking_mps2": emergency_braking_mps2,
         "max_jerk_mps3": max_jerk_mps3,
         "freeze_braking_mps2": freeze_braking_mps2,
+        "creep_mps": creep_mps,
     }
     for name, value in not_negative.items():
         if not 0.0 <= value < float("inf"):
@@ -211,6 +227,8 @@ def build(
                 standstill_gap=standstill_gap_m,
                 bend_acceleration=bend_acceleration_mps2,
                 assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
+                hidden=HiddenPedestrian(hidden_speed_mps, hidden_reaction_s, freeze_braking_mps2, creep_mps),
+                uncertainty_gain=uncertainty_gain,
             ),
             cone=ConeParameters(Cone(cone or Cone.STEP), Shape(shape), disc_radius_m, truncation_s),
             change=ChangeSettings(

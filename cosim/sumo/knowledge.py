@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.interface import Body, Eyesight
 from cosim.plant import Plant
+from cosim.sensing.eyesight import eyesight_of
 from cosim.sensing.interface import Scene, Sensing, Site
 from cosim.sensing.senses import Senses
 from cosim.sumo.network import Network
@@ -20,6 +22,7 @@ FloatArray = NDArray[np.float64]
 
 BUILDING = "building"
 """How the types of SUMO's polygons begin that stand in the way."""
+_NO_SITE = Site({}, np.zeros((0, 4)), np.zeros((0, 4)))
 
 
 class Knowledge:
@@ -44,7 +47,10 @@ class Knowledge:
 
     def __init__(self, sensing: Sensing, sumo: Any, network: Network, seed: int, step: float) -> None:
         self._step = step
-        self._senses = None if sensing.exact else Senses(sensing, site_of(sumo, network), seed)
+        self._sensing = sensing
+        self._site = _NO_SITE if sensing.exact else site_of(sumo, network)
+        self._senses = None if sensing.exact else Senses(sensing, self._site, seed)
+        self._eyesight: dict[Body, Eyesight | None] = {}
 
     def begin(self) -> None:
         """Begin an instant at which egos look."""
@@ -60,6 +66,12 @@ class Knowledge:
     def now(self) -> tuple[Sensed, ...] | None:
         """What the egos knew at this instant; ``None`` where they know the truth."""
         return None if self._senses is None else self._senses.now
+
+    def eyesight(self, body: Body) -> Eyesight | None:
+        """Return where an ego of that size looks from; ``None`` where it knows the truth."""
+        if body not in self._eyesight:
+            self._eyesight[body] = eyesight_of(self._sensing, self._site, body)
+        return self._eyesight[body]
 
     def believed(self, ego: str, plant: Plant, time: float, surroundings: Surroundings) -> Surroundings:
         """Return the surroundings as one ego knows them; of its pedestrians only."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from controllers.interface import Command, Drive, EgoState, Perception, constant_command
 from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
-from cosim.pedestrians.scene import RoadUser
 from cosim.plant import Plant, body_of
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
@@ -25,11 +24,10 @@ from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
-from cosim.sumo.scripted_persons import ScriptedPersons
+from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
-from cosim.sumo.traffic_near import way_along
 from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
@@ -249,7 +247,7 @@ class SumoWorld:
     def _walk(self) -> None:
         """Say where scripted pedestrians are after the step; they see the egos as they are before it."""
         if self._scripted.any:
-            egos = [_road_user(ego) for ego in self._egos.values()]
+            egos = [road_user(ego.name, ego.plant, ego.track) for ego in self._egos.values()]
             driven = [ego.name for ego in self._egos.values() if not ego.handed_back]
             self._scripted.walk(self._time, egos, driven)
 
@@ -396,7 +394,9 @@ class SumoWorld:
             self._plan_every * self.step,
         )
         foes = self._foes.find(view, known, lights)
-        return perceive(state, view, ego.track, known, lights, foes, ego.own_limit)
+        told = perceive(state, view, ego.track, known, lights, foes, ego.own_limit)
+        eyesight = self._knowledge.eyesight(plant.body)
+        return told if eyesight is None else replace(told, eyesight=eyesight)
 
     def _truth(self, ego: _Ego) -> EgoTruth:
         plant, track = ego.plant, ego.track
@@ -442,14 +442,6 @@ def own_limit(sumo: Any, name: str) -> float:
     allowed: float = vehicle.getAllowedSpeed(name)
     on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
     return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
-
-
-def _road_user(ego: _Ego) -> RoadUser:
-    plant = ego.plant
-    way = way_along(ego.track.path.curve, *plant.front)
-    return RoadUser(
-        ego.name, *plant.front, plant.heading, plant.speed, plant.body.length, plant.body.width, way
-    )
 
 
 def _free(sumo: Any, name: str) -> None:

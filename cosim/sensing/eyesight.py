@@ -1,0 +1,41 @@
+"""What an ego knows of its own sensing: where it looks from, and what roadside units watch for it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.interface import Body, Eyesight
+from cosim.sensing.interface import Sensing, Site
+from cosim.sensing.radio import RadioSettings, units_of
+from cosim.sensing.vision import VisionSettings
+
+WINDSCREEN = 1.8
+"""From the front bumper back to where an ego without a sensor for pedestrians looks from [m]."""
+
+
+def eyesight_of(sensing: Sensing, site: Site, body: Body) -> Eyesight | None:
+    """Return where an ego of that size looks from; ``None`` where it is told of everybody.
+
+    A unit watches a disc of its range, if it sees over vehicles and all around; any other unit is not counted
+    on. Nor is it noticed here when a unit falls silent.
+
+    Parameters
+    ----------
+    sensing : the model
+    site : what does not move
+    body : of the ego
+    """
+    if sensing.exact:
+        return None
+    behind, left = WINDSCREEN, 0.0
+    if isinstance(sensing, VisionSettings):
+        behind, left = sensing.mount_behind_front_m, sensing.mount_left_m
+    watched = np.zeros((0, 3))
+    if isinstance(sensing, RadioSettings) and _sees_everything(sensing):
+        places = np.array([unit.place for unit in units_of(sensing, site, 0)])
+        watched = np.column_stack([places, np.full(len(places), sensing.unit_range_m)])
+    return Eyesight(body.front - behind, left, watched)
+
+
+def _sees_everything(units: RadioSettings) -> bool:
+    return units.unit_sees_over_vehicles and units.unit_field_of_view_deg >= 360.0
