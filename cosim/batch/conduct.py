@@ -33,7 +33,13 @@ class Crew(Protocol):
         ...
 
     def capacity(self) -> int:
-        """Return how many runs to hand out at a time."""
+        """Return how many runs to hand out at a time; asked again and again.
+
+        Raises
+        ------
+        SimulationError
+            If nobody is there any more.
+        """
         ...
 
     def submit(self, job: Job, folder: Path) -> Future[Outcome]:
@@ -91,7 +97,8 @@ def conduct(
     over: SimpleQueue[Future[Outcome]] = SimpleQueue()
     losses = 0
     while waiting or running:
-        while waiting and len(running) < crew.capacity():
+        capacity = crew.capacity()
+        while waiting and len(running) < capacity:
             job = waiting.popleft()
             submissions += 1
             future = crew.submit(job, ledger.work_folder(job, submissions))

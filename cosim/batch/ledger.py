@@ -93,7 +93,9 @@ class Ledger:
     def finished(self) -> list[str]:
         """Return the names of the finished runs, sorted."""
         folder = self.folder / RUNS
-        return sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
+        if not folder.is_dir():
+            return []
+        return sorted(path.name for path in folder.iterdir() if path.is_dir())
 
     def run_folder(self, name: str) -> Path:
         """Return where a finished run is."""

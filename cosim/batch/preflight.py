@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
@@ -43,15 +44,17 @@ def check(matrix: Matrix, pool: Pool, file: Path, progress: Progress = lambda do
         For the first configuration that cannot be run.
     """
     started: set[object] = set()
-    futures: list[tuple[Configuration, Future[tuple[Inputs, str] | str]]] = []
-    for one in matrix.configurations:
-        futures.append((one, pool.check(Job(one, matrix.seeds[0]), one.road not in started)))
-        started.add(one.road)
+    waiting: deque[tuple[Configuration, Future[tuple[Inputs, str] | str]]] = deque()
     found: dict[Configuration, tuple[Inputs, str]] = {}
-    for one, future in futures:
-        answer = future.result()
-        if isinstance(answer, str):
-            raise InputError(f"{file}: {one.label}: {answer}")
-        found[one] = answer
-        progress(len(found), len(futures))
+    for one in (*matrix.configurations, None):
+        while waiting and (one is None or len(waiting) >= pool.capacity()):
+            checked, future = waiting.popleft()
+            answer = future.result()
+            if isinstance(answer, str):
+                raise InputError(f"{file}: {checked.label}: {answer}")
+            found[checked] = answer
+            progress(len(found), len(matrix.configurations))
+        if one is not None:
+            waiting.append((one, pool.check(Job(one, matrix.seeds[0]), one.road not in started)))
+            started.add(one.road)
     return Checked(found)

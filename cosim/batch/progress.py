@@ -16,6 +16,7 @@ from cosim.batch.estimate import in_words
 
 LOG_EVERY_S = 30.0
 REDRAW_EVERY_S = 0.5
+CHECKS_EVERY_S = 10.0
 
 Show = Callable[[Tally], None]
 
@@ -32,6 +33,19 @@ def shown_tally(log_every_s: float = LOG_EVERY_S) -> Iterator[Show]:
     )
     with bar:
         yield _drawn(bar)
+
+
+def shown_checks() -> Callable[[int, int], None]:
+    """Return a function that says now and then how many configurations are checked."""
+    next_line = monotonic() + CHECKS_EVERY_S
+
+    def show(done: int, total: int) -> None:
+        nonlocal next_line
+        if monotonic() >= next_line:
+            next_line = monotonic() + CHECKS_EVERY_S
+            print(f"{done} of {total} configurations checked", file=sys.stderr, flush=True)
+
+    return show
 
 
 def _drawn(bar: Progress) -> Show:

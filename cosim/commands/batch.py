@@ -67,14 +67,14 @@ def batch(
     batch was ended early.
     """
     from cosim.batch.batch import BatchRequest, prepared
-    from cosim.batch.progress import shown_tally
+    from cosim.batch.progress import shown_checks, shown_tally
     from cosim.commands.interruption import termination_interrupts
     from cosim.errors import InputError
 
     if jobs is not None and scheduler is not None:
         raise InputError("--jobs and --scheduler exclude each other; a cluster has its own number of workers")
     request = BatchRequest(study, out, jobs, scheduler, drop_recordings)
-    with termination_interrupts(), prepared(request) as one:
+    with termination_interrupts(), prepared(request, shown_checks()) as one:
         if dry_run:
             _show_plan(one)
             return 0

@@ -108,18 +108,21 @@ def start(study: Path, out: str, there: _Cluster, count: int) -> subprocess.Pope
 
 @pytest.mark.slow
 @pytest.mark.sumo
-def test_a_scheduler_that_goes_away_ends_the_batch_and_costs_no_finished_run(tmp_path: Path) -> None:
-    study = write_study(tmp_path, seeds="1-12")
+@pytest.mark.parametrize("runs_in_all", [12, 4])  # 4 are handed out at once
+def test_a_scheduler_that_goes_away_ends_the_batch_and_costs_no_finished_run(
+    tmp_path: Path, runs_in_all: int
+) -> None:
+    study = write_study(tmp_path, seeds=f"1-{runs_in_all}", set={"warmup_s": 2, "duration_s": 40})
     with cluster(tmp_path / "cluster", {}) as there:
-        process = start(study, "out", there, 2)
+        process = start(study, "out", there, 1)
         there.scheduler.kill()
         stdout, stderr = process.communicate(timeout=120.0)
     assert process.returncode == 3, stderr
     assert f"the connection to the scheduler {there.address} is lost" in stderr
     assert "Traceback" not in stderr
     finished = len(runs(tmp_path / "out"))
-    assert 2 <= finished < 12
-    assert f"{finished} of 12 runs finished, 0 failed" in stdout
+    assert 1 <= finished < runs_in_all
+    assert f"{finished} of {runs_in_all} runs finished, 0 failed" in stdout
     batch(study, "--out", "out", "--jobs", 2, folder=tmp_path)
 
 

@@ -68,3 +68,9 @@ def test_what_a_run_depends_on_is_known_before_it_is_made(pool: Pool, tmp_path: 
     identities = [found.identity(job).run_id for job in matrix.jobs()]
     assert len(set(identities)) == 6
     assert found.simulated_s(matrix.configurations[0]) == 6.0
+
+
+def test_the_first_of_many_wrong_configurations_is_told_at_once(pool: Pool, tmp_path: Path) -> None:
+    values = [-1.0, *range(1, 5000)]
+    with pytest.raises(InputError, match=r"pedestrians_per_hour=-1\.0"):
+        checked(pool, tmp_path, vary={"pedestrians_per_hour": values})
