@@ -72,7 +72,8 @@ class PlanFrom(StrEnum):
     PREDICTED = "predicted"
     """The one when all commands under way have taken effect; deviations from the plan are corrected."""
     COMMANDED = "commanded"
-    """The commanded speed at the present gap; the plan's accelerations are commanded as they are."""
+    """The commanded speed at the present gap; the plan's accelerations are commanded as they are. A plan that
+    begins while the ego closes in ends too near by the actuators' delay times the closing speed."""
     MEASURED = "measured"
     """The present speed and gap; likewise."""
 

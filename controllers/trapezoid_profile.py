@@ -109,7 +109,7 @@ def plan_trapezoid(situation: Situation, limits: PlanningLimits) -> PlannedSpeed
 
     >>> plan = plan_trapezoid(Situation(200.0, 0.0), PlanningLimits())
     >>> plan.case, [round(one.duration, 2) for one in plan.profile.segments]
-    ('cruise', [6.45, 6.52, 16.0])
+    ('cruise', [6.45, 6.55, 16.0])
     """
     speed, top = max(situation.speed, 0.0), limits.top_speed
     up, down = limits.acceleration, limits.deceleration
