@@ -73,10 +73,12 @@ class Shadows:
         the way of somebody who comes out.
         """
         rays = self.corners[None] - eyes[:, None, None, :]
-        to_foot = (self.foot[None] - eyes[:, None, :])[:, :, None, :]
-        # Clockwise from the foot of his way is positive.
+        # Angles from the path's direction at his way, clockwise positive: none of a vehicle's corners is
+        # straight behind the eye, so they do not wrap.
+        forward = self.side[:, None] * np.column_stack((self.outward[:, 1], -self.outward[:, 0]))
         turned = np.arctan2(
-            rays[..., 0] * to_foot[..., 1] - rays[..., 1] * to_foot[..., 0], (rays * to_foot).sum(axis=-1)
+            rays[..., 0] * forward[:, None, 1] - rays[..., 1] * forward[:, None, 0],
+            (rays * forward[:, None, :]).sum(axis=-1),
         )
         nearest = np.argmin(-self.side[None, :, None] * turned, axis=2)
         ray = np.take_along_axis(rays, nearest[:, :, None, None], axis=2)[:, :, 0, :]
