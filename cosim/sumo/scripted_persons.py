@@ -13,10 +13,12 @@ from controllers.interface import CrossingKind, PedestrianPhase
 from cosim.errors import InputError, SimulationError
 from cosim.pedestrians.population import Population, Scripted
 from cosim.pedestrians.scene import RoadUser, Scene, State
+from cosim.plant import Plant
 from cosim.sumo.ground import Ground, Spot
 from cosim.sumo.network import Network
 from cosim.sumo.surroundings import PERSON_RANGE, Persons, Surroundings
-from cosim.sumo.traffic_near import TrafficNear
+from cosim.sumo.track import Track
+from cosim.sumo.traffic_near import TrafficNear, way_along
 from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding
 from sumo_scenarios.pedestrian_tables import PedestrianTable
 
@@ -230,3 +232,10 @@ class ScriptedPersons:
             self._there[one.name] = (one, state)
             self._traffic.watch(one.name, state.x, state.y)
         self._to_come = waiting
+
+
+def road_user(name: str, plant: Plant, track: Track) -> RoadUser:
+    """Return an ego as pedestrians see it."""
+    way = way_along(track.path.curve, *plant.front)
+    body = plant.body
+    return RoadUser(name, *plant.front, plant.heading, plant.speed, body.length, body.width, way)

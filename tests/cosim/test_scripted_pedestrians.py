@@ -178,7 +178,10 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
         middle = np.interp(share, [0.0, 1.0], both.front_y_m.to_numpy()[after - 1 : after + 1])
         assert y == pytest.approx(middle - 0.9 + overlap * 1.8, abs=0.02)
         assert both.speed_mps[after] * 3.6 == pytest.approx(13.89 * 3.6, abs=0.1)
-        assert pd.read_csv(out / "encounters.csv").collision.iloc[0] == 1
+        assert pd.read_csv(out / "encounters.csv").collision.tolist() == [1]
+        # Who looks does not touch him: what SUMO does not have is perceived.
+        seeing = ran(tmp_path, "aeb")
+        assert pd.read_csv(seeing / "encounters.csv").collision.tolist() == [0]
 
 
 SIGNALS = f"""

@@ -88,6 +88,7 @@ def test_every_parameter_name_is_accepted() -> None:
         "ego_share": "0.5",
         "hidden_by": "nothing",
         "accepted_gap_s": "5",
+        "watchful_share": "0.5",
         "walking_speed_mps": "2",
         "gap_to_front_m": "2",
     }
