@@ -1,0 +1,84 @@
+"""Nobody can be outside it: walkers change their velocity and their pace within bounds, in any direction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.forecast import Forecast, Predictor
+
+
+class ReachableSet:
+    """Predicts a disc that holds every place that somebody can reach.
+
+    Two discs hold them all. Whatever the pace, an acceleration of at most ``A`` leads no further than
+    ``A t² / 2`` from ``p + v t``. And who has accelerated for ``τ = V / A`` goes on with a pace of at most
+    ``V``: no further than ``A τ² / 2 + V (t − τ)`` from ``p + v τ``. The forecast is the smallest disc around
+    what both have in common.
+
+    Parameters
+    ----------
+    acceleration : A [m/s^2]
+    pace : V; who is faster already is taken to keep that as his bound [m/s]
+    """
+
+    def __init__(self, acceleration: float, pace: float) -> None:
+        self._acceleration = acceleration
+        self._pace = pace
+
+    def predict(self, perception: Perception, times: FloatArray) -> Forecast:
+        """Return the middles of the discs; ``reach`` is their radius."""
+        people = perception.pedestrians
+        velocity = np.stack((people.along_speed, people.across_speed))[:, :, None]
+        place = np.stack((people.along, people.across))[:, :, None]
+        pace = np.hypot(*velocity)
+        turned, radius = self._common(pace, np.broadcast_to(times, (len(people), len(times))))
+        middle = place + velocity * turned
+        return Forecast(times, middle[0], middle[1], radius)
+
+    def _common(self, pace: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the smallest disc around what two discs have in common.
+
+        Parameters
+        ----------
+        pace : present pace, shape (n, 1) [m/s]
+        times : shape (n, K) [s]
+
+        Returns
+        -------
+        after : where its middle is: where the pedestrian would be after that time if he walked on [s]
+        radius : [m]
+        """
+        bound = self._acceleration
+        fastest = np.maximum(self._pace, pace)
+        until = np.minimum(fastest / bound, times)
+        wide = 0.5 * bound * times**2
+        slow = 0.5 * bound * until**2 + fastest * (times - until)
+        apart = pace * (times - until)
+        safe = np.where(apart > 1e-9, apart, 1.0)
+        # From the middle of the first disc back to the chord in which the two circles meet.
+        back = np.where(apart > 1e-9, (apart**2 + wide**2 - slow**2) / (2.0 * safe), 0.0)
+        lens = (apart > 1e-9) & (back > 0.0) & (back < apart)
+        half_chord = np.sqrt(np.maximum(wide**2 - back**2, 0.0))
+        per_pace = back / np.maximum(pace, 1e-9)
+        after = np.where(lens, times - per_pace, np.where(slow < wide, until, times))
+        return after, np.where(lens, half_chord, np.minimum(slow, wide))
+
+
+def build(*, acceleration: float = 1.5, pace: float = 2.5) -> Predictor:
+    """Build the predictor.
+
+    Parameters
+    ----------
+    acceleration : change of velocity at most, in any direction [m/s^2]
+    pace : at most [m/s]
+
+    Raises
+    ------
+    ValueError
+        If one is not above 0 and finite.
+    """
+    for name, value in {"acceleration": acceleration, "pace": pace}.items():
+        if not 0.0 < value < float("inf"):
+            raise ValueError(f"{name} = {value} must be above 0 and finite")
+    return ReachableSet(acceleration, pace)
