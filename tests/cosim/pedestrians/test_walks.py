@@ -19,6 +19,7 @@ from cosim.pedestrians.running import Running
 from cosim.pedestrians.scene import (
     RADIUS,
     Behaviour,
+    FloatArray,
     Leg,
     RoadUser,
     Scene,
@@ -306,3 +307,37 @@ def test_a_behaviour_walks_on_the_toy_road_and_meets_the_ego_as_planned() -> Non
             share = (limit - before.egos[0].x) / (after.egos[0].x - before.egos[0].x)
             contact = before.persons.y[0] + share * (after.persons.y[0] - before.persons.y[0])
     assert contact == pytest.approx(-0.9 + 0.25 * 1.8, abs=0.001)
+
+
+def test_somebody_who_only_stands_is_there_as_long_as_he_stays() -> None:
+    found = list(states(walker(start=AtTime(0.0), length=0.0, stay=5.0), 0.1))
+    assert {(state.x, state.y, state.y_speed) for _, state in found} == {(50.0, -4.0, 0.0)}
+    assert found[-1][0] == pytest.approx(5.0, abs=0.11)
+
+
+def test_an_impact_on_a_bend_counts_the_way_along_it() -> None:
+    """A turning car, as in the protocols' turning cases: its way is a quarter circle of 10 m radius."""
+    radius, speed = 10.0, 4.0
+    line = Line(6.0, 14.0, 14.0, 6.0)  # meets the arc at right angles
+    pace = Pace(1.4)
+    start = Impact(line, 0.5, Steady().legs(pace, line.length))
+    who = Walker(line, pace, Steady(), start, line.length)
+
+    def ego(time: float) -> RoadUser:
+        gone = speed * (time - 6.0) / radius  # angle on the circle around (0, 20), from its lowest point
+
+        def way(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+            angle = np.arctan2(points[:, 0], 20.0 - points[:, 1])
+            return radius * (angle - gone), radius - np.hypot(points[:, 0], 20.0 - points[:, 1])
+
+        return RoadUser("ego", radius * math.sin(gone), 20.0 - radius * math.cos(gone), gone, speed, way=way)
+
+    state, time = who.first(NOBODY), 0.0
+    while state is not None and time < 20.0:
+        along, across = ego(time).ahead(state.x, state.y)
+        if along <= RADIUS + speed * 0.025:
+            break
+        state, time = who.next(state, Scene(time, (ego(time),)), time + 0.05), time + 0.05
+    assert state is not None
+    # Half a step of his and of the car's is left.
+    assert abs(across) < 0.08
