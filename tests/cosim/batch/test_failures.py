@@ -99,6 +99,7 @@ def test_a_run_that_fails_once_is_tried_again(tmp_path: Path) -> None:
     assert len(list((tmp_path / "plugin" / "marks").iterdir())) == 2
 
 
+@pytest.mark.slow
 def test_a_failed_run_is_made_by_the_same_command_once_its_cause_is_gone(tmp_path: Path) -> None:
     environment = unruly.install(tmp_path / "plugin")
     study = write_study(tmp_path, controllers=["unruly"], seeds="1", vary={"behaviour": ["none", "raise"]})
@@ -172,6 +173,7 @@ def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) 
     assert "4 of 4 runs finished, 0 failed" in stdout
 
 
+@pytest.mark.slow
 def test_files_that_may_not_grow_end_the_batch_and_leave_whole_runs(tmp_path: Path) -> None:
     study = write_study(tmp_path, set={"warmup_s": 2}, vary={"duration_s": [5, 120]}, seeds="1-2")
     line = " ".join(command("batch", study, "--out", "out", "--jobs", 1))
