@@ -2,6 +2,7 @@
 # make test   the tests         make check  the linters
 # make bench  the benchmarks    make study-crossings  the published table
 # make papers the papers' claims and figures     make study-papers  their methods in traffic
+# make study-roadside  what a roadside unit buys where a bus hides people
 
 PYTHON ?= python3
 VENV := .venv
@@ -14,7 +15,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -73,6 +74,10 @@ papers: $(VENV)/installed-papers
 study-papers: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/papers.toml --out runs/study-papers
 	$(BIN)/python -m analysis.method_study runs/study-papers docs/study-papers.md
+
+study-roadside: $(VENV)/installed-papers
+	$(BIN)/cosim batch studies/roadside.toml --out runs/study-roadside --jobs $(JOBS)
+	$(BIN)/python -m cosim.study_roadside runs/study-roadside docs/study-roadside.md
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info
