@@ -227,6 +227,26 @@ def test_who_steps_out_may_be_hit_by_the_careless_and_never_by_the_careful() -> 
     assert hit["careful"] == 0
 
 
+def test_with_perfect_sensing_nothing_changes_by_a_bit() -> None:
+    """A bus, and somebody who steps out from behind it: the ego knows him all the time."""
+
+    def drive(**parameters: Any) -> Ride:
+        world = ToyWorld(
+            ToyRoad(),
+            [ToyPedestrian("child", walk(80.6, -3.0, 0.0, 1.5, start=4.0))],
+            [ToyVehicle("bus", walk(80.0, -3.4, 0.0, 0.0), 12.0, 2.55)],
+            speed=13.0,
+            duration=9.0,
+        )
+        record = Ride()
+        run(world, {"ego": catalog.build("vo_mpc", **parameters)}, record)
+        return record
+
+    plain, careful = drive(hidden_speed_mps=0.0, uncertainty_gain=0.0), drive()
+    np.testing.assert_array_equal(plain.track, careful.track)
+    np.testing.assert_array_equal(plain.commands, careful.commands)
+
+
 def test_margins_grow_with_the_uncertainty_of_a_position() -> None:
     scene = perception(walkers=[Walker(20.0, 1.0), Walker(30.0, 1.0)])
     assert with_margins(scene, 2.0) is scene, "the truth is known"
