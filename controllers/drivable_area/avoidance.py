@@ -122,14 +122,13 @@ def plan(
     half = 0.5 * ego.body.width + rules.edge_margin
     right = min(max(road.right_edge + half, ego.across - FURTHEST), ego.across)
     left = max(min(road.left_edge - half, ego.across + FURTHEST), ego.across)
-    fastest = max(ego.speed, CREEPING)
     here = road.lane(road.reference)
     centre = min(max(here.offset if here is not None else 0.0, right), left)
     hints = [(ego.across, 0.0), (centre, 0.0), (centre, ego.speed), (right, ego.speed), (left, ego.speed)]
     hints += [(end, 0.5 * ego.speed) for end in (centre, right, left)]
     if before is not None:
-        hints.insert(0, (before.end, min(before.final_speed, fastest)))
-    lower, upper = np.array([right, 0.0]), np.array([left, fastest])
+        hints.insert(0, (before.end, min(before.final_speed, scene.fastest)))
+    lower, upper = np.array([right, 0.0]), np.array([left, scene.fastest])
     found = choose(scene, rules, settings.budget, lower, upper, np.array(hints), seed)
     if found is None:
         return None
@@ -163,6 +162,7 @@ def scene_of(
         limits=limits,
         start=PathStart(ego.across, slope, bend),
         speed=max(ego.speed, 0.0),
+        fastest=max(ego.speed, CREEPING),
         acceleration=ego.acceleration,
         length=max(conflict.along - body.front, SHORTEST),
         braking_distance=max(conflict.place - body.front, 0.0),

@@ -93,7 +93,7 @@ def outlook(perception: Perception, times: FloatArray, acceleration: FloatArray,
 
 
 def first_conflict(
-    expected: Outlook, people: Conflicts, shape: Shape, margin: float, standoff: float
+    expected: Outlook, people: Conflicts, shape: Shape, margin: FloatArray, standoff: float
 ) -> Conflict | None:
     """Return the first pedestrian to whom less than a margin would be left, ``None`` if there is none.
 
@@ -102,7 +102,7 @@ def first_conflict(
     expected : the motion
     people : expected on the road
     shape : of the car
-    margin : [m]
+    margin : for each of them, shape (n,) [m]
     standoff : distance kept to a pedestrian's path where no stop line says more [m]
     """
     if len(people) == 0:
@@ -110,7 +110,7 @@ def first_conflict(
     x = people.along[:, None] + people.along_speed[:, None] * expected.times
     y = people.across[:, None] + people.across_speed[:, None] * expected.times
     clearance = shape.clearance(expected.along, expected.across, expected.heading, x, y)
-    met = (clearance < margin) & (expected.speed > 0.1)
+    met = (clearance < margin[:, None]) & (expected.speed > 0.1)
     whom = np.flatnonzero(met.any(axis=1))
     if len(whom) == 0:
         return None

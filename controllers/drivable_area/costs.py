@@ -110,7 +110,7 @@ class CostWeights:
     entropy: float = 0.6
     """J_s"""
     progress: float = 0.0
-    """Of 1 − v_s / v0, what is lost of the speed."""
+    """Of 1 − v_s / v_max, what is lost of the speed."""
 
     def total(self, costs: FloatArray) -> FloatArray:
         """Return the weighted sums; columns are curvature, distance, entropy and progress, shape (n, 4)."""

@@ -93,6 +93,8 @@ class Scene:
     start: PathStart
     speed: float
     """v0 [m/s]"""
+    fastest: float
+    """Highest final speed, to which progress is compared [m/s]."""
     acceleration: float
     """a0 [m/s^2]"""
     length: float
@@ -153,7 +155,7 @@ def judge(scene: Scene, rules: Rules, end: FloatArray, final_speed: FloatArray, 
     people = scene.people
     walking = Walkers(people.x[:number], people.y[:number], people.x_speed[:number], people.y_speed[:number])
     met = meetings(scene.shape, walking, moving, rules.model, scene.limits.friction, noise, rules.entropy)
-    lost = 1.0 - final_speed / max(scene.speed, final_speed.max(initial=0.0), 1e-9)
+    lost = 1.0 - final_speed / max(scene.fastest, 1e-9)
     costs = np.column_stack(
         (
             curvature_cost(paths, rules.largest_curvature),

@@ -3,14 +3,14 @@
 Both axes while a pedestrian is in the way: a quintic path across the road to a final offset and a cubic
 speed to a final speed, found once every ``replan_s`` and followed in between. Otherwise car-following that
 obeys leaders, signals, right of way, speed limits and bends, lane keeping, and lane changes for the route;
-what these allow along is never exceeded during an avoidance either. Where no candidate is possible the car
-brakes fully in its way.
+what these allow along is never exceeded during an avoidance either, and emergency braking for vehicles is
+added. Where no candidate is possible the car brakes fully in its way.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -25,12 +25,14 @@ from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget, require_pymoo
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
 from controllers.driving_style import DrivingStyle
+from controllers.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.interface import (
     Command,
     Controller,
     Decision,
     EgoState,
     FloatArray,
+    Pedestrians,
     Perception,
     Plan,
 )
@@ -46,6 +48,12 @@ HOLDING = -2.0
 """What keeps a standing car standing [m/s^2]."""
 DRAWN = 8
 """Candidates that a replay may draw."""
+STANDOFF = 1.0
+"""Distance kept to a pedestrian's path where there is no stop line [m]."""
+_NONE: Final = np.zeros(0)
+NOBODY: Final = Pedestrians(
+    (), _NONE, _NONE, _NONE, _NONE, _NONE, np.zeros(0, np.int64), np.zeros(0, np.bool_), np.zeros(0, np.bool_)
+)
 RELEASE = 0.3
 """So much more room than at the beginning of an avoidance ends it [m]."""
 
@@ -57,6 +65,7 @@ class DrivableAreaDriver:
         self._settings = settings
         self._replan = replan
         self._traffic = TrafficDriver(style)
+        self._brake = EmergencyBraking(BrakingRule(settings.friction))
         self._watch = Watch()
         self._assume = PedestrianAssumptions()
         self._seeds = np.random.default_rng(seed)
@@ -77,25 +86,26 @@ class DrivableAreaDriver:
         lane = perception.road.lane(decision.target_lane)
         expected = outlook(perception, times, allowed, lane.offset if lane else 0.0)
         self._people = relevant(perception, self._watch, self._settings.rules.horizon, self._assume)
-        avoiding = self._course is not None or self._failed
-        margin = self._settings.rules.margin + RELEASE * (1.0 if avoiding else 0.0)
-        self._conflict = first_conflict(expected, self._people, Shape(perception.ego.body), margin, 1.0)
-        if self._conflict is None:
-            return decision
-        return replace(decision, because=self._conflict.name)
+        margin = self._margins(self._people)
+        self._conflict = first_conflict(expected, self._people, Shape(perception.ego.body), margin, STANDOFF)
+        threat = self._brake.watch(replace(perception, pedestrians=NOBODY))
+        if self._conflict is not None:
+            threat = threat or self._conflict.name
+        return replace(decision, because=threat) if threat else decision
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Drive the road, or past whoever is in the way."""
         ego = perception.ego
         times = lane_keeping.instants(ego)
         allowed = self._traffic.accelerations(perception, decision)
+        allowed = np.minimum(allowed, self._brake.accelerations(ego, times))
         if self._conflict is None or self._people is None:
             self._course, self._found, self._failed = None, None, False
             return Plan(Command(times, allowed, self._traffic.steering(perception, decision, allowed)))
         if self._due(ego.time):
             self._search(perception, self._people, self._conflict)
         if self._course is None:
-            return self._brake(perception, times)
+            return self._stop(perception, times)
         acceleration = np.minimum(allowed, self._course.accelerations(ego, times))
         lateral = self._settings.friction * GRAVITY
         angles = steering(perception, self._course, acceleration, lateral)
@@ -116,6 +126,19 @@ class DrivableAreaDriver:
         self._before = ego
         if self._course is not None and before is not None:
             self._course = self._course.moved(before, perception)
+
+    def _margins(self, people: Conflicts) -> FloatArray:
+        """Return the distances below which people are in conflict [m].
+
+        An avoidance that has begun ends where there is more room, except beside somebody who has stood for
+        long while the car did too: nothing would ever end it.
+        """
+        avoiding = self._course is not None or self._failed
+        extra = [
+            RELEASE if avoiding and not self._watch.lets_go_first(name, self._assume) else 0.0
+            for name in people.names
+        ]
+        return np.array(extra) + self._settings.rules.margin
 
     def _due(self, time: float) -> bool:
         """Say whether to look for candidates now."""
@@ -147,7 +170,7 @@ class DrivableAreaDriver:
         self._course = self._found.course if self._found else None
         self._failed = self._found is None
 
-    def _brake(self, perception: Perception, times: FloatArray) -> Plan:
+    def _stop(self, perception: Perception, times: FloatArray) -> Plan:
         """Return the declared fallback: full braking, straight on."""
         ego = perception.ego
         full = min(self._settings.friction * GRAVITY, ego.drive.max_deceleration)
@@ -179,7 +202,7 @@ def build(
     curvature_weight: float = 0.2,
     distance_weight: float = 0.2,
     entropy_weight: float = 0.6,
-    progress_weight: float = 0.0,
+    progress_weight: float = 0.1,
     within_friction: bool = True,
     friction: float = 0.8,
     margin_m: float = 0.7,
@@ -204,7 +227,8 @@ def build(
     curvature_weight, distance_weight, entropy_weight : float
         J_c, J_d and J_s.
     progress_weight : float
-        Weight of the share of the speed that is lost; 0 is the paper, to which standing still costs nothing.
+        Weight of the share of the speed that is lost. The paper has none, so that to it standing still
+        costs nothing, and a car that can stop always does.
     within_friction : bool
         Whether candidates stay within friction · g, braking and turning together, and within the rate of
         the steering.

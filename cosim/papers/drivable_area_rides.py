@@ -122,8 +122,8 @@ def rides_in(one: Situation) -> Rides:
     """Return the rides of AEB and of the method, with and without the limit of friction."""
     return Rides(
         driven(one, "aeb", friction=FRICTION, dead_time_s=DEAD_TIME, ramp_s=RAMP),
-        driven(one, "drivable_area", friction=FRICTION, within_friction=False),
-        driven(one, "drivable_area", friction=FRICTION),
+        driven(one, "drivable_area", friction=FRICTION, progress_weight=0.0, within_friction=False),
+        driven(one, "drivable_area", friction=FRICTION, progress_weight=0.0),
     )
 
 

@@ -111,6 +111,7 @@ def problem(situation: Situation, start: float = WALKER, way: float = -1.0) -> S
         limits=CarLimits(deceleration=GRIP, curvature=1.0, friction=FRICTION, steering_rate=float("inf")),
         start=PathStart(OWN),
         speed=situation.speed,
+        fastest=situation.speed,
         acceleration=0.0,
         length=situation.distance,
         braking_distance=situation.distance,

@@ -32,7 +32,7 @@ def _walker(x: float, y: float, x_speed: float = 0.0, y_speed: float = 0.0) -> W
 NOBODY = Walkers(*(np.zeros(0) for _ in range(4)))
 RULES = Rules()
 SCENE = Scene(
-    Shape(Body()), CarLimits(), PathStart(), 10.0, 0.0, 25.0, 23.0, -1.75, 5.25, _walker(28.55, 0.3)
+    Shape(Body()), CarLimits(), PathStart(), 10.0, 10.0, 0.0, 25.0, 23.0, -1.75, 5.25, _walker(28.55, 0.3)
 )
 
 
