@@ -3,7 +3,8 @@
 The margin of a relative velocity ``w`` on side s is its distance from the tangent's half-plane,
 ``s (b_x w_y - b_y w_x)`` with the unit tangent ``b = (cos B, sin B)``, ``B = alpha + s asin(r / d)``; see
 :mod:`controllers.velocity_obstacle`, whose ``clearance`` is the same times d squared. Within the disc there
-is no tangent, and the margin is ``d - r``.
+is no tangent; there the margin is by how much the straight line along ``w`` misses the pedestrian on that
+side, less the radius: ``s (p_x w_y - p_y w_x) / |w| - r``, never more than ``d - r``.
 """
 
 from __future__ import annotations
@@ -104,8 +105,8 @@ def cone_margins(kind: Cone, people: People, states: FloatArray, reference_point
         wy = (1.0 + share) * new_y - share * old_y - people.across_speed
         bearing = _bearing(px, py, people.radius, side)
         beyond = side * (np.cos(bearing) * wy - np.sin(bearing) * wx)
-        outside = np.hypot(px, py) - people.radius
-        found.append(np.where(outside < 0.0, outside, beyond))
+        missed = side * (px * wy - py * wx) / _fast(wx, wy) - people.radius
+        found.append(np.where(np.hypot(px, py) < people.radius, missed, beyond))
     result = found[0]
     if len(found) == 2:
         given = _broadcast(people.side, px)
@@ -134,10 +135,12 @@ def cone_gradients(
     outside = squared > people.radius**2
     root = np.sqrt(np.maximum(squared - people.radius**2, TOUCHING**2))
     narrowing = side * people.radius / (squared * root)
-    distance = np.sqrt(squared)
-    by_px = np.where(outside, by_bearing * (-py / squared - narrowing * px), px / distance)
-    by_py = np.where(outside, by_bearing * (px / squared - narrowing * py), py / distance)
-    by_wx, by_wy = np.where(outside, -side * sin, 0.0), np.where(outside, side * cos, 0.0)
+    fast = _fast(wx, wy)
+    turned = (px * wy - py * wx) / fast**2
+    by_px = np.where(outside, by_bearing * (-py / squared - narrowing * px), side * wy / fast)
+    by_py = np.where(outside, by_bearing * (px / squared - narrowing * py), -side * wx / fast)
+    by_wx = np.where(outside, -side * sin, side * (-py - turned * wx) / fast)
+    by_wy = np.where(outside, side * cos, side * (px - turned * wy) / fast)
     _, _, heading, speed, _ = states[:, 1:]
     _, _, heading_before, speed_before, _ = states[:, :-1]
     # The point that the cone is about swings round the rear axle.
@@ -201,6 +204,11 @@ def _velocities(states: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray,
 def _bearing(px: FloatArray, py: FloatArray, radius: FloatArray, side: FloatArray) -> FloatArray:
     half = np.arcsin(np.minimum(radius / np.maximum(np.hypot(px, py), TOUCHING), 1.0))
     return np.asarray(np.arctan2(py, px) + side * half)
+
+
+def _fast(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return speeds, those of standing vehicles as a little more than nothing [m/s]."""
+    return np.maximum(np.hypot(x, y), TOUCHING)
 
 
 def _share(

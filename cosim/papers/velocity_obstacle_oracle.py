@@ -1,0 +1,173 @@
+"""The velocity-obstacle paper's problem solved by another method: SciPy's SLSQP from many starts.
+
+It shares nothing with the controllers: the paper's own frame (x right, y forward), its own Euler steps,
+cones as angles. Each passing class is a problem of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import Bounds, minimize
+
+FloatArray = NDArray[np.float64]
+
+STEERING_LIMIT = np.deg2rad(9.4)
+TURN_LIMIT = np.deg2rad(10.0)
+SPEED_LIMIT, CHANGE_LIMIT = 15.0, 8.0
+FEASIBLE = 1e-5
+"""A start whose end violates a constraint by more is none [m, m/s, rad]."""
+WHEEL_UNIT = 0.02
+"""Changes of the wheel angle are searched in this unit, as large as those of the speed [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One problem in the paper's frame."""
+
+    steps: int
+    pedestrian_y: float
+    """At 1 s, at x = 6 m [m]."""
+    side: float
+    """+1: passed on the left of the line of sight, ahead of the pedestrian; −1: behind him."""
+    exact: bool = False
+    """Distances over time instead of a cone at every step."""
+    steers: bool = False
+    steering_weight: float = 1.0
+    end_x: float | None = None
+    """Lane to end in, straight on and with straight wheels [m]."""
+    end_y: float | None = None
+    radius: float = 2.0
+    speed: float = 7.5
+    wheelbase: float = 2.6
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The best local solution found."""
+
+    cost: float
+    changes: FloatArray
+    """Of the speed, then of the wheel angle [m/s, rad]."""
+    feasible: int
+    """Starts that ended feasible."""
+
+
+def best_of(task: Task, starts: int, seed: int) -> Answer:
+    """Return the best of the local solutions from several starts.
+
+    Parameters
+    ----------
+    task : what to solve
+    starts : how many; they go over to some speed in the first step and are disturbed
+    seed : of the disturbances
+
+    Raises
+    ------
+    ArithmeticError
+        If no start ends feasible.
+    """
+    drawn = np.random.default_rng(seed)
+    n = task.steps
+    size = 2 * n if task.steers else n
+    unit = np.ones(size)
+    unit[n:] = WHEEL_UNIT
+    turn = STEERING_LIMIT / WHEEL_UNIT
+    limits = np.concatenate((np.full(n, CHANGE_LIMIT), np.full(size - n, turn)))
+    constraints: list[Any] = [
+        {"type": "ineq", "fun": lambda z: _margins(unit * z, task)},
+        {"type": "eq", "fun": lambda z: _ends(unit * z, task)},
+    ]
+    best: FloatArray | None = None
+    found = 0
+    for index in range(starts):
+        begin = np.zeros(size)
+        # From clearly slower to clearly faster, in turn.
+        begin[0] = np.linspace(-4.0, 5.0, starts)[index]
+        begin[:n] += drawn.normal(0.0, 0.1, n)
+        begin[n:] = drawn.normal(0.0, 0.5, size - n)
+        result = minimize(
+            lambda z: _cost(unit * z, task),
+            begin,
+            jac=lambda z: unit * _cost_slope(unit * z, task),
+            method="SLSQP",
+            bounds=Bounds(-limits, limits),
+            constraints=constraints,
+            options={"maxiter": 400, "ftol": 1e-10},
+        )
+        z = unit * np.asarray(result.x)
+        off = max(-_margins(z, task).min(), np.abs(_ends(z, task)).max(initial=0.0))
+        if off > FEASIBLE:
+            continue
+        found += 1
+        if best is None or _cost(z, task) < _cost(best, task):
+            best = z
+    if best is None:
+        raise ArithmeticError(f"none of {starts} starts ended feasible for {task}")
+    return Answer(_cost(best, task), best, found)
+
+
+def _cost(z: FloatArray, task: Task) -> float:
+    n = task.steps
+    return float(z[:n] @ z[:n] + task.steering_weight * z[n:] @ z[n:])
+
+
+def _cost_slope(z: FloatArray, task: Task) -> FloatArray:
+    weights = np.ones(len(z))
+    weights[task.steps :] = task.steering_weight
+    return np.asarray(2.0 * weights * z)
+
+
+def _motion(z: FloatArray, task: Task) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return x, y, heading, speed and wheel angle at 0, 1, ... seconds."""
+    n = task.steps
+    x, y, heading, speed, wheel = 0.0, 0.0, 0.5 * np.pi, task.speed, 0.0
+    rows = [(x, y, heading, speed, wheel)]
+    for i in range(n):
+        x, y = x + speed * np.cos(heading), y + speed * np.sin(heading)
+        heading = heading + speed / task.wheelbase * np.tan(wheel)
+        speed += z[i]
+        wheel += z[n + i] if task.steers else 0.0
+        rows.append((x, y, heading, speed, wheel))
+    columns = np.array(rows, dtype=np.float64).T
+    return columns[0], columns[1], columns[2], columns[3], columns[4]
+
+
+def _margins(z: FloatArray, task: Task) -> FloatArray:
+    x, y, heading, speed, _ = _motion(z, task)
+    times = np.arange(0.0, task.steps + 1.0)
+    dx, dy = 7.0 - times - x, task.pedestrian_y - 1.0 + times - y
+    if task.exact:
+        apart = _least_distances(dx, dy) - task.radius
+        # Which class: where the vehicle is when the pedestrian walks through x = 0, at 7 s.
+        passed = np.array([task.side * -dy[7]])
+        avoided = np.concatenate((apart, passed))
+    else:
+        vx, vy = speed * np.cos(heading), speed * np.sin(heading)
+        sight = np.arctan2(dy[1:], dx[1:])
+        course = np.arctan2(vy[1:] - 1.0, vx[1:] + 1.0)
+        distance = np.hypot(dx[1:], dy[1:])
+        half = np.arcsin(np.minimum(task.radius / distance, 1.0))
+        # The sine keeps one side of the cone and goes on smoothly when the pedestrian is behind.
+        avoided = np.concatenate((np.sin(task.side * (course - sight) - half), distance - task.radius))
+    turn = np.diff(heading)
+    return np.concatenate((avoided, speed[1:], SPEED_LIMIT - speed[1:], TURN_LIMIT - turn, TURN_LIMIT + turn))
+
+
+def _least_distances(dx: FloatArray, dy: FloatArray) -> FloatArray:
+    """Return how near both come within each step, on straight lines."""
+    step_x, step_y = np.diff(dx), np.diff(dy)
+    squared = step_x**2 + step_y**2
+    share = np.clip(-(dx[:-1] * step_x + dy[:-1] * step_y) / squared, 0.0, 1.0)
+    return np.asarray(np.hypot(dx[:-1] + share * step_x, dy[:-1] + share * step_y))
+
+
+def _ends(z: FloatArray, task: Task) -> FloatArray:
+    if task.end_x is None:
+        return np.zeros(0)
+    x, y, heading, _, wheel = _motion(z, task)
+    off = [x[-1] - task.end_x, heading[-1] - 0.5 * np.pi, wheel[-1]]
+    return np.array(off if task.end_y is None else [*off, y[-1] - task.end_y])

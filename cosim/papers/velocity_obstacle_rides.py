@@ -1,0 +1,67 @@
+"""The velocity-obstacle paper's scenes driven by the controllers, behind actuators, without SUMO."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from controllers import catalog
+from controllers.interface import Decision, FloatArray, Perception, Plan
+from cosim.loop import ToWorld
+from cosim.loop import run as run_loop
+from cosim.papers.velocity_obstacle_scenes import LISTED_AT_ONE, START_SPEED, Scene
+from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.world import Snapshot
+
+TOP_SPEED = 15.0
+
+
+@dataclass(slots=True)
+class Track:
+    """Where a ride was after every step; rear axle."""
+
+    rows: list[tuple[float, float, float, float]] = field(default_factory=list)
+    solved: bool = True
+    world: ToyWorld | None = None
+
+    def planned(
+        self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
+    ) -> None:
+        """Take note of a fallback."""
+        self.solved &= plan.solved
+
+    def stepped(self, snapshot: Snapshot) -> None:
+        """Keep time, place and speed."""
+        if self.world is not None:
+            plant = self.world.plant
+            self.rows.append((snapshot.time, plant.x, plant.y, plant.speed))
+
+    @property
+    def columns(self) -> FloatArray:
+        """Time, along, across and speed, shape (4, steps) [s, m, m, m/s]."""
+        return np.array(self.rows).T
+
+    def reaches(self, along: float) -> float:
+        """Return when it is at a place; inf for never [s]."""
+        time, x, *_ = self.columns
+        return float(np.interp(along, x, time)) if x[-1] >= along else float("inf")
+
+
+def ride(scene: Scene, controller: str, duration: float = 14.0, **parameters: Any) -> Track:
+    """Drive a scene: the speed limit is the speed at the start, so that there is nothing to catch up with.
+
+    Parameters
+    ----------
+    scene : which; the pedestrian's first sample is at 1 s
+    controller, parameters : of the catalogue
+    duration : [s]
+    """
+    begun = -6.0 - LISTED_AT_ONE
+    person = ToyPedestrian("pedestrian", walk(scene.first_y - LISTED_AT_ONE, begun, 1.0, 1.0))
+    road = ToyRoad(lanes=1, speed_limit=START_SPEED)
+    world = ToyWorld(road, [person], speed=START_SPEED, duration=duration)
+    track = Track(world=world)
+    run_loop(world, {"ego": catalog.build(controller, **parameters)}, track)
+    return track
