@@ -6,6 +6,8 @@ import re
 import tomllib
 from pathlib import Path
 
+from pydantic import BaseModel
+
 from sumo_scenarios.pedestrian_tables import (
     TABLES,
     GroupTable,
@@ -29,6 +31,7 @@ def test_the_rows_of_the_page_are_rows() -> None:
 
 
 def test_the_page_names_every_key() -> None:
-    for table in (*TABLES.values(), WalkerTable, StartTable, MannerTable, GroupTable):
+    tables: tuple[type[BaseModel], ...] = (*TABLES.values(), WalkerTable, StartTable, MannerTable, GroupTable)
+    for table in tables:
         for key in table.model_fields:
             assert f"`{key}`" in PAGE or f"{key} =" in PAGE, f"docs/pedestrians.md does not name {key}"

@@ -89,7 +89,7 @@ def best_of(task: Task, starts: int, seed: int) -> Answer:
         begin[0] = np.linspace(-4.0, 5.0, starts)[index]
         begin[:n] += drawn.normal(0.0, 0.1, n)
         begin[n:] = drawn.normal(0.0, 0.5, size - n)
-        result = minimize(
+        result = minimize(  # type: ignore[call-overload]  # lambdas of the stubs take no arrays
             lambda z: _cost(unit * z, task),
             begin,
             jac=lambda z: unit * _cost_slope(unit * z, task),
