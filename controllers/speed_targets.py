@@ -225,15 +225,18 @@ def _target(perception: Perception, conflicts: passing.Conflicts, i: int, rule: 
     """Return where to stop for one pedestrian."""
     front = perception.ego.body.front
     line, name = float(conflicts.stop_line[i]), conflicts.names[i]
+    people, index = perception.pedestrians, int(conflicts.index[i])
     enter, leave = float(conflicts.enter[i]), float(conflicts.leave[i])
     there = conflicts.along_at(np.array([enter, min(leave, enter + passing.STRAIGHT_ON)]))[i]
     face = float(there.min() - conflicts.radius[i])
     body_gap = max(face - front, 0.0)
+    # Who has not begun to cross, or stands, leaves at no time that could be relied on.
+    walks = abs(float(people.across_speed[index])) > rule.assume.standing_below
+    leaves = leave if walks and not people.waiting[index] else np.inf
     if front <= line + PAST_THE_LINE and line <= face:
-        index = int(perception.pedestrians.crossing[conflicts.index[i]])
-        key = f"crossing {perception.road.crossings[index].name}"
-        return SpeedTarget(key, name, max(line - front, 0.0), leaves=leave, body_gap=body_gap)
-    return SpeedTarget(f"pedestrian {name}", name, body_gap, 0.0, 0.0, rule.standoff, leave, body_gap)
+        key = f"crossing {perception.road.crossings[int(people.crossing[index])].name}"
+        return SpeedTarget(key, name, max(line - front, 0.0), leaves=leaves, body_gap=body_gap)
+    return SpeedTarget(f"pedestrian {name}", name, body_gap, 0.0, 0.0, rule.standoff, leaves, body_gap)
 
 
 def _by_place(targets: list[SpeedTarget]) -> list[SpeedTarget]:

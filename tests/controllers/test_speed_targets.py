@@ -62,6 +62,18 @@ def test_away_from_a_crossing_the_pedestrian_is_the_obstacle() -> None:
     assert target.leaves == math.inf
 
 
+@pytest.mark.parametrize(
+    "walker",
+    [
+        Walker(42.0, -3.0, 0.0, 1.2, crossing=0, waiting=True),
+        Walker(42.0, -1.0, 0.0, 0.0, crossing=0, on_crossing=True),
+    ],
+)
+def test_who_has_not_begun_to_cross_or_stands_is_not_expected_to_leave(walker: Walker) -> None:
+    (target,) = _found(perception(ego(10.0), walkers=[walker], crossings=[zebra(40.0)])).targets
+    assert target.leaves == math.inf
+
+
 def test_who_walks_towards_the_ego_along_the_road_is_nearer_when_he_enters_its_way() -> None:
     (target,) = _found(perception(walkers=[Walker(30.0, -3.0, -1.0, 1.0)])).targets
     assert target.gap < 30.0 - 0.25 - FRONT - 1.0
