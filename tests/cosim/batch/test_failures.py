@@ -40,7 +40,7 @@ def wait_for_runs(out: Path, count: int, process: subprocess.Popen[str], seconds
     """Wait until so many runs are finished and another one is being made."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline and process.poll() is None:
-        if (out / "runs").is_dir() and len(runs(out)) >= count and any((out / "work").glob("*/run/*")):
+        if (out / "runs").is_dir() and len(runs(out)) >= count and any((out / ".work").glob("*/run/*")):
             return
         time.sleep(0.02)
     raise AssertionError(f"no {count} runs after {seconds} s: {process.poll()}")
@@ -133,7 +133,7 @@ def test_a_batch_that_is_killed_again_and_again_ends_with_the_same_tables(tmp_pa
         assert count <= len(runs(out)) < 10
     batch(study, "--out", "out", "--jobs", 2, folder=tmp_path)
     assert lasting(out) == lasting(tmp_path / "whole")
-    assert not (out / "work").exists()
+    assert not (out / ".work").exists()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -155,7 +155,7 @@ def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: s
     assert f"cosim batch {study} --out out --jobs 2" in stderr
     assert "Traceback" not in stderr
     assert len(rows(tmp_path / "out" / "runs.csv")) == finished
-    assert not (tmp_path / "out" / "work").exists()
+    assert not (tmp_path / "out" / ".work").exists()
 
 
 def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) -> None:
