@@ -13,10 +13,11 @@ from cosim.cli import main
 from cosim.errors import InputError
 from cosim.papers.claim import Status, compared, observed
 from cosim.papers.experiments import EXTRA, found
-from cosim.papers.page import markdown
+from cosim.papers.page import markdown, titles
 from cosim.papers.table import COLUMNS, read_claims, write_claims
 from tests.cosim.test_cli import refused, source_environment
 
+DOCUMENTATION = Path(__file__).resolve().parents[3] / "docs"
 QUICK = "003"
 """A paper whose experiments take no more than seconds."""
 LONGEST_S = 300.0
@@ -132,3 +133,12 @@ def test_all_papers_twice_give_the_same_files_within_five_minutes(tmp_path: Path
     claims = read_claims(tmp_path / "first" / "claims.csv")
     assert {claim.paper for claim in claims} == {one.paper for one in found()}
     assert all(claim.why for claim in claims if claim.status is not Status.REPRODUCED)
+
+
+def test_the_documentation_shows_the_claims_that_lie_beside_it() -> None:
+    claims = read_claims(DOCUMENTATION / "papers" / "claims.csv")
+    figures = [path.name for path in (DOCUMENTATION / "papers").glob("*.png")]
+    page = (DOCUMENTATION / "papers.md").read_text(encoding="utf-8")
+    assert page == markdown(claims, figures, titles())
+    assert {claim.paper for claim in claims} == {one.paper for one in found()}
+    assert figures
