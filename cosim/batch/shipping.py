@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 from string import Template
 
 from cosim.batch.job import Configuration
+from cosim.errors import SimulationError
 from sumo_scenarios import library
 from sumo_scenarios.demand import placeholders
 from sumo_scenarios.library import Scenario
@@ -95,7 +96,20 @@ def pack_folder(folder: Path) -> bytes:
 
 
 def unpack(archive: bytes, folder: Path) -> None:
-    """Write the files of an archive below ``folder``."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write the files of an archive below ``folder``.
+
+    Raises
+    ------
+    SimulationError
+        If it holds anything but plain files, or one that would be written elsewhere.
+    """
+    root = folder.resolve()
     with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as files:
-        files.extractall(folder, filter="data")
+        # Filters of the standard library are not in every 3.11; what ``pack`` makes is plain files.
+        for member in files:
+            place = (root / member.name).resolve()
+            content = files.extractfile(member) if member.isfile() else None
+            if content is None or not place.is_relative_to(root):
+                raise SimulationError(f"an archive with {member.name!r} is not one of ours")
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_bytes(content.read())

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,9 +19,9 @@ import pytest
 
 from cosim.batch.dask_cluster import Cluster
 from cosim.batch.job import Configuration
-from cosim.batch.shipping import bundles, unpack_bundle
+from cosim.batch.shipping import bundles, unpack, unpack_bundle
 from cosim.batch.worker import Handling
-from cosim.errors import InputError
+from cosim.errors import InputError, SimulationError
 from sumo_scenarios import library
 from tests.cosim.batch import unruly
 from tests.cosim.batch.studies import batch, command, lasting, refused, rows, runs, some_job, write_study
@@ -258,3 +260,13 @@ def test_a_file_that_a_parameter_chooses_travels_with_each_of_its_values(tmp_pat
 
 def test_a_built_in_scenario_need_not_travel() -> None:
     assert bundles([configuration_of("midblock_zebra")]) == ()
+
+
+@pytest.mark.parametrize("name", ["../outside.txt", "/outside.txt"])
+def test_an_archive_that_would_write_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz") as archive:
+        archive.addfile(tarfile.TarInfo(name))
+    with pytest.raises(SimulationError, match="not one of ours"):
+        unpack(buffer.getvalue(), tmp_path / "there")
+    assert not (tmp_path / "outside.txt").exists()
