@@ -71,8 +71,9 @@ def test_a_word_that_is_no_command_is_answered_by_one_that_is(capsys: pytest.Cap
         ("n.net.xml", b"<net/>", "has no edges"),
         ("n.net.xml", b"<routes/>", "expected a SUMO network"),
         ("n.net.xml.gz", b"<net/>", "Not a gzipped file"),
-        ("n.net.xml.gz", gzip.compress(b"<net>" + bytes(9000) + b"</net>")[:60], "n.net.xml.gz"),
+        ("n.net.xml.gz", gzip.compress(b"<net>" + bytes(9000) + b"</net>", mtime=0)[:60], "n.net.xml.gz"),
     ],
+    ids=["empty", "routes", "not-packed", "cut-off"],
 )
 def test_what_is_no_network_is_named(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str, content: bytes, words: str
