@@ -107,6 +107,8 @@ class ScenarioTable(Table):
     """How egos come to know of pedestrians, ``model`` and its parameters; checked by who has the models."""
     pedestrians: list[dict[str, Any]] = []
     """Scripted ones; checked by ``pedestrian_tables`` once the parameters have values."""
+    criteria: list[dict[str, Any]] = []
+    """What runs are held against; checked by who has the metrics."""
 
     @model_validator(mode="after")
     def one_source(self) -> ScenarioTable:

@@ -98,6 +98,20 @@ def share_upper_bound(events: int, trials: int) -> float | None:
     return float(test.proportion_ci(LEVEL, method="exact").high)
 
 
+def share_lower_bound(events: int, trials: int) -> float | None:
+    """Return the one-sided exact 95 % lower bound of a share, or ``None`` without trials.
+
+    Examples
+    --------
+    >>> round(share_lower_bound(300, 300), 4)
+    0.9901
+    """
+    if trials == 0:
+        return None
+    test = stats.binomtest(events, trials, alternative="greater")
+    return float(test.proportion_ci(LEVEL, method="exact").low)
+
+
 def rate_interval(events: int, exposure: float) -> Interval | None:
     """Return the exact interval of a rate of events, or ``None`` without exposure.
 
@@ -135,6 +149,20 @@ def rate_upper_bound(events: int, exposure: float) -> float | None:
         return None
     _, high = confint_poisson(events, exposure, method="exact-c", alpha=2.0 * (1.0 - LEVEL))
     return float(high)
+
+
+def rate_lower_bound(events: int, exposure: float) -> float | None:
+    """Return the one-sided exact 95 % lower bound of a rate, or ``None`` without exposure.
+
+    Examples
+    --------
+    >>> rate_lower_bound(0, 1.0)
+    0.0
+    """
+    if exposure <= 0.0:
+        return None
+    low, _ = confint_poisson(events, exposure, method="exact-c", alpha=2.0 * (1.0 - LEVEL))
+    return float(low)
 
 
 def percentile_interval(groups: Sequence[FloatArray], percent: float) -> Interval | None:

@@ -18,7 +18,7 @@ from cosim.batch.ledger import Ledger
 from cosim.batch.matrix import Matrix, build_matrix
 from cosim.batch.pool import Pool
 from cosim.batch.preflight import Checked
-from cosim.batch.study import StudyTable, read_study
+from cosim.batch.study import StudyTable, read_study, study_text
 from cosim.batch.worker import Handling
 from cosim.errors import SimulationError
 from cosim.output import DEFAULT_PARENT
@@ -41,6 +41,9 @@ class BatchRequest:
     scheduler: str | None = None
     """Address of a Dask scheduler, whose workers make the runs."""
     drop_recordings: bool = False
+    table: StudyTable | None = None
+    """Content of the study where it is not what a file says; ``study`` is then its name, and relative paths
+    of scenarios begin where that is."""
 
     @property
     def folder(self) -> Path:
@@ -102,7 +105,7 @@ class Batch:
     def run(self, shown: Shown) -> Result:
         """Make what is missing, and write the tables of what is finished."""
         stopped = ""
-        with self._crew() as crew, self.ledger.opened(self.request.study):
+        with self._crew() as crew, self.ledger.opened(self.request.study, self._text()):
             missing = self.ledger.missing(self.jobs)  # another batch may just have ended
             tally = Tally(len(self.jobs), done=len(self.jobs) - len(missing))
             try:
@@ -118,6 +121,9 @@ class Batch:
             except SimulationError as error:
                 stopped = stopped or str(error)
         return Result(tally, stopped, self._not_valid())
+
+    def _text(self) -> str | None:
+        return None if self.request.table is None else study_text(self.request.table)
 
     def _crew(self) -> Pool | Cluster:
         if self.request.scheduler is None:
@@ -144,7 +150,7 @@ def prepared(
     InputError
         For a study, or a folder, with which a batch must not begin.
     """
-    study = read_study(request.study)
+    study = request.table or read_study(request.study)
     matrix = build_matrix(study, request.study)
     ledger = Ledger(request.folder)
     jobs = matrix.jobs()

@@ -18,8 +18,8 @@ from cosim.provenance import Inputs
 
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
-    *("analysis/crossing_", "analysis/statistics", "analysis/study"),
-    *("cosim/batch", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/papers"),
+    *("analysis/criteria", "analysis/crossing_", "analysis/statistics", "analysis/study"),
+    *("cosim/batch", "cosim/check", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/papers"),
 )
 """How paths of our own source begin that no number of a run depends on."""
 STRATEGIES = "controllers/strategies/"

@@ -66,8 +66,15 @@ class Ledger:
             raise InputError(f"--out {folder}: {error.strerror}") from error
 
     @contextmanager
-    def opened(self, study_file: Path) -> Iterator[None]:
-        """Keep every other batch out of the folder while inside."""
+    def opened(self, study_file: Path, text: str | None = None) -> Iterator[None]:
+        """Keep every other batch out of the folder while inside.
+
+        Parameters
+        ----------
+        study_file : Path
+        text : str
+            Content of the study, where it is not what the file says.
+        """
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             lock = (self.folder / LOCK).open("a")
@@ -79,7 +86,7 @@ class Ledger:
             except BlockingIOError as error:
                 raise InputError(f"--out {self.folder}: another batch is at work in this folder") from error
             try:
-                _write(self.folder / STUDY, study_file.read_text(encoding="utf-8"))
+                _write(self.folder / STUDY, study_file.read_text("utf-8") if text is None else text)
                 for name in (RUNS, FAILED):
                     (self.folder / name).mkdir(exist_ok=True)
                 self._clear()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -56,15 +57,63 @@ def read_study(path: Path) -> StudyTable:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not valid TOML: {error}") from error
+    return study_of(raw, str(path))
+
+
+def study_of(content: Mapping[str, Any], name: str) -> StudyTable:
+    """Return the checked study with this content.
+
+    Parameters
+    ----------
+    content : Mapping
+        What a study file says.
+    name : str
+        Of the study, for messages.
+
+    Raises
+    ------
+    InputError
+        One line with name, key and what was expected.
+    """
     try:
-        study = StudyTable.model_validate(raw)
+        study = StudyTable.model_validate(content)
         _check(study)
         parse_seeds(study.seeds)
     except ValidationError as error:
-        raise InputError(f"{path}: {_first_line(error)}") from error
+        raise InputError(f"{name}: {_first_line(error)}") from error
     except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise InputError(f"{name}: {error}") from error
     return study
+
+
+def study_text(study: StudyTable) -> str:
+    """Return what a study file with this content says.
+
+    Examples
+    --------
+    >>> content = {"scenarios": ["a"], "controllers": ["b"], "seeds": "1-2", "set": {"duration_s": 60.0}}
+    >>> print(study_text(study_of(content, "study")), end="")
+    scenarios = ["a"]
+    controllers = ["b"]
+    seeds = "1-2"
+    set = { duration_s = 60.0 }
+    """
+    content = study.model_dump(by_alias=True, exclude_unset=True)
+    return "".join(f"{key} = {_toml(value)}\n" for key, value in content.items())
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(name)} = {_toml(each)}" for name, each in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value, ensure_ascii=False)  # texts, whole numbers and truth values as in TOML
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)
 
 
 def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:
