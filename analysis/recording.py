@@ -85,7 +85,9 @@ PLANS = pa.schema(
         ("x_m", _list),  # rear axle, world frame
         ("y_m", _list),
         ("speed_mps", _list),
-        ("overlay", _s),  # JSON: name -> list of numbers
+        # JSON: name -> list of numbers, in the route frame; reference_line_m is the axis of that frame as
+        # x, y of the world every 5 m, from 10 m behind the rear axle on
+        ("overlay", _s),
     ]
 )
 

@@ -19,6 +19,8 @@ from cosim.world import EgoTruth, MapArea, Sensed, Snapshot
 
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
+REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
+"""Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
 
 _UNPLANNED = (None,) * (len(recording.EGOS) - recording.EGOS.get_field_index("rule"))
 
@@ -177,6 +179,9 @@ def _plan_row(perception: Perception, plan: Plan, to_world: ToWorld) -> tuple[An
     overlay = {
         name: [_finite(value) for value in np.ravel(values).tolist()] for name, values in plan.overlay.items()
     }
+    if any(overlay.values()):
+        line = to_world(perception.ego.name, REFERENCE_LINE, np.zeros(len(REFERENCE_LINE)))
+        overlay["reference_line_m"] = np.round(np.ravel(line), 2).tolist()
     return (
         perception.ego.time,
         perception.ego.name,

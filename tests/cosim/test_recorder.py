@@ -78,7 +78,10 @@ def test_plans_are_kept_twice_a_second_in_world_coordinates(tmp_path: Path) -> N
     rows = pq.read_table(tmp_path / "plans.parquet").to_pylist()
     assert [row["time_s"] for row in rows] == pytest.approx([0.0, 0.5, 1.0, 1.5])
     assert rows[0]["x_m"] == [1.0, 2.0]
-    assert json.loads(rows[0]["overlay"]) == {"cone": [0.0, 1.0, None, 2.0]}
+    overlay = json.loads(rows[0]["overlay"])
+    line = overlay.pop("reference_line_m")
+    assert overlay == {"cone": [0.0, 1.0, None, 2.0]}
+    assert np.diff(np.reshape(line, (-1, 2)), axis=0) == pytest.approx(np.array([[5.0, 0.0]] * 26))
 
 
 def test_what_was_recorded_before_a_failure_is_kept(tmp_path: Path) -> None:
