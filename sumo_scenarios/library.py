@@ -21,6 +21,8 @@ from sumo_scenarios.parameters import (
 )
 from sumo_scenarios.preparation import Prepared, prepare
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, defaults, read_table
+from sumo_scenarios.suites.build import load_case
+from sumo_scenarios.suites.case import is_reference
 from sumo_scenarios.sumo_installation import packaged_file
 from sumo_scenarios.sumocfg import SumoConfiguration, read_sumocfg
 
@@ -29,6 +31,7 @@ __all__ = [
     "Prepared",
     "Scenario",
     "ScenarioError",
+    "is_built_in",
     "load",
     "names",
     "parameter_choices",
@@ -50,8 +53,13 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(path.parent.name for path in LIBRARY.glob(f"*/{DEFINITION}")))
 
 
+def is_built_in(text: str) -> bool:
+    """Tell whether a text means a scenario, or a suite's case, that every installation has."""
+    return text in names() or is_reference(text)
+
+
 def load(name_or_path: str) -> Scenario:
-    """Return a built-in scenario, one from a folder with a scenario.toml, or a SUMO configuration.
+    """Return a built-in scenario, a suite's case, one from a folder with a scenario.toml, or a configuration.
 
     Raises
     ------
@@ -60,6 +68,8 @@ def load(name_or_path: str) -> Scenario:
     """
     if name_or_path in names():
         return _from_folder(LIBRARY / name_or_path)
+    if is_reference(name_or_path):
+        return load_case(name_or_path)
     path = Path(name_or_path)
     if path.name == DEFINITION and path.is_file():
         path = path.parent

@@ -74,8 +74,8 @@ def build_matrix(study: StudyTable, file: Path) -> Matrix:
 
 
 def _place(text: str, study: StudyTable, folder: Path) -> _Place:
-    place = text if text in library.names() else str((folder / text).resolve())
-    if text not in library.names() and not Path(place).exists():
+    place = text if library.is_built_in(text) else str((folder / text).resolve())
+    if not library.is_built_in(text) and not Path(place).exists():
         place = text  # what does not exist is answered by what does, in the user's own words
     scenario = library.load(place)
     values = {**study.settings, **{key: some[0] for key, some in study.vary.items()}}

@@ -42,7 +42,7 @@ def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
     entries: dict[str, Path] = {}
     # Parameters may decide which files a scenario names; the controller does not.
     for one in {each.road: each for each in configurations}.values():
-        if one.place in library.names():
+        if library.is_built_in(one.place):
             continue
         scenario, _ = library.with_parameters(library.load(one.place), dict(one.scenario_settings))
         entries[one.place] = (scenario.folder or scenario.sumocfg or Path(one.place)).resolve()

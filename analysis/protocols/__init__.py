@@ -1,0 +1,1 @@
+"""What test protocols ask of a recorded run: impact, colours, points, verdicts."""

@@ -1,0 +1,93 @@
+"""What a protocol looks at in a recorded run: the impact, the braking, and whether the ego stopped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.case import Case, prepare
+from analysis.contacts import Contact
+from analysis.metrics import preventable_r157
+from analysis.run import read_run
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """First contact with the ego moving."""
+
+    time: float
+    """[s]"""
+    speed: float
+    """Of the ego relative to the pedestrian, along the ego [m/s]."""
+    ego_speed: float
+    across: float
+    """Of the pedestrian's middle from the ego's, left positive [m]."""
+    ego_width: float
+    side: str
+    """Of the ego that was hit: front, rear, left or right."""
+
+    def overlap(self, from_left: bool) -> float:
+        """Return the share of the ego's width at which he was hit, from the side that he came from."""
+        share = 0.5 + self.across / self.ego_width
+        return 1.0 - share if from_left else share
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """One test, as recorded."""
+
+    impact: Impact | None
+    after_stop: bool
+    """The ego had stopped before the impact, and had gone on."""
+    stopped: bool
+    """The ego stood at some time."""
+    largest_deceleration: float
+    """[m/s^2]"""
+    preventable: bool | None
+    """``None``: undefined, as in analysis/metrics/preventable_r157.py."""
+
+
+def measure(folder: Path) -> Measured:
+    """Return what a recorded run says.
+
+    Raises
+    ------
+    RecordingError
+        When the run cannot be read.
+    """
+    case = prepare(read_run(folder))
+    contact = min(case.collisions(), key=lambda one: one.time, default=None)
+    standing = case.thresholds.standing_speed_mps
+    egos = case.run.egos.numbers
+    stops = egos["time_s"][egos["speed_mps"] <= standing]
+    return Measured(
+        impact=None if contact is None else _impact(case, contact),
+        after_stop=contact is not None and bool(np.any(stops < contact.time)),
+        stopped=len(stops) > 0,
+        largest_deceleration=float(case.steps.deceleration.max(initial=0.0)),
+        preventable=_preventable(case),
+    )
+
+
+def _impact(case: Case, contact: Contact) -> Impact:
+    samples = case.samples
+    own = samples.owner == contact.encounter
+    along = float(np.interp(contact.time, samples.time[own], samples.x_speed[own]))
+    half_length, half_width = (float(sizes[own][0]) for sizes in (samples.half_length, samples.half_width))
+    return Impact(
+        contact.time,
+        contact.ego_speed - along,
+        contact.ego_speed,
+        contact.y,
+        2.0 * half_width,
+        contact.side(half_length, half_width),
+    )
+
+
+def _preventable(case: Case) -> bool | None:
+    """Return 1 of the first encounter in which it is defined: a test has one pedestrian."""
+    values = preventable_r157.compute(case)["preventable_r157"]
+    defined = values[~np.isnan(values)] if len(values) else values
+    return bool(defined[0]) if len(defined) else None

@@ -1,0 +1,127 @@
+"""Whether a test was passed: pure functions of what was measured and of what the protocol asks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from analysis.protocols import colours
+from analysis.protocols.impact import Measured
+
+EMERGENCY_MPS2 = 5.0
+"""Braking demand of an emergency; without a reason for one, reaching it is a false reaction [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What a protocol asks in one case.
+
+    Parameters
+    ----------
+    rule : ``no_contact``; ``impact_speed`` at most ``highest_impact_kmh``; ``green``; ``not_red``;
+        ``no_worse`` a colour than the standard case's; ``no_false_stop``
+    ego_speed_kmh : test speed [km/h]
+    highest_impact_kmh : for rule ``impact_speed`` [km/h]
+    avoidance_only : every contact is red
+    """
+
+    rule: str
+    ego_speed_kmh: float
+    highest_impact_kmh: float | None = None
+    avoidance_only: bool = False
+
+    @property
+    def coloured(self) -> bool:
+        """Whether the protocol gives colours."""
+        return self.rule in ("green", "not_red", "no_worse")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How one test ended."""
+
+    passed: bool
+    preventable: bool
+    """A competent and careful driver could have stopped; where that is undefined, it counts as could."""
+    contact: bool
+    impact_speed_kmh: float | None
+    """Relative, along the ego; ``None`` without a contact [km/h]."""
+    colour: str
+    """Empty where the protocol gives none."""
+    points: float | None
+    """Share of the case's points, 0 to 1; ``None`` where the protocol gives none."""
+    max_deceleration_mps2: float
+    note: str = ""
+    """Why it was not passed, and what else is to be known; one line."""
+
+    @property
+    def counts(self) -> bool:
+        """Whether it is a failure that sets the exit code: not passed although preventable."""
+        return not self.passed and self.preventable
+
+
+def decide(measured: Measured, demand: Demand) -> Verdict:
+    """Return the verdict on one test, by itself.
+
+    Rule ``no_worse`` is held against green here; `compared` holds it against the standard case.
+
+    Notes
+    -----
+    Impact speeds are those of [R152]_, contacts those of [FMVSS127]_, colours those of [EuroNCAP2026]_.
+    In the false-reaction tests, after [R152]_, the ego must neither stop nor touch anybody, nor brake with
+    5 m/s² or more. Also a contact after a stop counts, although protocols end a test with the stop.
+    """
+    impact = measured.impact
+    speed = None if impact is None else max(3.6 * impact.speed, 0.0)
+    colour = ""
+    if demand.coloured:
+        colour = colours.colour(demand.ego_speed_kmh, speed, demand.avoidance_only)
+    reasons = [_failure(measured, demand, speed, colour)]
+    if measured.after_stop:
+        reasons.append("the contact came after the ego had stopped and gone on")
+    if impact is not None and impact.side != "front":
+        reasons.append(f"the ego's {impact.side} was hit")
+    return Verdict(
+        passed=not reasons[0],
+        preventable=measured.preventable is not False,
+        contact=impact is not None,
+        impact_speed_kmh=speed,
+        colour=colour,
+        points=colours.FACTORS[colour] if colour else None,
+        max_deceleration_mps2=measured.largest_deceleration,
+        note="; ".join(reason for reason in reasons if reason),
+    )
+
+
+def compared(verdict: Verdict, standard: Verdict) -> Verdict:
+    """Return the verdict of rule ``no_worse``, held against the standard case's."""
+    passed = not colours.worse(verdict.colour, standard.colour)
+    note = "" if passed else f"{verdict.colour}, in the standard case {standard.colour}"
+    return replace(verdict, passed=passed, note=note)
+
+
+def _failure(measured: Measured, demand: Demand, speed: float | None, colour: str) -> str:
+    """Return why the test was not passed; empty if it was."""
+    if demand.rule == "no_false_stop":
+        return _false_reaction(measured, speed)
+    if speed is None:
+        return ""
+    told = f"impact at {speed:.1f} km/h"
+    if demand.rule == "no_contact":
+        return told
+    if demand.rule == "impact_speed":
+        assert demand.highest_impact_kmh is not None
+        highest = demand.highest_impact_kmh
+        return "" if 0.0 < speed <= highest else f"{told}, at most {highest:g} km/h allowed"
+    if demand.rule == "not_red":
+        return f"{told}, red" if colour == "red" else ""
+    return f"{told}, {colour}"
+
+
+def _false_reaction(measured: Measured, speed: float | None) -> str:
+    if speed is not None:
+        return f"impact at {speed:.1f} km/h"
+    if measured.stopped:
+        return "it stopped for nobody"
+    if measured.largest_deceleration >= EMERGENCY_MPS2:
+        return f"it braked with {measured.largest_deceleration:.1f} m/s² for nobody"
+    return ""

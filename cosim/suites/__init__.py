@@ -1,0 +1,1 @@
+"""Pedestrian test protocols; ``judging`` has ``names``, ``cases(name)`` and ``judge(run_folder, case)``."""

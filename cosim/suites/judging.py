@@ -1,0 +1,86 @@
+"""Test protocols as the rest of the tool sees them: suites, their cases, and verdicts on recorded runs."""
+
+from __future__ import annotations
+
+import difflib
+import fnmatch
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from analysis.protocols.impact import measure
+from analysis.protocols.verdict import Demand, Verdict, compared, decide
+from cosim.errors import InputError
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.suites import case as references
+from sumo_scenarios.suites import tables
+from sumo_scenarios.suites.case import Case
+
+__all__ = ["Case", "Verdict", "cases", "judge", "label", "names", "settled"]
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the suites."""
+    return tables.names()
+
+
+def label(name: str) -> str:
+    """Return how a suite's results are to be called."""
+    return tables.read_suite(name).label
+
+
+def cases(name: str, only: str = "") -> Sequence[Case]:
+    """Return the cases of a suite; each has a ``reference`` that every command takes as a scenario.
+
+    Parameters
+    ----------
+    name : of the suite, with or without ``suite:``; ``NAME/CASE`` gives the one case
+    only : a case's or a group's name, where ``*`` stands for anything; empty for all
+
+    Raises
+    ------
+    InputError
+        One line: there is no such suite, or nothing fits.
+    """
+    suite, _, case = name.removeprefix(references.PREFIX).partition("/")
+    try:
+        every = references.cases(suite)
+        if case:
+            every = (references.find(f"{references.PREFIX}{suite}/{case}"),)
+    except ScenarioError as error:
+        raise InputError(str(error)) from error
+    if not only:
+        return every
+    found = [one for one in every if any(fnmatch.fnmatchcase(text, only) for text in _texts(one))]
+    if not found:
+        near = difflib.get_close_matches(only, sorted({text for one in every for text in _texts(one)}), n=1)
+        hint = f"did you mean '{near[0]}'? " if near else ""
+        groups = ", ".join(dict.fromkeys(one.group.name for one in every))
+        raise InputError(f"suite:{suite}: no case fits '{only}'; {hint}its groups are: {groups}")
+    return found
+
+
+def judge(folder: Path, case: Case) -> Verdict:
+    """Return the verdict on a recorded run of a case.
+
+    Raises
+    ------
+    RecordingError
+        When the run cannot be read.
+    """
+    demand = Demand(case.group.rule, case.ego_speed_kmh, case.highest_impact_kmh, case.avoidance_only)
+    return decide(measure(folder), demand)
+
+
+def settled(judged: Iterable[tuple[Case, Verdict]]) -> list[tuple[Case, Verdict]]:
+    """Return the verdicts, those that ask for no worse a colour held against their standard cases."""
+    pairs = list(judged)
+    by_name = {(one.suite, one.group.name, one.ego_speed_kmh): verdict for one, verdict in pairs}
+    found = []
+    for one, verdict in pairs:
+        standard = by_name.get((one.suite, one.group.standard, one.ego_speed_kmh))
+        found.append((one, verdict if standard is None else compared(verdict, standard)))
+    return found
+
+
+def _texts(case: Case) -> tuple[str, str]:
+    return case.name, case.group.name

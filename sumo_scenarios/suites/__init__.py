@@ -1,0 +1,1 @@
+"""Pedestrian test protocols: parameter tables, and what makes scenarios of them."""

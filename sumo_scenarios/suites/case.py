@@ -1,0 +1,94 @@
+"""One case of a test protocol, and references to it: ``suite:NAME/CASE``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.suites.tables import GroupTable, read_suite
+
+PREFIX = "suite:"
+"""How a reference begins."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """An ego that comes at a speed, a pedestrian, and what is asked of the ego."""
+
+    suite: str
+    group: GroupTable
+    ego_speed_kmh: float
+    highest_impact_kmh: float | None = None
+    """Allowed by rule ``impact_speed``."""
+
+    @property
+    def name(self) -> str:
+        """Name within its suite."""
+        return f"{self.group.name}_{self.ego_speed_kmh:g}kmh"
+
+    @property
+    def avoidance_only(self) -> bool:
+        """Whether every contact is red: an ego that turns is slow."""
+        return self.group.motion == "turning"
+
+    @property
+    def reference(self) -> str:
+        """What to give instead of a scenario's name."""
+        return f"{PREFIX}{self.suite}/{self.name}"
+
+    @property
+    def scenario_name(self) -> str:
+        """The reference as a scenario is named in files and folders."""
+        return f"{self.suite}.{self.name}"
+
+    @property
+    def description(self) -> str:
+        """One line for a list."""
+        return f"{self.group.description}; ego {self.ego_speed_kmh:g} km/h"
+
+
+def is_reference(text: str) -> bool:
+    """Tell whether a text means a suite or one of its cases."""
+    return text.startswith(PREFIX)
+
+
+def cases(suite: str) -> tuple[Case, ...]:
+    """Return all cases of a suite, in the order of its table.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such suite.
+    """
+    found: list[Case] = []
+    for group in read_suite(suite).groups:
+        limits: Sequence[float | None] = group.highest_impact_kmh or [None] * len(group.speeds_kmh)
+        found += [
+            Case(suite, group, speed, limit) for speed, limit in zip(group.speeds_kmh, limits, strict=True)
+        ]
+    return tuple(found)
+
+
+def find(reference: str) -> Case:
+    """Return the case that ``suite:NAME/CASE`` means.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such suite or case, or the reference names no case.
+    """
+    suite, _, name = reference.removeprefix(PREFIX).partition("/")
+    every = cases(suite)
+    for case in every:
+        if case.name == name:
+            return case
+    if not name:
+        raise ScenarioError(
+            f"{reference}: one case of the suite expected, for instance {every[0].reference}; "
+            f"cosim list {PREFIX}{suite} shows all {len(every)}"
+        )
+    near = difflib.get_close_matches(name, [case.name for case in every], n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    raise ScenarioError(f"{reference}: no such case; {hint}cosim list {PREFIX}{suite} shows all {len(every)}")

@@ -1,0 +1,134 @@
+"""What a suite's parameter table may hold; every other key is an error."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from sumo_scenarios.errors import ScenarioError
+
+FOLDER = Path(__file__).parent
+DEFINITION = "suite.toml"
+
+Rule = Literal["no_contact", "impact_speed", "green", "not_red", "no_worse", "no_false_stop"]
+Motion = Literal["crossing", "stopping", "along", "standing", "turning"]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Table(BaseModel):
+    """A TOML table whose keys are all known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class GroupTable(Table):
+    """Cases that differ in the ego's speed alone."""
+
+    name: str
+    description: str
+    speeds_kmh: Annotated[list[Positive], Field(min_length=1)]
+    rule: Rule
+    motion: Motion = "crossing"
+    """``crossing`` the ego's path, ``stopping`` short of it, walking or ``standing`` ``along`` it;
+    ``turning``: the ego turns, he walks over the road that it turns into."""
+    comes_from: Literal["right", "left"] = "right"
+    overlap: Annotated[float, Field(ge=0, le=1)] | None = None
+    """Where he is hit if the ego keeps its speed: share of its width, from the side that he comes from."""
+    beside_m: NotNegative | None = None
+    """Instead of an overlap: between the ego's side and him, where he walks along or stops."""
+    pedestrian_speed_kmh: NotNegative = 0.0
+    start_distance_m: Positive | None = None
+    """Between the middle of the ego's path and where he sets off."""
+    acceleration_distance_m: NotNegative = 0.0
+    obstructed: bool = False
+    """Two parked cars hide him."""
+    highest_impact_kmh: list[NotNegative] = []
+    """For rule ``impact_speed``: what is allowed at each of the speeds."""
+    standard: str = ""
+    """For rule ``no_worse``: the group whose colours must not be better."""
+    share: Literal["standard", "extended", "robustness", ""] = ""
+    """Part of a rating that the group belongs to."""
+
+    @model_validator(mode="after")
+    def fitting(self) -> GroupTable:
+        """Check that the motion has what it needs, and that there is one limit for each speed."""
+        if (self.overlap is None) == (self.beside_m is None):
+            raise ValueError(f"group '{self.name}': expected exactly one of overlap, beside_m")
+        if (self.motion == "stopping") != (self.beside_m is not None) and self.motion != "along":
+            raise ValueError(
+                f"group '{self.name}': motion '{self.motion}' goes with the other of overlap, beside_m"
+            )
+        if self.motion in ("crossing", "stopping") and self.start_distance_m is None:
+            raise ValueError(f"group '{self.name}': key 'start_distance_m' is missing")
+        if (self.motion == "standing") != (self.pedestrian_speed_kmh == 0.0):
+            raise ValueError(
+                f"group '{self.name}': pedestrian_speed_kmh expected, except where he is standing"
+            )
+        if (self.rule == "impact_speed") != bool(self.highest_impact_kmh):
+            raise ValueError(f"group '{self.name}': 'highest_impact_kmh' belongs to rule 'impact_speed'")
+        if self.highest_impact_kmh and len(self.highest_impact_kmh) != len(self.speeds_kmh):
+            raise ValueError(f"group '{self.name}': as many highest_impact_kmh as speeds_kmh expected")
+        if (self.rule == "no_worse") != bool(self.standard):
+            raise ValueError(f"group '{self.name}': 'standard' belongs to rule 'no_worse'")
+        return self
+
+
+class SuiteTable(Table):
+    """The whole of a ``suite.toml``."""
+
+    title: str
+    label: str
+    """How results are to be called."""
+    source: str
+    """Key in docs/references.md."""
+    points: dict[str, dict[str, NotNegative]] = {}
+    """Of a rating: by the beginning of groups' names, the most that each share gives."""
+    groups: Annotated[list[GroupTable], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def named_once(self) -> SuiteTable:
+        """Check the names."""
+        names = [group.name for group in self.groups]
+        for group in self.groups:
+            if names.count(group.name) > 1:
+                raise ValueError(f"two groups are named '{group.name}'")
+            if group.standard and group.standard not in names:
+                raise ValueError(
+                    f"group '{group.name}': standard '{group.standard}' is no group of this suite"
+                )
+        return self
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the suites: every folder here that holds a suite.toml."""
+    return tuple(sorted(path.parent.name for path in FOLDER.glob(f"*/{DEFINITION}")))
+
+
+@cache
+def read_suite(name: str) -> SuiteTable:
+    """Return the checked table of a suite.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such suite, or its table is wrong.
+    """
+    if name not in names():
+        near = difflib.get_close_matches(name, names(), n=1)
+        hint = f"did you mean '{near[0]}'? " if near else ""
+        raise ScenarioError(f"suite:{name}: no such suite; {hint}there are: {', '.join(names())}")
+    path = FOLDER / name / DEFINITION
+    try:
+        return SuiteTable.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise ScenarioError(f"{path}: {error}") from error
+    except ValidationError as error:
+        details = error.errors(include_url=False)[0]
+        key = ".".join(str(part) for part in details["loc"])
+        raise ScenarioError(f"{path}: {key}: {str(details['msg']).removeprefix('Value error, ')}") from error
