@@ -1,7 +1,7 @@
 """The command ``cosim``: arguments in, one line per error and an exit code out.
 
 Exit codes: 0 all good; 2 usage or bad input, found before the first step; 3 a run that went wrong after it;
-1 is left to criteria that fail.
+1 a criterion that failed.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import typer
 
 from cosim.commands import analyse, compare, conformance, listing, papers
 from cosim.commands import batch as batch_command
+from cosim.commands import check as check_command
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
 
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 app.command("run")(run_command.run)
 app.command("batch")(batch_command.batch)
+app.command("check")(check_command.check)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("conformance")(conformance.conformance)

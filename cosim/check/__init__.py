@@ -1,0 +1,1 @@
+"""Scenarios, studies and suites that pass or fail: criteria, baselines, JUnit and exit codes."""
