@@ -17,6 +17,7 @@ import typer
 from cosim.commands import analyse, compare, conformance, listing, papers
 from cosim.commands import batch as batch_command
 from cosim.commands import check as check_command
+from cosim.commands import inspect as inspect_command
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
 
@@ -38,6 +39,7 @@ app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("conformance")(conformance.conformance)
 app.command("papers")(papers.papers)
+app.command("inspect")(inspect_command.inspect)
 app.command("list")(listing.show)
 
 

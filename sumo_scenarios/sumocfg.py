@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +36,8 @@ class SumoConfiguration:
     end_s: float | None
     step_s: float
     lateral_resolution_m: float | None
+    options: Mapping[str, str]
+    """Everything that it sets, as texts, by SUMO's long names."""
 
 
 def read_sumocfg(path: Path) -> SumoConfiguration:
@@ -70,6 +73,7 @@ def read_sumocfg(path: Path) -> SumoConfiguration:
         end_s=None if end_s is None or end_s < 0 else end_s,
         step_s=1.0 if step_s is None else step_s,
         lateral_resolution_m=lateral if lateral > 0 else None,
+        options=options,
     )
 
 

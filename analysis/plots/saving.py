@@ -1,0 +1,19 @@
+"""Writes figures so that the same run gives the same bytes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 150
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure into a PNG or SVG file, by its ending, and return the path."""
+    # Without these, SVG has random ids and letters as outlines, and both formats tell date and version.
+    with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
+        metadata = {"Date": None} if path.suffix.lower() == ".svg" else {"Software": None}
+        figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata)
+    return path

@@ -1,0 +1,27 @@
+"""What has to be there before something is drawn."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+from cosim.errors import InputError
+
+FORMATS = ("png", "svg")
+
+
+def require_matplotlib(what: str) -> None:
+    """Raise `InputError` where matplotlib is not installed."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise InputError(f"{what} needs matplotlib: pip install 'sumo-cosim[report]'")
+
+
+def check_picture(path: Path, formats: tuple[str, ...] = FORMATS) -> None:
+    """Raise `InputError` for a file that no picture can be written to, by its ending or its folder."""
+    if path.suffix.lower().removeprefix(".") not in formats:
+        endings = " or ".join(f".{name}" for name in formats)
+        raise InputError(f"{path}: a file name that ends in {endings} expected")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise InputError(f"{path}: a file expected, this is a folder")

@@ -1,0 +1,1 @@
+"""What a SUMO network and its demand offer to a study of pedestrian crossings; runs no simulation."""

@@ -1,0 +1,184 @@
+"""Who drives and walks, as route and additional files say; nothing is simulated."""
+
+from __future__ import annotations
+
+import gzip
+import math
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO, cast
+from xml.etree import ElementTree
+
+from cosim.inspection.source import Source
+
+DEFAULT_CLASSES = {
+    "DEFAULT_VEHTYPE": "passenger",
+    "DEFAULT_PEDTYPE": "pedestrian",
+    "DEFAULT_BIKETYPE": "bicycle",
+    "DEFAULT_TAXITYPE": "taxi",
+}
+"""Vehicle types that SUMO has without being told."""
+CAR = "passenger"
+_RIDERS = ("vehicle", "trip", "flow")
+_WALKERS = ("person", "personFlow")
+_POISSON = re.compile(r"exp\(([^)]+)\)")
+
+
+@dataclass(slots=True)
+class Demand:
+    """What the files hold, in expected numbers over the simulated time."""
+
+    vehicles: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    """Expected number by vehicle class."""
+    persons: float = 0.0
+    ways: defaultdict[tuple[str, ...], float] = field(default_factory=lambda: defaultdict(float))
+    """Expected number of passenger cars by the edges that are given: a whole route, or its ends."""
+    ignored: dict[Path, list[str]] = field(default_factory=dict)
+    """By route file: ids that SUMO leaves out, because one before them departs later."""
+
+
+def read_demand(source: Source) -> Demand:
+    """Return the demand of a configuration; none for a network alone."""
+    reader = _Reader(source.begin_s, math.inf if source.end_s is None else source.end_s)
+    for path in source.additional_files:
+        reader.read(path, sorted_by_time=False)
+    for path in source.route_files:
+        reader.read(path, sorted_by_time=True)
+    return reader.demand()
+
+
+def names_files(path: Path) -> bool:
+    """Return whether an additional file names further files."""
+    return any("file" in key.lower() for one in _elements(path) for part in one.iter() for key in part.attrib)
+
+
+def seconds(text: str) -> float | None:
+    """Return a time given as seconds or as h:m:s; ``None`` for words such as ``triggered``.
+
+    >>> seconds("1:00:30"), seconds("triggered")
+    (3630.0, None)
+    """
+    try:
+        numbers = [float(part) for part in text.split(":")]
+    except ValueError:
+        return None
+    scales = (1.0, 60.0, 3600.0, 86400.0)
+    return sum(number * scale for number, scale in zip(reversed(numbers), scales, strict=False))
+
+
+class _Reader:
+    def __init__(self, begin_s: float, end_s: float) -> None:
+        self._begin_s = begin_s
+        self._end_s = end_s
+        self._classes: dict[str, str] = dict(DEFAULT_CLASSES)
+        self._members: defaultdict[str, list[str]] = defaultdict(list)
+        self._routes: dict[str, tuple[str, ...]] = {}
+        self._found: list[tuple[ElementTree.Element, float]] = []
+        self._demand = Demand()
+
+    def read(self, path: Path, sorted_by_time: bool) -> None:
+        latest = -math.inf
+        ignored: list[str] = []
+        for element in _elements(path):
+            self._define(element)
+            if element.tag not in (*_RIDERS, *_WALKERS):
+                continue
+            depart = seconds(element.get("depart", element.get("begin", "0")))
+            if sorted_by_time and depart is not None:
+                if depart < latest:
+                    ignored.append(element.get("id", "?"))
+                    continue
+                latest = depart
+            self._found.append((element, self._count(element, depart)))
+        if ignored:
+            self._demand.ignored[path] = ignored
+
+    def demand(self) -> Demand:
+        for element, count in self._found:
+            if element.tag in _WALKERS:
+                self._demand.persons += count
+                continue
+            kind = self._class(element.get("type", "DEFAULT_VEHTYPE"))
+            self._demand.vehicles[kind] += count
+            way = self._way(element)
+            if kind == CAR and way:
+                self._demand.ways[way] += count
+        return self._demand
+
+    def _define(self, element: ElementTree.Element) -> None:
+        for kind in element.iter("vType"):
+            self._classes[kind.get("id", "")] = kind.get("vClass", CAR)
+        if element.tag == "vTypeDistribution":
+            names = [kind.get("id", "") for kind in element.iter("vType")]
+            self._members[element.get("id", "")] += names + element.get("vTypes", "").split()
+        for route in element.iter("route"):
+            if route.get("id"):
+                self._routes[route.get("id", "")] = tuple(route.get("edges", "").split())
+        if element.tag == "routeDistribution":
+            first = next(iter(element.iter("route")), None)
+            if first is not None:
+                self._routes[element.get("id", "")] = tuple(first.get("edges", "").split())
+
+    def _class(self, name: str) -> str:
+        if name in self._classes:
+            return self._classes[name]
+        members = {self._classes.get(member, CAR) for member in self._members.get(name, ())}
+        return members.pop() if len(members) == 1 else CAR
+
+    def _way(self, element: ElementTree.Element) -> tuple[str, ...]:
+        if element.get("route"):
+            return self._routes.get(element.get("route", ""), ())
+        inner = element.find("route")
+        if inner is not None:
+            return tuple(inner.get("edges", "").split())
+        if element.get("from") and element.get("to"):
+            return (element.get("from", ""), *element.get("via", "").split(), element.get("to", ""))
+        return ()
+
+    def _count(self, element: ElementTree.Element, depart: float | None) -> float:
+        """Return how many are expected to depart in the simulated time."""
+        first = max(self._begin_s, depart or 0.0)
+        if element.tag in ("vehicle", "trip", "person"):
+            return float(depart is None or self._begin_s <= depart < self._end_s)
+        last = min(self._end_s, seconds(element.get("end", "")) or self._end_s)
+        duration = max(last - first, 0.0)
+        if element.get("number"):
+            return float(element.get("number", "0")) if duration > 0.0 else 0.0
+        rate = _rate(element)
+        # A flow without an end in a run without one: an hour's worth of it.
+        return rate * (3600.0 if math.isinf(duration) else duration)
+
+
+def _rate(element: ElementTree.Element) -> float:
+    """Return how many of a flow depart in a second [1/s]."""
+    for key in ("vehsPerHour", "perHour"):
+        if element.get(key):
+            return float(element.get(key, "0")) / 3600.0
+    if element.get("probability"):
+        return float(element.get("probability", "0"))
+    period = element.get("period", "")
+    poisson = _POISSON.fullmatch(period.strip())
+    if poisson:
+        return float(poisson.group(1))
+    interval = seconds(period) if period else None
+    return 1.0 / interval if interval else 0.0
+
+
+def _elements(path: Path) -> Iterator[ElementTree.Element]:
+    with path.open("rb") as source:
+        packed = source.read(2) == b"\x1f\x8b"
+    with cast(BinaryIO, gzip.open(path, "rb")) if packed else path.open("rb") as file:
+        root: ElementTree.Element | None = None
+        depth = 0
+        for event, element in ElementTree.iterparse(file, events=("start", "end")):
+            if event == "start":
+                root = element if root is None else root
+                depth += 1
+                continue
+            depth -= 1
+            if depth == 1 and root is not None:
+                yield element
+                root.clear()

@@ -1,0 +1,66 @@
+"""Findings on who drives and walks, and on route files."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from cosim.inspection.demand import CAR, Demand
+from cosim.inspection.finding import Finding, Level
+from cosim.inspection.source import Source
+
+
+def vehicles(source: Source, demand: Demand) -> Finding:
+    """Say how many vehicles of each class the demand brings."""
+    present = {kind: count for kind, count in sorted(demand.vehicles.items()) if count >= 0.5}
+    if not source.configured:
+        return Finding("vehicles", Level.NOTE, "a network alone has no demand")
+    if not present:
+        return Finding("vehicles", Level.NOTE, "none: an ego of --ego-route would drive alone")
+    parts = [f"{count:,.0f} {kind}" for kind, count in present.items()]
+    if CAR not in present:
+        return Finding("vehicles", Level.NOTE, ", ".join(parts) + "; no cars, so --ego-share takes none over")
+    return Finding("vehicles", Level.GOOD, ", ".join(parts))
+
+
+def persons(source: Source, demand: Demand) -> Finding:
+    """Say how many people walk."""
+    if not source.configured:
+        return Finding("persons", Level.NOTE, "a network alone has no demand; --scaffold writes some")
+    if demand.persons >= 0.5:
+        return Finding("persons", Level.GOOD, f"{demand.persons:,.0f} in the demand")
+    return Finding("persons", Level.MISSING, "none in the demand", _walks_command(source))
+
+
+def sorting(demand: Demand) -> list[Finding]:
+    """Name the route files of which SUMO leaves a part out; none where all is read."""
+    return [
+        Finding(
+            "route order",
+            Level.DANGER,
+            f"{path.name} is not sorted by time: SUMO leaves out {len(names)} entries, first {names[0]!r}",
+            _sort_command(path),
+        )
+        for path, names in demand.ignored.items()
+    ]
+
+
+def _walks_command(source: Source) -> str:
+    return shlex.join(
+        [
+            *("python", "-m", "sumo.tools.randomTrips", "--net-file", str(source.net_file), "--pedestrians"),
+            *("--begin", f"{source.begin_s:g}", "--end", f"{_end_s(source):g}", "--insertion-rate", "600"),
+            *("--seed", "1", "--output-trip-file", f"{source.name}-persons.rou.xml"),
+        ]
+    )
+
+
+def _end_s(source: Source) -> float:
+    return source.begin_s + 3600.0 if source.end_s is None else source.end_s
+
+
+def _sort_command(path: Path) -> str:
+    name = path.name.removesuffix(".gz").removesuffix(".xml").removesuffix(".rou")
+    return shlex.join(
+        ["python", "-m", "sumo.tools.route.sort_routes", str(path), "--outfile", f"{name}-sorted.rou.xml"]
+    )

@@ -1,0 +1,152 @@
+"""Routes on which an ego meets crossings: up to five, the most worthwhile ones first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+from controllers.interface import CrossingKind
+from cosim.compose import NetCrossing
+from cosim.inspection.demand import Demand
+from cosim.inspection.ways import CAR, TURNAROUND, Movement, Ways, route_to
+
+MOST = 5
+"""Routes that are suggested at most."""
+REACH_M = 1000.0
+"""A route goes on so far before and behind the crossing that it is made for, where the network does."""
+MOST_ORIGINS = 300
+"""Routes of the demand are looked for from at most so many edges."""
+_PREFERENCE = {CrossingKind.ZEBRA: 0, CrossingKind.UNMARKED: 1, CrossingKind.SIGNAL: 2}
+
+
+@dataclass(frozen=True, slots=True)
+class EgoRoute:
+    """A route for an ego, and the crossings on it in driving order."""
+
+    edges: tuple[str, ...]
+    crossings: tuple[str, ...]
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Passing:
+    """How many cars of the demand drive over a crossing."""
+
+    cars: float
+    """Whose route is known, expected number."""
+    passing: float
+
+
+def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
+    """Return routes over crossings; each goes over one at least that those before it do not.
+
+    Zebras come first, then crossings without priority, then those with signals; of each kind those over
+    the most lanes.
+    """
+    routes: list[EgoRoute] = []
+    covered: set[str] = set()
+    for crossing in sorted(ways.network.crossings.values(), key=lambda one: _rank(ways, one)):
+        if len(routes) == most:
+            break
+        if crossing.name in covered:
+            continue
+        movement = _best_movement(ways, crossing)
+        if movement is None:
+            continue
+        edges = (*_before(ways, movement), *_after(ways, movement))
+        passed = tuple(one.name for one in ways.crossings_on(edges))
+        covered.update(passed)
+        routes.append(EgoRoute(edges, passed, sum(map(ways.length, edges))))
+    return sorted(routes, key=lambda route: -len(route.crossings))
+
+
+def passing(ways: Ways, demand: Demand) -> Passing:
+    """Return how many cars of the demand drive over a crossing, on the fastest way between what is given."""
+    cars = over = 0.0
+    trees: dict[str, Mapping[str, str]] = {}
+    for given, count in sorted(demand.ways.items()):
+        route = _filled(ways, given, trees)
+        if route is not None:
+            cars += count
+            over += count * bool(ways.crossings_on(route))
+    return Passing(cars, over)
+
+
+def _filled(
+    ways: Ways, given: tuple[str, ...], trees: dict[str, Mapping[str, str]]
+) -> tuple[str, ...] | None:
+    """Return a route with the edges between those that are given; ``None`` where there is none."""
+    if any(edge not in ways.network.edges for edge in given):
+        return None
+    route = given[:1]
+    for source, target in pairwise(given):
+        if any(movement.target == target for movement in ways.onward[source]):
+            route = (*route, target)
+            continue
+        if source not in trees:
+            if len(trees) == MOST_ORIGINS:
+                return None
+            trees[source] = ways.fastest(source)
+        part = route_to(target, trees[source])
+        if part[0] != source:
+            return None
+        route = (*route, *part[1:])
+    return route
+
+
+def _rank(ways: Ways, crossing: NetCrossing) -> tuple[int, int, str]:
+    return _PREFERENCE[crossing.kind], -lanes_crossed(ways, crossing), crossing.name
+
+
+def lanes_crossed(ways: Ways, crossing: NetCrossing) -> int:
+    """Return how many lanes for passenger cars a crossing crosses."""
+    network = ways.network
+    return sum(len(network.allowed_lanes(edge, CAR)) for edge in crossing.edges if edge in network.edges)
+
+
+def _best_movement(ways: Ways, crossing: NetCrossing) -> Movement | None:
+    """Return the movement over a crossing that goes straight on and has the most lanes."""
+    near = [
+        movement
+        for edge in sorted(crossing.edges)
+        for movement in (*ways.onward[edge], *ways.backward[edge])
+        if movement.direction != TURNAROUND and crossing in ways.crossed(movement)
+    ]
+    return min(near, key=lambda one: _goodness(ways, one, one.target), default=None)
+
+
+def _after(ways: Ways, first: Movement) -> list[str]:
+    edges, length = [first.target], ways.length(first.target)
+    while length < REACH_M:
+        onward = [
+            one
+            for one in ways.onward[edges[-1]]
+            if one.direction != TURNAROUND and one.target not in (*edges, first.source)
+        ]
+        if not onward:
+            break
+        edges.append(min(onward, key=lambda one: _goodness(ways, one, one.target)).target)
+        length += ways.length(edges[-1])
+    return edges
+
+
+def _before(ways: Ways, first: Movement) -> list[str]:
+    taken = set(_after(ways, first))
+    edges, length = [first.source], ways.length(first.source)
+    while length < REACH_M:
+        backward = [
+            one
+            for one in ways.backward[edges[0]]
+            if one.direction != TURNAROUND and one.source not in taken and one.source not in edges
+        ]
+        if not backward:
+            break
+        edges.insert(0, min(backward, key=lambda one: _goodness(ways, one, one.source)).source)
+        length += ways.length(edges[0])
+    return edges
+
+
+def _goodness(ways: Ways, movement: Movement, further: str) -> tuple[bool, int, str]:
+    lanes = len(ways.network.allowed_lanes(further, CAR))
+    return movement.direction != "s", -lanes, further

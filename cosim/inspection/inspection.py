@@ -1,0 +1,75 @@
+"""Everything that is looked at, and the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.compose import Network, read_network
+from cosim.inspection import crossings, demand_findings, options, roads
+from cosim.inspection.crossings import Counts
+from cosim.inspection.demand import Demand, read_demand
+from cosim.inspection.ego_routes import EgoRoute, passing, suggest
+from cosim.inspection.finding import Finding, Level
+from cosim.inspection.source import Source, read_source
+from cosim.inspection.ways import Ways
+
+
+@dataclass(frozen=True, slots=True)
+class Inspection:
+    """What was found out about a network and its demand."""
+
+    source: Source
+    network: Network
+    demand: Demand
+    counts: Counts
+    """Crossings by kind and lanes crossed."""
+    routes: tuple[EgoRoute, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def possible(self) -> bool:
+        """Whether a pedestrian study can be run here."""
+        return all(finding.level is not Level.MISSING for finding in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """The answer in one line."""
+        missing = [finding.check for finding in self.findings if finding.level is Level.MISSING]
+        if missing:
+            return f"a pedestrian study cannot be run here yet: see {', '.join(missing)}"
+        beware = [finding.check for finding in self.findings if finding.level is Level.DANGER]
+        care = f", but see {', '.join(dict.fromkeys(beware))}" if beware else ""
+        return f"a pedestrian study can be run here{care}"
+
+
+def inspect(path: Path) -> Inspection:
+    """Look at a network or a SUMO configuration.
+
+    Raises
+    ------
+    InputError
+        If it, or a file that it names, is missing or not what it should be.
+    """
+    source = read_source(path)
+    network = read_network(source.net_file)
+    demand = read_demand(source)
+    ways = Ways(network)
+    counts = crossings.counted(ways)
+    routes = tuple(suggest(ways))
+    cars = passing(ways, demand) if source.configured else None
+    findings = (
+        roads.roads(network),
+        roads.sidewalks(network, source.net_file),
+        roads.permissions(network),
+        crossings.crossings(network, counts, source.net_file),
+        crossings.ego_routes(routes, cars, bool(counts)),
+        demand_findings.vehicles(source, demand),
+        demand_findings.persons(source, demand),
+        *demand_findings.sorting(demand),
+        options.step_length(source),
+        *options.pedestrian_model(source),
+        *options.route_errors(source),
+        *options.replaced(source),
+    )
+    return Inspection(source, network, demand, counts, routes, findings)

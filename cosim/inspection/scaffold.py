@@ -1,0 +1,178 @@
+"""A scenario folder made from what was looked at: copies of the files, and what they lack.
+
+An additional file that names further files is not copied but named where it is: its names are relative.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+from cosim.errors import InputError
+from cosim.inspection.demand import CAR, names_files
+from cosim.inspection.inspection import Inspection
+from cosim.inspection.walks import Walk, walks_over
+
+CONFIGURATION = "scenario.sumocfg"
+WARMUP_S = 60.0
+LONGEST_S = 900.0
+"""Of the scenario; its configuration may go on for longer [s]."""
+PERSONS_PER_HOUR = 150.0
+"""At each crossing, in each direction."""
+CARS_PER_HOUR = 300.0
+"""On each suggested route."""
+_INPUTS = ("net-file", "route-files", "additional-files")
+_OF_THE_RUN = ("begin", "end", "step-length", "seed", "random", "remote-port", "demo", "start", "quit-on-end")
+
+
+def write_scaffold(found: Inspection, folder: Path) -> None:
+    """Write scenario.toml, a configuration and copies of its input files.
+
+    Persons are added where the demand has none, and cars where it has none.
+
+    Raises
+    ------
+    InputError
+        If no ego can be driven over a crossing here, or the folder cannot be written to.
+    """
+    if not found.routes:
+        what = "no car can drive over a crossing" if found.counts else "there is no crossing"
+        raise InputError(f"--scaffold: {what} in {found.source.net_file}; mend that first")
+    if not found.possible and _blocking(found):
+        raise InputError(f"--scaffold: {found.verdict}; mend that first")
+    walks = walks_over(found.network, found.routes)
+    if not walks and found.demand.persons < 0.5:
+        raise InputError(f"--scaffold: no sidewalk leads to the crossings in {found.source.net_file}")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(found, walks, folder)
+    except OSError as error:
+        raise InputError(f"--scaffold {folder}: {error.strerror}") from error
+
+
+def _blocking(found: Inspection) -> bool:
+    """Whether something is missing that a scaffold cannot add."""
+    added = ("persons", "step length", "sidewalks")
+    return any(one.level == "missing" and one.check not in added for one in found.findings)
+
+
+def _write(found: Inspection, walks: Iterable[Walk], folder: Path) -> None:
+    source = found.source
+    end_s = source.begin_s + LONGEST_S if source.end_s is None else source.end_s
+    duration_s = min(end_s - source.begin_s, LONGEST_S)
+    warmup_s = min(WARMUP_S, round(0.2 * duration_s, 3))
+    taken: set[str] = {"scenario.toml", CONFIGURATION, "persons.rou.xml", "cars.rou.xml"}
+    net = _copy(source.net_file, folder, taken)
+    additional = [
+        os.path.relpath(path, folder) if names_files(path) else _copy(path, folder, taken)
+        for path in source.additional_files
+    ]
+    routes = [_copy(path, folder, taken) for path in source.route_files]
+    if found.demand.persons < 0.5:
+        _text(folder / "persons.rou.xml", _persons(walks, source.begin_s, end_s))
+        routes.append("persons.rou.xml")
+    if found.demand.vehicles.get(CAR, 0.0) < 0.5:
+        _text(folder / "cars.rou.xml", _cars(found, source.begin_s, end_s))
+        routes.append("cars.rou.xml")
+    _text(folder / CONFIGURATION, _configuration(found, net, routes, additional))
+    _text(folder / "scenario.toml", _scenario(found, duration_s, warmup_s))
+
+
+def _copy(path: Path, folder: Path, taken: set[str]) -> str:
+    """Copy a file under a name that is free, and return the name."""
+    name, number = path.name, 1
+    while name in taken:
+        number += 1
+        name = f"{number}-{path.name}"
+    taken.add(name)
+    shutil.copyfile(path, folder / name)
+    return name
+
+
+def _persons(walks: Iterable[Walk], begin_s: float, end_s: float) -> str:
+    rate = PERSONS_PER_HOUR / 3600.0
+    lines = ["<!-- In both directions over each crossing that the ego routes pass. -->"]
+    for number, walk in enumerate(walks, start=1):
+        for name, one in ((f"walk_{number}", walk), (f"walk_{number}_back", walk.back())):
+            lines += [
+                f'<personFlow id="{name}" begin="{begin_s:g}" end="{end_s:g}" period="exp({rate:.6f})" '
+                f'departPos="{one.depart_m:.2f}">',
+                f"    <walk from={quoteattr(one.origin)} to={quoteattr(one.destination)} "
+                f'arrivalPos="{one.arrival_m:.2f}"/>',
+                "</personFlow>",
+            ]
+    return _routes(lines)
+
+
+def _cars(found: Inspection, begin_s: float, end_s: float) -> str:
+    rate = CARS_PER_HOUR / 3600.0
+    lines = ["<!-- Traffic on the ego routes. -->"]
+    for number, route in enumerate(found.routes, start=1):
+        lines += [
+            f'<flow id="cars_{number}" begin="{begin_s:g}" end="{end_s:g}" period="exp({rate:.6f})" '
+            'departLane="random" departSpeed="desired">',
+            f"    <route edges={quoteattr(' '.join(route.edges))}/>",
+            "</flow>",
+        ]
+    return _routes(lines)
+
+
+def _routes(lines: Iterable[str]) -> str:
+    return "<routes>\n" + "".join(f"    {line}\n" for line in lines) + "</routes>\n"
+
+
+def _configuration(found: Inspection, net: str, routes: list[str], additional: list[str]) -> str:
+    source = found.source
+    # A configuration's own step is kept where a run can have it.
+    impossible = any(one.check == "step length" and one.level == "missing" for one in found.findings)
+    step_s = 0.1 if impossible else source.step_s
+    options = {"net-file": net, "route-files": ",".join(routes), "additional-files": ",".join(additional)}
+    options |= {"begin": f"{source.begin_s:g}", "step-length": f"{step_s:g}"}
+    if source.end_s is not None:
+        options["end"] = f"{source.end_s:g}"
+    options |= _kept(source.options)
+    lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items() if value]
+    return "<configuration>\n" + "\n".join(lines) + "\n</configuration>\n"
+
+
+def _kept(options: Mapping[str, str]) -> dict[str, str]:
+    """Return the options that neither name files nor belong to one run or its window."""
+    return {
+        key: value
+        for key, value in options.items()
+        if key not in (*_INPUTS, *_OF_THE_RUN) and not any(word in key for word in ("file", "output", "log"))
+    }
+
+
+def _scenario(found: Inspection, duration_s: float, warmup_s: float) -> str:
+    lines = [
+        f"description = {_quoted(f'Made by cosim inspect from {found.source.path.name}')}",
+        f"duration_s = {duration_s:.1f}",
+        f"warmup_s = {warmup_s:.1f} # egos come in afterwards",
+        'actuation = "hybrid"',
+        f'sumocfg = "{CONFIGURATION}"',
+        "",
+        "[egos]",
+        f"count = {max(4, len(found.routes))}",
+        "headway_s = 30.0",
+    ]
+    for route in found.routes:
+        lines += [
+            "",
+            f"# {len(route.crossings)} crossings on {route.length_m:.0f} m",
+            "[[egos.routes]]",
+            f"edges = {_quoted(' '.join(route.edges))}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,117 @@
+"""How cars get through a network, and which crossings they drive over."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from cosim.compose import NetCrossing, Network
+
+CAR = "passenger"
+TURNAROUND = "t"
+
+
+@dataclass(frozen=True, slots=True)
+class Movement:
+    """One way through a junction."""
+
+    source: str
+    target: str
+    junction: str
+    direction: str
+    """As SUMO has it: s, l, r, t and so on."""
+
+
+class Ways:
+    """The movements of passenger cars in a network.
+
+    A car drives over a crossing if it goes through the crossing's junction from or to an edge that the
+    crossing crosses.
+    """
+
+    def __init__(self, network: Network) -> None:
+        self.network = network
+        self.onward: defaultdict[str, list[Movement]] = defaultdict(list)
+        self.backward: defaultdict[str, list[Movement]] = defaultdict(list)
+        self._crossings: defaultdict[str, list[NetCrossing]] = defaultdict(list)
+        for crossing in network.crossings.values():
+            self._crossings[crossing_junction(crossing.name)].append(crossing)
+        for movement in _movements(network):
+            self.onward[movement.source].append(movement)
+            self.backward[movement.target].append(movement)
+
+    def seconds(self, edge: str) -> float:
+        """Return the shortest time that an edge takes a car [s]."""
+        lane = self.network.lanes[self.network.edges[edge][-1]]
+        return lane.length / max(lane.speed, 0.1)
+
+    def length(self, edge: str) -> float:
+        """Return how long an edge is [m]."""
+        return self.network.lanes[self.network.edges[edge][0]].length
+
+    def crossed(self, movement: Movement) -> list[NetCrossing]:
+        """Return the crossings that a movement goes over."""
+        ends = {movement.source, movement.target}
+        return [one for one in self._crossings[movement.junction] if one.edges & ends]
+
+    def crossings_on(self, edges: Sequence[str]) -> list[NetCrossing]:
+        """Return the crossings on a route, in driving order."""
+        found: dict[str, NetCrossing] = {}
+        for source, target in pairwise(edges):
+            for movement in self.onward[source]:
+                if movement.target == target:
+                    found |= {one.name: one for one in self.crossed(movement)}
+        return list(found.values())
+
+    def fastest(self, origin: str) -> dict[str, str]:
+        """Return, for every edge that can be reached from one, the edge before it on the fastest route."""
+        best = {origin: 0.0}
+        before: dict[str, str] = {}
+        queue = [(0.0, origin)]
+        while queue:
+            time, edge = heapq.heappop(queue)
+            if time > best[edge]:
+                continue
+            for movement in self.onward[edge]:
+                arrival = time + self.seconds(movement.target)
+                if arrival < best.get(movement.target, math.inf):
+                    best[movement.target] = arrival
+                    before[movement.target] = edge
+                    heapq.heappush(queue, (arrival, movement.target))
+        return before
+
+
+def route_to(target: str, before: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the route that ends at an edge; the edge alone if none leads to it.
+
+    >>> route_to("c", {"b": "a", "c": "b"})
+    ('a', 'b', 'c')
+    """
+    edges = [target]
+    while edges[-1] in before:
+        edges.append(before[edges[-1]])
+    return tuple(reversed(edges))
+
+
+def crossing_junction(name: str) -> str:
+    """Return the junction of a crossing.
+
+    >>> crossing_junction(":main_street_c0")
+    'main_street'
+    """
+    return name[1:].rpartition("_c")[0]
+
+
+def _movements(network: Network) -> list[Movement]:
+    found: dict[Movement, None] = {}
+    for edge in network.roads:
+        for index in network.allowed_lanes(edge, CAR):
+            for one in network.connections.get(network.edges[edge][index], ()):
+                if one.via and network.passable(one, CAR):
+                    junction = one.via[0][1:].rsplit("_", 2)[0]
+                    found[Movement(edge, network.lanes[one.target].edge, junction, one.direction)] = None
+    return list(found)

@@ -1,0 +1,190 @@
+"""What is found out about networks whose defects are known, and whether the suggested commands mend them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from controllers.interface import CrossingKind
+from cosim.inspection.finding import Finding, Level
+from cosim.inspection.inspection import Inspection, inspect
+from sumo_scenarios.sumo_installation import packaged_file
+from tests.cosim.inspection.towns import build, call_line, configure
+
+BRAUNSCHWEIG = "tools/game/fokr_bs_demo.sumocfg"
+WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "13.9")
+CROSSINGS = ("--crossings.guess", "--crossings.guess.speed-threshold", "13.9")
+CARS = '<flow id="cars" begin="0" end="300" vehsPerHour="360" from="east_1" to="east_2"/>'
+PERSONS = (
+    '<personFlow id="walkers" begin="0" end="300" period="10"><walk from="east_1" to="west_2"/></personFlow>'
+)
+
+
+def finding(found: Inspection, check: str) -> Finding:
+    """Return the one finding of a check."""
+    (one,) = [one for one in found.findings if one.check == check]
+    return one
+
+
+def missing(found: Inspection) -> set[str]:
+    """Return the checks that say that something is missing."""
+    return {one.check for one in found.findings if one.level is Level.MISSING}
+
+
+def test_braunschweig_is_what_its_files_say() -> None:
+    found = inspect(packaged_file(BRAUNSCHWEIG))
+    assert found.possible
+    assert {kind for kind, _ in found.counts} == {CrossingKind.SIGNAL}
+    # Every arm of the intersection has two crossings, one over its way in and one over its way out.
+    assert {lanes: count for (_, lanes), count in found.counts.items()} == {2: 4, 3: 1, 5: 3}
+    assert {name for route in found.routes for name in route.crossings} == set(found.network.crossings)
+    assert found.source.step_s == 0.05
+    assert found.demand.ignored == {}
+    assert found.demand.persons > 1000
+    cars = found.demand.vehicles["passenger"]
+    assert sum(found.demand.ways.values()) == cars
+    # The network is one intersection with crossings on all arms: nobody gets past them.
+    assert f"{cars:,.0f} of {cars:,.0f} cars" in finding(found, "ego routes").text
+
+
+def test_a_network_without_sidewalks_is_mended_by_the_suggested_command(tmp_path: Path) -> None:
+    found = inspect(build(tmp_path))
+    assert missing(found) == {"sidewalks", "crossings", "ego routes"}
+    assert "6 of 6" in finding(found, "permissions").text
+    call_line(finding(found, "sidewalks").command, tmp_path)
+    mended = inspect(tmp_path / "town-crossings.net.xml")
+    assert mended.possible
+    assert sum(mended.counts.values()) == 3
+    assert "share no lane" in finding(mended, "permissions").text
+
+
+def test_a_network_with_sidewalks_and_no_crossing_is_mended_by_the_suggested_command(tmp_path: Path) -> None:
+    found = inspect(build(tmp_path, *WALKS))
+    assert missing(found) == {"crossings", "ego routes"}
+    command = finding(found, "crossings").command
+    assert "--sidewalks" not in command
+    call_line(command, tmp_path)
+    mended = inspect(tmp_path / "town-crossings.net.xml")
+    assert mended.possible
+    assert sum(mended.counts.values()) == 3
+
+
+def test_crossings_are_counted_by_kind_and_lanes(tmp_path: Path) -> None:
+    (tmp_path / "c.con.xml").write_text(
+        '<connections><crossing node="b" edges="east_1 west_2" priority="true"/>'
+        '<crossing node="b" edges="east_2 west_1"/></connections>'
+    )
+    found = inspect(build(tmp_path, *WALKS, "--connection-files", "c.con.xml", lanes=3))
+    assert found.counts == {(CrossingKind.ZEBRA, 6): 1, (CrossingKind.UNMARKED, 6): 1}
+    with_signals = inspect(build(tmp_path, *WALKS, *CROSSINGS, "--tls.set", "b", lanes=1))
+    assert with_signals.counts == {(CrossingKind.SIGNAL, 2): 3}
+    assert finding(with_signals, "roads").level is Level.NOTE
+
+
+def test_ego_routes_follow_the_network_and_pass_every_crossing_that_they_name(tmp_path: Path) -> None:
+    found = inspect(build(tmp_path, *WALKS, *CROSSINGS))
+    assert found.routes[0].crossings
+    assert {name for route in found.routes for name in route.crossings} == set(found.network.crossings)
+    for route in found.routes:
+        for edge, following in pairwise(route.edges):
+            lanes = found.network.edges[edge]
+            assert any(found.network.follow(lane, following, "passenger") for lane in lanes)
+        for name in route.crossings:
+            assert found.network.crossings[name].edges & set(route.edges)
+
+
+def test_a_demand_without_persons_gets_some_by_the_suggested_command(tmp_path: Path) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    path = configure(tmp_path, CARS)
+    found = inspect(path)
+    assert missing(found) == {"persons"}
+    assert finding(found, "vehicles").text == "30 passenger"
+    call_line(finding(found, "persons").command, tmp_path)
+    text = path.read_text().replace("town.rou.xml", "town.rou.xml,town-persons.rou.xml")
+    path.write_text(text)
+    mended = inspect(path)
+    assert mended.possible
+    assert mended.demand.persons == pytest.approx(50, abs=2)  # 600 an hour for 300 s
+
+
+def test_an_unsorted_route_file_is_mended_by_the_suggested_command(tmp_path: Path) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    late = '<trip id="late" depart="20" from="east_1" to="east_2"/>'
+    early = '<trip id="early" depart="5" from="east_1" to="east_2"/>'
+    path = configure(tmp_path, PERSONS + late + early)
+    found = inspect(path)
+    one = finding(found, "route order")
+    assert one.level is Level.DANGER
+    assert "1 entries, first 'early'" in one.text
+    assert found.possible
+    assert "route order" in found.verdict
+    assert found.demand.vehicles["passenger"] == 1
+    call_line(one.command, tmp_path)
+    path.write_text(path.read_text().replace("town.rou.xml", "town-sorted.rou.xml"))
+    mended = inspect(path)
+    assert mended.demand.ignored == {}
+    assert mended.demand.vehicles["passenger"] == 2
+
+
+@pytest.mark.sumo
+def test_sumo_leaves_out_and_inserts_what_is_said(tmp_path: Path) -> None:
+    """Another reader of the same files, SUMO itself, is the judge."""
+    build(tmp_path, *WALKS, *CROSSINGS)
+    trips = "".join(
+        f'<trip id="t{depart}" depart="{depart}" from="east_1" to="east_2"/>' for depart in (3, 9, 4, 12, 8)
+    )
+    flow = '<flow id="f" begin="11" end="41" period="10" from="west_1" to="west_2"/>'
+    later = '<flow id="g" begin="15" end="75" number="6" from="west_1" to="west_2"/>'
+    path = configure(tmp_path, PERSONS + trips + flow + later)
+    found = inspect(path)
+    assert found.demand.ignored == {tmp_path / "town.rou.xml": ["t4", "t8", "f"]}
+    call_line("sumo -c town.sumocfg --no-warnings --statistic-output s.xml --tripinfo-output t.xml", tmp_path)
+    statistics = (tmp_path / "s.xml").read_text()
+    assert f'<vehicles loaded="{found.demand.vehicles["passenger"]:.0f}"' in statistics
+    assert f'<persons loaded="{found.demand.persons:.0f}"' in statistics
+
+
+@pytest.mark.parametrize(
+    ("options", "step", "check", "level", "words"),
+    [
+        ('<pedestrian.model value="nonInteracting"/>', "0.1", "pedestrian model", Level.MISSING, "through"),
+        ('<ignore-route-errors value="true"/>', "0.1", "route errors", Level.DANGER, "silence"),
+        ('<step-method.ballistic value="true"/>', "0.1", "options", Level.NOTE, "ballistic"),
+        ('<collision.action value="none"/>', "0.1", "options", Level.NOTE, "collision.action none"),
+        ('<time-to-teleport value="5"/>', "0.1", "options", Level.NOTE, "after 5 s"),
+        ("", "0.1", "options", Level.NOTE, "in junctions"),
+        ("", "2", "step length", Level.MISSING, "0.05 to 1 s"),
+        ("", "1", "step length", Level.NOTE, "1 s"),
+        ("", "0.1", "step length", Level.GOOD, "0.1 s"),
+    ],
+)
+def test_options_that_matter_are_named(
+    tmp_path: Path, options: str, step: str, check: str, level: Level, words: str
+) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    found = inspect(configure(tmp_path, PERSONS + CARS, options, step))
+    one = finding(found, check)
+    assert one.level is level
+    assert words in one.text
+    assert found.possible is (level is not Level.MISSING)
+
+
+def test_options_that_are_all_set_well_are_not_mentioned(tmp_path: Path) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    good = (
+        '<time-to-teleport value="-1"/><collision.action value="warn"/>'
+        '<collision.check-junctions value="true"/>'
+    )
+    found = inspect(configure(tmp_path, PERSONS + CARS, good))
+    assert "options" not in {one.check for one in found.findings}
+
+
+def test_what_is_closed_to_cars_gives_no_ego_route(tmp_path: Path) -> None:
+    net = build(tmp_path, *WALKS, *CROSSINGS, "--keep-edges.by-vclass", "passenger")
+    assert inspect(net).routes
+    text = net.read_text().replace('disallow="pedestrian', 'disallow="passenger pedestrian')
+    net.write_text(text)
+    found = inspect(net)
+    assert {"roads", "ego routes"} <= missing(found)
