@@ -16,7 +16,7 @@ from sumo_scenarios.suites.tables import FOLDER
 
 ROAD = FOLDER / "road"
 WARMUP_S = 1.0
-APPROACH_S = 8.0
+APPROACH_S = 9.0
 """Time that the ego takes from where it appears to the pedestrian's place."""
 APPEARS_M = 10.0
 """Where the ego has reached the road, at the latest."""

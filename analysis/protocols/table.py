@@ -1,0 +1,87 @@
+"""The verdicts of a suite as ``protocol.csv``, and its scores."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.protocols.verdict import Verdict
+
+FILE = "protocol.csv"
+COLUMNS = (
+    *("suite", "case", "group", "controller", "seed", "ego_speed_kmh", "pedestrian", "share"),
+    *("contact", "impact_speed_kmh", "colour", "points", "passed", "preventable_r157", "counts"),
+    *("max_deceleration_mps2", "valid", "note"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One test of one controller."""
+
+    suite: str
+    case: str
+    group: str
+    controller: str
+    seed: int
+    ego_speed_kmh: float
+    pedestrian: str
+    share: str
+    """Part of a rating that the case belongs to; empty where there is no rating."""
+    verdict: Verdict | None
+    """``None``: there was no valid run."""
+    note: str = ""
+
+    def cells(self) -> list[str]:
+        """Return the row as written: 0 and 1 for no and yes, empty where undefined."""
+        verdict = self.verdict
+        about: list[str] = [""] * 8
+        if verdict is not None:
+            about = [
+                str(int(verdict.contact)),
+                _number(verdict.impact_speed_kmh, 2),
+                verdict.colour,
+                _number(verdict.points, 2),
+                str(int(verdict.passed)),
+                str(int(verdict.preventable)),
+                str(int(verdict.counts)),
+                _number(verdict.max_deceleration_mps2, 3),
+            ]
+        return [
+            *(self.suite, self.case, self.group, self.controller, str(self.seed)),
+            *(f"{self.ego_speed_kmh:g}", self.pedestrian, self.share),
+            *about,
+            str(int(verdict is not None)),
+            self.note if verdict is None else verdict.note,
+        ]
+
+
+def write(folder: Path, rows: Iterable[Row]) -> Path:
+    """Write ``protocol.csv`` and return its path."""
+    path = folder / FILE
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(row.cells() for row in rows)
+    return path
+
+
+def score(rows: Sequence[Row], most: float) -> float | None:
+    """Return the points of some cases that weigh the same: most · mean of their shares.
+
+    A case without a valid run gives none; ``None`` where there is no case with points.
+
+    Parameters
+    ----------
+    rows : cases of one share of a rating
+    most : what they give together
+    """
+    points = [0.0 if row.verdict is None else row.verdict.points for row in rows]
+    known = [one for one in points if one is not None]
+    return most * sum(known) / len(known) if known else None
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "" if value is None else f"{value:.{digits}f}"

@@ -1,0 +1,176 @@
+"""The competent and careful driver of UN R157 as a reference: sees the risk, waits out his reaction, brakes.
+
+Along: car-following that obeys leaders, signals, right of way, speed limits and bends; for a pedestrian
+whose way leads before the ego he brakes with 0.774 g, which builds up within 0.6 s and begins 0.75 s after
+he could perceive the risk. Across: as the road and its vehicles ask.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
+from controllers.lane_keeping import instants
+from controllers.prediction.contact import disc_contact_times
+from controllers.traffic_driver import TrafficDriver
+
+BoolArray = NDArray[np.bool_]
+
+GRAVITY = 9.80665
+STANDING = 0.05
+"""Slower is standing [m/s]."""
+START_SPEED = 2.0
+"""A standing driver does not start where driving at this speed would meet somebody [m/s]."""
+HOLDING = -2.0
+"""What keeps a standing car standing [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """What the driver perceives, and how he brakes."""
+
+    delay: float = 0.75
+    """From the perception of the risk to the beginning of braking [s]."""
+    deceleration: float = 0.774 * GRAVITY
+    """[m/s^2]"""
+    ramp: float = 0.6
+    """From the beginning of braking to its full value [s]."""
+    wander: float = 0.375
+    """Whoever has moved less across the road is not perceived as a risk yet [m]."""
+    horizon: float = 4.0
+    """Contacts later than this are no risk yet [s]."""
+
+
+class CarefulDriver:
+    """Perceives risks of contact with pedestrians, and reacts to the first of them as one driver does."""
+
+    def __init__(self, reaction: Reaction) -> None:
+        self._reaction = reaction
+        self._traffic = TrafficDriver()
+        self._moved: dict[str, float] = {}
+        """How far each pedestrian in view has moved across the road since he came into it [m]."""
+        self._time: float | None = None
+        self._since: float | None = None
+        self._speed = 0.0
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say which lane to be in, and who is braked or waited for."""
+        risk = self._risk(perception)
+        ego = perception.ego
+        if not risk:
+            self._since = None
+        elif self._since is None:
+            self._since, self._speed = ego.time, ego.speed
+        return self._traffic.decide(perception, risk)
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Drive towards the target lane; the reaction has the last word along."""
+        times = instants(perception.ego)
+        allowed = self._traffic.accelerations(perception, decision)
+        acceleration = np.minimum(allowed, self._braking(perception.ego, times))
+        return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
+
+    def _risk(self, perception: Perception) -> str:
+        """Return the pedestrian who would be met first, among those who are perceived as a risk."""
+        ego, them = perception.ego, perception.pedestrians
+        speeds = [START_SPEED] if ego.speed < STANDING else [ego.speed]
+        if self._since is not None:
+            speeds.append(self._speed)  # a risk is over when going on as before would meet nobody
+        perceived = self._perceived(perception)
+        met = np.min([self._met(perception, speed) for speed in speeds], axis=0)
+        met = np.where(perceived & (met <= self._reaction.horizon), met, np.inf)
+        return them.names[int(np.argmin(met))] if np.isfinite(met).any() else ""
+
+    def _met(self, perception: Perception, speed: float) -> FloatArray:
+        """Return when each pedestrian would be met at constant velocities [s]; inf for never, or abeam."""
+        ego, them = perception.ego, perception.pedestrians
+        body, across = ego.body, them.across - ego.across
+        x_speed = them.along_speed - speed
+        times = disc_contact_times(
+            *(-body.rear_overhang, body.front, 0.5 * body.width),
+            *(them.along, across, x_speed, them.across_speed, them.radius),
+        )
+        return np.where(them.along > body.front, times, np.inf)
+
+    def _perceived(self, perception: Perception) -> BoolArray:
+        """Say who is in the ego's path, or has moved across the road further than people wander."""
+        ego, them = perception.ego, perception.pedestrians
+        elapsed = 0.0 if self._time is None else ego.time - self._time
+        self._time = ego.time
+        ways = [
+            self._moved.get(name, 0.0) + abs(float(speed)) * elapsed
+            for name, speed in zip(them.names, them.across_speed, strict=True)
+        ]
+        self._moved = dict(zip(them.names, ways, strict=True))
+        inside = np.abs(them.across - ego.across) < 0.5 * ego.body.width + them.radius
+        return np.asarray(inside | (np.array(ways) >= self._reaction.wander))
+
+    def _braking(self, ego: EgoState, times: FloatArray) -> FloatArray:
+        """Return what the reaction allows at most over the steps that begin at those times [m/s^2]."""
+        if self._since is None:
+            return np.full(len(times), np.inf)
+        if ego.speed < STANDING:
+            return np.full(len(times), HOLDING)
+        rule, drive = self._reaction, ego.drive
+        step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
+        elapsed = ego.time - self._since + times + 0.5 * step - rule.delay
+        built_up = np.clip(elapsed / max(rule.ramp, 1e-9), 0.0, 1.0)
+        # The model's braking is what the car does: the command leads it by the lag of the brake.
+        rising = (elapsed > 0.0) & (elapsed < rule.ramp)
+        lead = np.where(rising, drive.drive_lag / max(rule.ramp, 1e-9), 0.0)
+        wanted = np.minimum((built_up + lead) * rule.deceleration, drive.max_deceleration)
+        return np.where(elapsed > 0.0, -wanted, np.inf)
+
+
+def build(
+    *,
+    delay_s: float = 0.75,
+    deceleration_g: float = 0.774,
+    ramp_s: float = 0.6,
+    wander_m: float = 0.375,
+    horizon_s: float = 4.0,
+) -> Controller:
+    """Build the controller.
+
+    Parameters
+    ----------
+    delay_s : float
+        From the perception of the risk until braking begins [s].
+    deceleration_g : float
+        Full braking [g], or what the drive can do if that is less.
+    ramp_s : float
+        From then until the braking is full; the deceleration grows linearly [s].
+    wander_m : float
+        Somebody beside the ego's path is a risk once he has moved so far across the road [m].
+    horizon_s : float
+        A contact later than this, should everybody go on, is no risk yet [s].
+
+    Raises
+    ------
+    ValueError
+        If one is negative or not finite, or the deceleration or the horizon is zero.
+
+    Notes
+    -----
+    Delay, deceleration, ramp and wander are those of the performance model of [R157]_, after a
+    transcription. That model is of a vehicle that cuts in; that a pedestrian who has moved as far is
+    perceived as one is, the condition of a contact at constant velocities, and the horizon are ours. The
+    0.4 s in which the model's driver evaluates the risk are left out, as in the metric preventable_r157;
+    ``delay_s=1.15`` has them.
+    """
+    values = {
+        "delay_s": delay_s,
+        "deceleration_g": deceleration_g,
+        "ramp_s": ramp_s,
+        "wander_m": wander_m,
+        "horizon_s": horizon_s,
+    }
+    for name, value in values.items():
+        if not 0.0 <= value < float("inf"):
+            raise ValueError(f"{name} = {value} must be at least 0 and finite")
+        if value == 0.0 and name in ("deceleration_g", "horizon_s"):
+            raise ValueError(f"{name} = 0.0 must be greater than 0")
+    return CarefulDriver(Reaction(delay_s, deceleration_g * GRAVITY, ramp_s, wander_m, horizon_s))
