@@ -15,6 +15,7 @@ from analysis.study_runs import StudyRun, find_run_folders, read_runs
 from cosim.batch.batch import Batch
 from cosim.batch.identity import Identity
 from cosim.batch.job import Configuration, Job
+from cosim.batch.matrix import Matrix
 from cosim.batch.outcome import NOTE
 from cosim.check.evaluation import Evaluation
 from cosim.check.finding import Finding
@@ -74,26 +75,16 @@ def read_baseline(folder: Path) -> Baseline:
     return Baseline(folder, found)
 
 
-def check_baseline(baseline: Baseline, batches: Sequence[Batch]) -> None:
-    """Refuse a baseline that has nothing, or something else, to compare with.
+def check_common(baseline: Baseline, matrices: Sequence[Matrix]) -> None:
+    """Refuse a baseline that has too little in common with what is to be run.
 
     Raises
     ------
     InputError
-        If no configuration shares two seeds with it, or one was run there on another road.
+        If no configuration shares two seeds with it.
     """
-    most = 0
-    for batch in batches:
-        for one in batch.matrix.configurations:
-            seeds = baseline.seeds(one, batch.matrix.seeds)
-            most = max(most, len(seeds))
-            for seed in seeds[:1]:
-                job = Job(one, seed)
-                then = baseline.runs[_asked(job)][1]
-                if told := _different(batch.checked.identity(job), then):
-                    raise InputError(
-                        f"--baseline {baseline.folder} belongs to another study: {one.label}: {told}"
-                    )
+    common = [len(baseline.seeds(one, matrix.seeds)) for matrix in matrices for one in matrix.configurations]
+    most = max(common, default=0)
     if most == 0:
         there = sorted({f"{key[0]} with {key[1]}" for key in baseline.runs}) or ["no valid run"]
         raise InputError(
@@ -105,6 +96,24 @@ def check_baseline(baseline: Baseline, batches: Sequence[Batch]) -> None:
             f"--baseline {baseline.folder}: at least {FEWEST_SEEDS} seeds in common expected for a test, "
             "there is one; --seeds 1-10 makes ten runs"
         )
+
+
+def check_same_road(baseline: Baseline, batches: Sequence[Batch]) -> None:
+    """Refuse a baseline whose runs were made on other roads or with other demand.
+
+    Raises
+    ------
+    InputError
+        Names the first difference.
+    """
+    for batch in batches:
+        for one in batch.matrix.configurations:
+            for seed in baseline.seeds(one, batch.matrix.seeds)[:1]:
+                job = Job(one, seed)
+                if told := _different(batch.checked.identity(job), baseline.runs[_asked(job)][1]):
+                    raise InputError(
+                        f"--baseline {baseline.folder} belongs to another study: {one.label}: {told}"
+                    )
 
 
 def compare(

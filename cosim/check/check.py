@@ -19,7 +19,7 @@ from cosim import output
 from cosim.batch import batch as batches
 from cosim.batch.batch import Batch, BatchRequest, Shown
 from cosim.batch.ledger import LOCK, STUDY
-from cosim.check.baseline import Baseline, check_baseline, compare, read_baseline
+from cosim.check.baseline import Baseline, check_common, check_same_road, compare, read_baseline
 from cosim.check.evaluation import Evaluation
 from cosim.check.finding import Finding, exit_code
 from cosim.check.junit import write_junit
@@ -143,6 +143,8 @@ def prepared(
     _check_folder(folder, request.out)
     _check_junit(request.junit)
     baseline = None if request.baseline is None else read_baseline(request.baseline)
+    if baseline is not None:
+        check_common(baseline, [target.matrix for target in targets])
     with ExitStack() as stack:
         parts = []
         for target in targets:
@@ -156,7 +158,7 @@ def prepared(
             )
             parts.append((target, stack.enter_context(batches.prepared(one, progress))))
         if baseline is not None:
-            check_baseline(baseline, [batch for _, batch in parts])
+            check_same_road(baseline, [batch for _, batch in parts])
         yield Check(request, folder, tuple(parts), baseline)
 
 

@@ -58,6 +58,7 @@ class Target:
     table: StudyTable
     changed: bool
     """Whether the table is not what a file says."""
+    matrix: Matrix
     criteria: Mapping[Configuration, tuple[Criterion, ...]]
     cases: Mapping[str, Case]
     """Of a suite, by the reference of the scenario."""
@@ -172,7 +173,7 @@ def _with_criteria(
         found = {one: _applying(whole, one) for one in matrix.configurations}
     else:
         found = {one: _applying(_of_scenario(one), one) for one in matrix.configurations}
-    return Target(_UNSAFE.sub("-", name), study, table, changed, found, cases or {})
+    return Target(_UNSAFE.sub("-", name), study, table, changed, matrix, found, cases or {})
 
 
 def _applying(criteria: Sequence[Criterion], one: Configuration) -> tuple[Criterion, ...]:
