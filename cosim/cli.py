@@ -18,6 +18,7 @@ from cosim.commands import analyse, compare, conformance, listing, papers
 from cosim.commands import batch as batch_command
 from cosim.commands import check as check_command
 from cosim.commands import inspect as inspect_command
+from cosim.commands import report as report_command
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
 
@@ -37,6 +38,7 @@ app.command("batch")(batch_command.batch)
 app.command("check")(check_command.check)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
+app.command("report")(report_command.report)
 app.command("conformance")(conformance.conformance)
 app.command("papers")(papers.papers)
 app.command("inspect")(inspect_command.inspect)

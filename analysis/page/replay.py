@@ -1,0 +1,267 @@
+"""The data of one encounter's replay: the recorded rows around it, in one script file."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+
+from analysis.case import Case, prepare
+from analysis.errors import RecordingError
+from analysis.page.overlay import drawings
+from analysis.run import read_run
+from analysis.thresholds import Thresholds, names
+
+BEFORE_S, AFTER_S = 2.0, 2.0
+"""Shown before and after the encounter [s]."""
+NEAR_M = 90.0
+"""Others and the map are kept this near to the ego's way [m]."""
+DECIMALS = 4
+"""Of the numbers of a replay."""
+_EGO_NUMBERS = (
+    "front_x_m",
+    "front_y_m",
+    "heading_rad",
+    "speed_mps",
+    "acceleration_mps2",
+    "steering_rad",
+)
+_EGO_TEXTS = ("rule", "manoeuvre", "because", "plan_status", "passing")
+_EGO_FLAGS = ("planned", "solved", "intervention", "handed_back")
+RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timing.parquet", "map.json")
+
+
+def has_recording(folder: Path) -> bool:
+    """Return whether a run folder still has what a replay needs."""
+    return all((folder / name).is_file() for name in RECORDING_FILES)
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """One recorded run, as its replays need it."""
+
+    case: Case
+    egos: pd.DataFrame
+    neighbours: pd.DataFrame
+    plans: pd.DataFrame
+
+
+def read_recording(folder: Path) -> Recording:
+    """Read a run, analysed with the thresholds that its tables were made with.
+
+    Raises
+    ------
+    RecordingError
+        When the recording cannot be read.
+    """
+    case = prepare(read_run(folder), _thresholds(folder))
+    tables = [
+        pq.read_table(folder / f"{name}.parquet").to_pandas() for name in ("egos", "neighbours", "plans")
+    ]
+    return Recording(case, *tables)
+
+
+def _thresholds(folder: Path) -> Thresholds:
+    try:
+        stored = json.loads((folder / "config.json").read_text("utf-8")).get("thresholds") or {}
+    except (OSError, ValueError):
+        stored = {}
+    known = set(names())
+    return Thresholds(**{name: float(value) for name, value in stored.items() if name in known})
+
+
+def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
+    """Return what is shown of an encounter; frame i of every list is the recorded row at ``time_s[i]``.
+
+    Raises
+    ------
+    RecordingError
+        When the recording holds no such encounter.
+    """
+    case = recording.case
+    if not 1 <= encounter_id <= len(case):
+        raise RecordingError(
+            f"{case.run.folder}: the recording has {len(case)} encounters, number {encounter_id} is asked for"
+        )
+    one = case.encounters[encounter_id - 1]
+    start, end = (float(case.grid.time[i]) for i in (one.first, one.last))
+    time = recording.egos["time_s"]
+    own = recording.egos["ego_id"] == one.ego.name
+    mine = recording.egos[
+        own & (time >= start - BEFORE_S - 1e-6) & (time <= end + AFTER_S + 1e-6)
+    ].reset_index(drop=True)
+    times = np.round(mine["time_s"].to_numpy(dtype=np.float64), 6)
+    ttc, distance = _measured(case, encounter_id - 1, times)
+    front = mine[["front_x_m", "front_y_m"]].to_numpy(dtype=np.float64)
+    meta = case.run.meta
+    return {
+        "run": case.run.folder.name,
+        "encounter_id": encounter_id,
+        "scenario_id": meta["scenario_id"],
+        "controller": meta["controller"],
+        "seed": meta["seed"],
+        "ego_id": one.ego.name,
+        "ped_id": one.person.name,
+        "t_start_s": _number(start),
+        "t_end_s": _number(end),
+        "step_s": case.run.step_s,
+        "time_s": _numbers(times),
+        "ego": _ego(mine),
+        "ttc_s": ttc,
+        "distance_m": distance,
+        "objects": _objects(recording.neighbours, times, front, one.person.name),
+        "plans": _plans(recording.plans, one.ego.name, times),
+        "map": _map(case, front),
+    }
+
+
+def _ego(rows: pd.DataFrame) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "length_m": _number(float(rows["length_m"].iloc[0])),
+        "width_m": _number(float(rows["width_m"].iloc[0])),
+    }
+    found |= {name: _numbers(rows[name]) for name in _EGO_NUMBERS}
+    for name in _EGO_TEXTS:
+        codes, texts = pd.factorize(rows[name])
+        found[name] = {"texts": [str(text) for text in texts], "codes": codes.tolist()}
+    for name in _EGO_FLAGS:
+        found[name] = [None if pd.isna(value) else int(value) for value in rows[name]]
+    return found
+
+
+def _measured(
+    case: Case, number: int, times: np.ndarray[Any, np.dtype[np.float64]]
+) -> tuple[list[float | None], list[float | None]]:
+    """Return TTC and distance of the encounter at recorded instants, as the analysis found them."""
+    samples = case.samples
+    own = samples.owner == number
+    known = {
+        round(float(time), 6): (ttc, distance)
+        for time, ttc, distance in zip(
+            samples.time[own].tolist(),
+            samples.ttc[own].tolist(),
+            samples.clearance[own].tolist(),
+            strict=True,
+        )
+    }
+    found = [known.get(round(float(time), 6), (math.nan, math.nan)) for time in times]
+    return [_number(ttc) for ttc, _ in found], [_number(distance) for _, distance in found]
+
+
+def _objects(
+    rows: pd.DataFrame, times: np.ndarray[Any, Any], front: np.ndarray[Any, Any], person: str
+) -> list[dict[str, Any]]:
+    """Return the others near the ego: per object its first frame and one value for each frame from there."""
+    frame = pd.Series(np.arange(len(times)), index=times)
+    now = rows["time_s"].round(6)
+    rows = rows[now.isin(frame.index)].assign(frame=lambda some: some["time_s"].round(6).map(frame))
+    at = front[rows["frame"].to_numpy(dtype=np.int64)]
+    gap = np.hypot(rows["x_m"].to_numpy() - at[:, 0], rows["y_m"].to_numpy() - at[:, 1])
+    near = set(rows.loc[gap < NEAR_M, "object_id"])
+    found = []
+    for name, own in rows[rows["object_id"].isin(near)].groupby("object_id", sort=True):
+        frames = own["frame"].to_numpy(dtype=np.int64)
+        first, count = int(frames[0]), int(frames[-1] - frames[0] + 1)
+        whole = own.set_index(frames).reindex(range(first, first + count))
+        kind = str(own["object_kind"].iloc[0])
+        one: dict[str, Any] = {
+            "id": str(name),
+            "kind": kind,
+            "type": str(own["object_type"].iloc[0]),
+            "length_m": _number(float(own["length_m"].iloc[0])),
+            "width_m": _number(float(own["width_m"].iloc[0])),
+            "first": first,
+            "x_m": _numbers(whole["x_m"]),
+            "y_m": _numbers(whole["y_m"]),
+        }
+        if kind == "vehicle":
+            one["heading_rad"] = _numbers(whole["heading_rad"])
+        else:
+            one["x_speed_mps"] = _numbers(whole["x_speed_mps"])
+            one["y_speed_mps"] = _numbers(whole["y_speed_mps"])
+            codes, texts = pd.factorize(whole["phase"])
+            one["phase"] = {"texts": [str(text) for text in texts], "codes": codes.tolist()}
+            one["met"] = int(name == person)
+        found.append(one)
+    return found
+
+
+def _plans(rows: pd.DataFrame, ego: str, times: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
+    """Return the plans of the ego made during the replay, and the last one before it."""
+    mine = rows[(rows["ego_id"] == ego) & (rows["time_s"] <= times[-1] + 1e-6)]
+    before = mine[mine["time_s"] <= times[0] + 1e-6]
+    first = before.index[-1] if len(before) else None
+    found = []
+    for index, row in mine.iterrows():
+        if row["time_s"] < times[0] - 1e-6 and index != first:
+            continue
+        at = np.column_stack((row["x_m"], row["y_m"]))
+        found.append(
+            {
+                "time_s": _number(float(row["time_s"])),
+                "passing": str(row["passing"] or ""),
+                "at": np.round(at, 2).ravel().tolist(),
+                "horizon_s": np.round(row["horizon_s"], 3).tolist(),
+                "speed_mps": np.round(row["speed_mps"], 3).tolist(),
+                "overlay": drawings(str(row["overlay"] or ""), len(at)),
+            }
+        )
+    return found
+
+
+def _map(case: Case, front: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
+    low, high = front.min(axis=0) - NEAR_M, front.max(axis=0) + NEAR_M
+    found = []
+    for area in case.run.areas:
+        least, most = area.shape.min(axis=0), area.shape.max(axis=0)
+        if (most < low).any() or (least > high).any():
+            continue
+        found.append(
+            {
+                "kind": area.kind,
+                "crossing_kind": area.crossing_kind,
+                "width_m": area.width_m,
+                "at": np.round(area.shape, 2).ravel().tolist(),
+            }
+        )
+    return found
+
+
+def _numbers(values: Any) -> list[float | None]:
+    return [_number(value) for value in np.asarray(values, dtype=np.float64).tolist()]
+
+
+def _number(value: float) -> float | None:
+    return round(value, DECIMALS) + 0.0 if math.isfinite(value) else None
+
+
+def script(key: str, content: dict[str, Any]) -> str:
+    """Return the text of the file that a script tag loads.
+
+    Examples
+    --------
+    >>> script("a-1", {"time_s": [0.1]})
+    'cosimReplayData("a-1",{"time_s":[0.1]});\\n'
+    """
+    text = json.dumps(content, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return f"cosimReplayData({json.dumps(key)},{text});\n"
+
+
+def write_replays(recording: Recording, encounters: Sequence[tuple[int, str]], folder: Path) -> list[Path]:
+    """Write one file for each encounter, given by number and key; return them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for encounter_id, key in encounters:
+        path = folder / f"{key}.js"
+        part = path.with_name(path.name + ".part")
+        part.write_text(script(key, replay_of(recording, encounter_id)), "ascii", newline="\n")
+        part.replace(path)
+        paths.append(path)
+    return paths

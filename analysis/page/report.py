@@ -1,0 +1,252 @@
+"""Writes ``report.html``: one file that opens from disk, and the data of replays beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from analysis.errors import RecordingError, StudyError
+from analysis.measures import Measure, run_measures
+from analysis.page import origin, tables
+from analysis.page.distributions import distributions
+from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
+from analysis.page.replay import has_recording, read_recording, write_replays
+from analysis.study_design import Study, read_study
+from analysis.study_runs import find_run_folders
+
+PAGE = "report.html"
+DATA = "report_data"
+REPLAYS = "replays"
+OF_EACH = 20
+"""So many of the worst encounters of each configuration are listed, however good it is."""
+
+Say = Callable[[Sequence[Mapping[str, Any]], Mapping[str, Measure]], str]
+"""Makes a sentence of the rows of one comparison."""
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What was written."""
+
+    page: Path
+    replays: int
+    listed: int
+    not_recorded: int
+    """Listed encounters without a recording."""
+
+
+def write_report(
+    roots: Sequence[Path],
+    out: Path,
+    say: Say,
+    *,
+    title: str = "",
+    baseline: str | None = None,
+    rows: int = 200,
+    replays: int = 100,
+) -> Written:
+    """Write the report of the runs at or below some folders.
+
+    Parameters
+    ----------
+    roots
+        Run folders, or folders with run folders in them.
+    out
+        Folder for ``report.html`` and ``report_data``; what is there of these is replaced.
+    say
+        Makes the sentence of a comparison.
+    title
+        Of the page.
+    baseline
+        As :func:`analysis.study.write_tables`.
+    rows, replays
+        So many of the worst encounters are listed, and have a replay.
+
+    Raises
+    ------
+    StudyError
+        When there is no run, or runs cannot be read or do not belong together.
+    """
+    folders = list(dict.fromkeys(folder for root in roots for folder in find_run_folders(root)))
+    if not folders:
+        raise StudyError(f"{', '.join(map(str, roots))}: no run in it; cosim run and cosim batch make them")
+    study = read_study(folders)
+    root = roots[0] if len(roots) == 1 else None
+    data = out / DATA
+    data.mkdir(parents=True, exist_ok=True)
+    made = tables.study_tables(study, root, data, folders, baseline)
+    found = read_encounters(study)
+    order = worst_first(found)
+    listed = [found.at(row) for row in pick(order, found, study, rows, OF_EACH)]
+    replayed, problems = _replays(listed, data / REPLAYS, replays)
+    lines = origin.run_lines(study, out)
+    page = _environment().get_template("page.html.jinja")
+    content = page.render(
+        title=title or out.resolve().name,
+        question=_question(study, baseline),
+        answers=_answers(study, made, say, found),
+        facts=_facts(study, found, root),
+        criteria=origin.criteria(root),
+        failed=origin.failed_runs(root),
+        runs=lines,
+        blocks=tables.configuration_blocks(made.configs),
+        comparisons=tables.comparison_blocks(made.comparisons),
+        tables_folder=_prefix(origin.relative(made.folder, out)),
+        distributions=distributions(study, found),
+        encounters=[_line(one, study, out, replayed, problems) for one in listed],
+        total=len(found),
+        controllers=study.all_labels(),
+        scenarios=sorted({run.scenario_id for run in study.runs}),
+        severities=SEVERITIES,
+        made=origin.made_with(study, root),
+        replays=f"{DATA}/{REPLAYS}",
+    )
+    path = out / PAGE
+    part = path.with_name(path.name + ".part")
+    part.write_text(content, "utf-8", newline="\n")
+    part.replace(path)
+    missing = sum(not has_recording(one.run.folder) for one in listed)
+    return Written(path, len(replayed), len(listed), missing)
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("analysis.page", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    # Raw texts of the page itself; </ would end the element they stand in.
+    folder = Path(__file__).parent
+    environment.globals["source"] = lambda name: (folder / name).read_text("utf-8").replace("</", "<\\/")
+    return environment
+
+
+def _question(study: Study, baseline: str | None) -> str:
+    scenarios = ", ".join(sorted({run.scenario_id for run in study.runs}))
+    pairs = study.pairs_of_labels(baseline)
+    if not pairs:
+        return f"How safe is {study.all_labels()[0]} on {scenarios}?"
+    bases, others = ([*dict.fromkeys(pair[side] for pair in pairs)] for side in (0, 1))
+    verb = "Is" if len(others) == 1 else "Are"
+    return f"{verb} {_listed(others)} safer than {_listed(bases)} on {scenarios}, and slower?"
+
+
+def _listed(names: Sequence[str]) -> str:
+    if len(names) > 5:
+        return f"{len(names)} configurations"
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _answers(study: Study, made: tables.Tables, say: Say, found: Encounters) -> list[str]:
+    """Return one sentence for each pair of configurations and scenario, over all its settings."""
+    by_name = {measure.name: measure for measure in run_measures()}
+    scopes: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+    keyed = [row for row in made.comparisons if row["key"]]
+    for (scenario, _, base, alt), group in groupby(
+        keyed, key=lambda row: (row["scenario_id"], row["condition_id"], row["base"], row["alt"])
+    ):
+        scopes[scenario, base, alt] = list(group)  # the last one is over all conditions
+    told = [say(rows, by_name) for rows in scopes.values() if max(row["n_pairs"] for row in rows) > 0]
+    if told or made.comparisons:
+        return told or ["No pair of valid runs with the same seed: nothing can be compared."]
+    if len(found) == 0:
+        return ["No encounter of a valid run: nothing can be said of safety."]
+    collisions = sum(text == "collision" for text in found.texts["severity"])
+    runs = len(found.runs)
+    ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
+    return [
+        f"{len(found)} encounters in {runs} valid run{'s' * (runs != 1)}: "
+        f"{collisions or 'no'} collision{'s' * (collisions != 1)}, "
+        f"smallest TTC {'undefined' if ttc is None else f'{ttc:.2f} s'}, "
+        f"smallest distance {'undefined' if distance is None else f'{distance:.2f} m'}."
+    ]
+
+
+def _smallest(found: Encounters, column: str) -> float | None:
+    values = found.numbers[column]
+    known = values[np.isfinite(values)]
+    return float(known.min()) if len(known) else None
+
+
+def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str, str]]:
+    """Return the few numbers at the top of the page."""
+    severity = list(found.texts.get("severity", ()))
+    bad = sum(SEVERITIES.index(text) <= SEVERITIES.index("serious") for text in severity)
+    ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
+    failed = len(origin.failed_runs(root))
+    return [
+        {"name": "valid runs", "value": f"{len(found.runs)} of {len(study.runs) + failed}"},
+        {"name": "encounters", "value": str(len(found))},
+        {"name": "collisions", "value": str(severity.count("collision"))},
+        {"name": "serious or worse", "value": str(bad)},
+        {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},
+        {"name": "smallest distance", "value": "–" if distance is None else f"{distance:.2f} m"},
+    ]
+
+
+def _replays(listed: Sequence[Found], folder: Path, most: int) -> tuple[set[str], dict[str, str]]:
+    """Write the replays of the worst encounters that have a recording; return keys, and what went wrong."""
+    for old in folder.glob("*.js") if folder.is_dir() else ():
+        old.unlink()
+    recorded = {path: has_recording(path) for path in {one.run.folder for one in listed}}
+    chosen = [one for one in listed if recorded[one.run.folder]][:most]
+    done: set[str] = set()
+    problems: dict[str, str] = {}
+    for place, group in groupby(
+        sorted(chosen, key=lambda one: str(one.run.folder)), lambda one: one.run.folder
+    ):
+        mine = list(group)
+        try:
+            write_replays(read_recording(place), [(one.number, one.key) for one in mine], folder)
+            done |= {one.key for one in mine}
+        except RecordingError as error:
+            problems |= {one.key: str(error) for one in mine}
+    return done, problems
+
+
+def _line(
+    one: Found, study: Study, out: Path, replayed: set[str], problems: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return one row of the table of encounters."""
+    run = one.run
+    condition = next(found for found in study.conditions if found.condition_id == run.condition_id)
+    if one.key in replayed:
+        state = "replay"
+    elif one.key in problems:
+        state = "broken"
+    else:
+        state = "more" if has_recording(run.folder) else "unrecorded"
+    return {
+        **one.values,
+        "key": one.key,
+        "rank": SEVERITIES.index(one.values["severity"]),
+        "label": study.label(run),
+        "scenario": run.scenario_id,
+        "condition": condition.text,
+        "seed": run.seed,
+        "run_id": run.run_id,
+        "folder": relative_name(run.folder, out),
+        "number": one.number,
+        "moment_s": one.moment_s,
+        "state": state,
+        "problem": problems.get(one.key, ""),
+    }
+
+
+def _prefix(folder: str) -> str:
+    return "" if folder == "." else f"{folder}/"
+
+
+def relative_name(folder: Path, out: Path) -> str:
+    """Return a run folder as seen from the report; ``this folder`` for the report's own."""
+    name = origin.relative(folder, out)
+    return "this folder" if name == "." else name

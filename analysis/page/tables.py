@@ -1,0 +1,238 @@
+"""The tables of a study as the page shows them: read from CSV files, so that each number is a cell there."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from analysis import schema, study_schema
+from analysis.errors import StudyError
+from analysis.measures import Measure, encounter_measures, run_measures
+from analysis.study import write_tables
+from analysis.study_design import Study
+
+Row = Mapping[str, Any]
+
+_SHARES = ("share", "yes_no")
+_ENCOUNTER_ROWS = ("min_ttc_s", "pet_area_s", "clearance_min_m", "ego_max_decel_mps2")
+_RUN_ROWS = ("n_interventions", "n_solver_fail")
+_WORDS = {"no_difference_shown": "no difference shown"}
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """Rows of configs.csv and comparisons.csv, and the folder with the files."""
+
+    folder: Path
+    configs: Sequence[Row]
+    comparisons: Sequence[Row]
+
+
+def study_tables(
+    study: Study, root: Path | None, out: Path, folders: Sequence[Path], baseline: str | None
+) -> Tables:
+    """Return the tables of a study: those beside its runs if they are of these, else new ones in ``out``.
+
+    Parameters
+    ----------
+    study
+        What was read from ``folders``.
+    root
+        Folder that may hold tables already; ``None``: there is none.
+    out
+        Folder for new ones.
+    folders
+        Run folders.
+    baseline
+        As :func:`analysis.study.write_tables`; tables that are there already are used without one only.
+    """
+    place = root if root is not None and baseline is None and _is_current(root, study) else out
+    if place is out:
+        write_tables(out, folders, baseline)
+    return Tables(
+        place,
+        read_rows(place / study_schema.CONFIGS.file, study_schema.CONFIGS),
+        read_rows(place / study_schema.COMPARISONS.file, study_schema.COMPARISONS),
+    )
+
+
+def _is_current(root: Path, study: Study) -> bool:
+    files = [root / table.file for table in (schema.RUNS, study_schema.CONFIGS, study_schema.COMPARISONS)]
+    if not all(path.is_file() for path in files):
+        return False
+    with files[0].open(encoding="utf-8", newline="") as file:
+        lines = [tuple(row) for row in csv.reader(file)]
+    return sorted(lines[1:]) == sorted(run.cells for run in study.runs if run.cells)
+
+
+def read_rows(path: Path, table: schema.Table) -> list[dict[str, Any]]:
+    """Return the rows of a CSV file with their types; an empty cell is ``None``.
+
+    Raises
+    ------
+    StudyError
+        When the file cannot be read or lacks a column.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise StudyError(f"{path}: cannot be read ({error})") from None
+    try:
+        return [{one.name: _typed(one, row[one.name]) for one in table.columns} for row in rows]
+    except (KeyError, ValueError) as error:
+        raise StudyError(f"{path}: not a table of this version ({error})") from None
+
+
+def _typed(column: schema.Column, text: str) -> Any:
+    if text == "":
+        return None
+    if column.kind == "string":
+        return text
+    if column.kind == "boolean":
+        return text == "1"
+    return int(text) if column.kind == "integer" else float(text)
+
+
+def measures_by_name() -> dict[tuple[str, str], Measure]:
+    """Return every measure by its name and kind."""
+    return {(one.name, one.kind): one for one in (*run_measures(), *encounter_measures())}
+
+
+def configuration_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """Return for each scenario and setting a table: one line per measure, one cell per configuration."""
+    measures = measures_by_name()
+    blocks: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        shown = row["key"] or row["metric"] in _RUN_ROWS or _of_encounters(row)
+        if shown and (row["metric"], row["kind"]) in measures:
+            blocks.setdefault((row["scenario_id"], row["condition_id"]), []).append(row)
+    found = []
+    for (scenario, condition_id), mine in blocks.items():
+        names = list(dict.fromkeys(row["configuration"] for row in mine))
+        lines: dict[tuple[str, str], dict[str, Row]] = {}
+        for row in mine:
+            lines.setdefault((row["metric"], row["kind"]), {})[row["configuration"]] = row
+        by_name = {row["configuration"]: row for row in mine}
+        found.append(
+            {
+                "scenario": scenario,
+                "condition": mine[0]["condition"] or "",
+                "condition_id": condition_id,
+                "columns": [
+                    {
+                        "name": name,
+                        "config_id": by_name[name]["config_id"],
+                        "valid": by_name[name]["n_valid"],
+                        "runs": by_name[name]["n_runs"],
+                    }
+                    for name in names
+                ],
+                "lines": [_line(measures[key], cells, names) for key, cells in lines.items()],
+            }
+        )
+    return found
+
+
+def _of_encounters(row: Row) -> bool:
+    return bool(row["kind"] == "encounter" and row["metric"] in _ENCOUNTER_ROWS)
+
+
+def _line(measure: Measure, cells: Mapping[str, Row], names: Sequence[str]) -> dict[str, Any]:
+    ends = [_ends(cells[name]) for name in names if name in cells]
+    known = [value for end in ends for value in end if value is not None]
+    low, high = min([0.0, *known]), max([0.0, *known])
+    return {
+        "text": label(measure, tail=measure.kind == "encounter"),
+        "metric": measure.name,
+        "group": measure.group,
+        "worse": measure.worse,
+        "cells": [_cell(cells.get(name), measure, low, high) for name in names],
+    }
+
+
+def _ends(row: Row) -> tuple[float | None, float | None, float | None]:
+    """Return what is shown of a cell, and the ends of its interval: a mean, or the tail of encounters."""
+    if row["kind"] == "encounter":
+        return (row[row["tail"]] if row["tail"] else None), row["tail95_lo"], row["tail95_hi"]
+    return row["mean"], row["ci95_lo"], row["ci95_hi"]
+
+
+def _cell(row: Row | None, measure: Measure, low: float, high: float) -> dict[str, Any] | None:
+    if row is None:
+        return None
+    value, lo, hi = _ends(row)
+    if value is None:
+        return {"text": "–", "interval": row["status"].replace("_", " "), "place": None, "row": row}
+    place = None
+    if high > low:
+        place = [None if one is None else 100.0 * (one - low) / (high - low) for one in (value, lo, hi)]
+    interval = "" if lo is None or hi is None else f"{shown(lo, measure)} … {shown(hi, measure)}"
+    return {"text": shown(value, measure), "interval": interval, "place": place, "row": row}
+
+
+def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """Return for each scenario, setting and pair a table of its key measures."""
+    measures = measures_by_name()
+    blocks: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for row in rows:
+        measure = measures.get((row["metric"], row["kind"]))
+        if not row["key"] or measure is None:
+            continue
+        where = (row["scenario_id"], row["condition"] or "", row["condition_id"], row["base"], row["alt"])
+        interval = "–"
+        if row["ci95_lo"] is not None:
+            interval = f"{shown(row['ci95_lo'], measure, '+')} … {shown(row['ci95_hi'], measure, '+')}"
+        p = row["p_holm"]
+        blocks.setdefault(where, []).append(
+            {
+                "text": label(measure),
+                "metric": row["metric"],
+                "base": shown(row["base_mean"], measure),
+                "alt": shown(row["alt_mean"], measure),
+                "difference": shown(row["diff_mean"], measure, "+"),
+                "interval": interval,
+                "p": "–" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}",
+                "pairs": row["n_pairs"],
+                "verdict": _WORDS.get(row["verdict"], row["verdict"]),
+                "level": row["verdict"] if row["verdict"] in ("better", "worse") else "none",
+            }
+        )
+    keys = ("scenario", "condition", "condition_id", "base", "alt")
+    return [{**dict(zip(keys, where, strict=True)), "lines": lines} for where, lines in blocks.items()]
+
+
+def label(measure: Measure, tail: bool = False) -> str:
+    """Return the text of a line with its unit; shares are in percent, rates say what they are per."""
+    text = measure.text
+    if tail:
+        text += ", 5th percentile" if measure.worse == "lower" else ", 95th percentile"
+    if measure.unit == "1" or measure.kind == "rate":
+        return text
+    return f"{text} [{pretty_unit(measure.unit)}]"
+
+
+def pretty_unit(unit: str) -> str:
+    """Return a unit with raised exponents.
+
+    Examples
+    --------
+    >>> pretty_unit("m/s^2")
+    'm/s²'
+    """
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
+def shown(value: float | None, measure: Measure, sign: str = "") -> str:
+    """Return a number with three digits or so; shares in percent."""
+    if value is None:
+        return "–"
+    sign = sign if value else ""
+    if measure.kind in _SHARES:
+        return f"{value:{sign}.1%}".replace("%", " %")
+    size = abs(value)
+    decimals = 0 if size == 0.0 else 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
+    return f"{value:{sign}.{decimals}f}"
