@@ -18,16 +18,18 @@ class Demand:
     Parameters
     ----------
     rule : ``no_contact``; ``impact_speed`` at most ``highest_impact_kmh``; ``green``; ``not_red``;
-        ``no_worse`` a colour than the standard case's; ``no_false_stop``
+        ``no_worse`` a colour than the standard case's; ``no_false_stop``; ``no_false_braking``
     ego_speed_kmh : test speed [km/h]
     highest_impact_kmh : for rule ``impact_speed`` [km/h]
     avoidance_only : every contact is red
+    in_view : he stands or walks in the ego's path from long before on, so that the test is preventable
     """
 
     rule: str
     ego_speed_kmh: float
     highest_impact_kmh: float | None = None
     avoidance_only: bool = False
+    in_view: bool = False
 
     @property
     def coloured(self) -> bool:
@@ -68,7 +70,8 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
     -----
     Impact speeds are those of [R152]_, contacts those of [FMVSS127]_, colours those of [EuroNCAP2026]_.
     In the false-reaction tests, after [R152]_, the ego must neither stop nor touch anybody, nor brake with
-    5 m/s² or more. Also a contact after a stop counts, although protocols end a test with the stop.
+    5 m/s² or more for somebody who never is on a collision course. Also a contact after a stop counts,
+    although protocols end a test with the stop.
     """
     impact = measured.impact
     speed = None if impact is None else max(3.6 * impact.speed, 0.0)
@@ -82,7 +85,7 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
         reasons.append(f"the ego's {impact.side} was hit")
     return Verdict(
         passed=not reasons[0],
-        preventable=measured.preventable is not False,
+        preventable=demand.in_view or measured.preventable is not False,
         contact=impact is not None,
         impact_speed_kmh=speed,
         colour=colour,
@@ -101,8 +104,8 @@ def compared(verdict: Verdict, standard: Verdict) -> Verdict:
 
 def _failure(measured: Measured, demand: Demand, speed: float | None, colour: str) -> str:
     """Return why the test was not passed; empty if it was."""
-    if demand.rule == "no_false_stop":
-        return _false_reaction(measured, speed)
+    if demand.rule in ("no_false_stop", "no_false_braking"):
+        return _false_reaction(measured, speed, demand.rule == "no_false_braking")
     if speed is None:
         return ""
     told = f"impact at {speed:.1f} km/h"
@@ -117,11 +120,11 @@ def _failure(measured: Measured, demand: Demand, speed: float | None, colour: st
     return f"{told}, {colour}"
 
 
-def _false_reaction(measured: Measured, speed: float | None) -> str:
+def _false_reaction(measured: Measured, speed: float | None, braking_counts: bool) -> str:
     if speed is not None:
         return f"impact at {speed:.1f} km/h"
     if measured.stopped:
         return "it stopped for nobody"
-    if measured.largest_deceleration >= EMERGENCY_MPS2:
+    if braking_counts and measured.largest_deceleration >= EMERGENCY_MPS2:
         return f"it braked with {measured.largest_deceleration:.1f} m/s² for nobody"
     return ""

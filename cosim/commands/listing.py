@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from difflib import get_close_matches
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
 from cosim.commands import terminal
 from cosim.commands.options import Debug
+from cosim.errors import InputError
+
+if TYPE_CHECKING:
+    from cosim.inventory import Entry
+
+SUITE = "suite:"
 
 
 class Kind(StrEnum):
@@ -19,26 +27,50 @@ class Kind(StrEnum):
     CONTROLLERS = "controllers"
     METRICS = "metrics"
     SENSING = "sensing"
+    SUITES = "suites"
 
 
 def show(
-    kind: Annotated[Kind, typer.Argument(help="What to list.", show_choices=True)], debug: Debug = False
+    what: Annotated[
+        str,
+        typer.Argument(metavar="|".join(Kind), help="What to list; or suite:NAME for the cases of a suite."),
+    ],
+    debug: Debug = False,
 ) -> int:
-    """List scenarios, controllers, metrics or sensing models, with the parameters that --set takes.
+    """List scenarios, controllers, metrics, sensing models or suites, with the parameters that --set takes.
 
     \b
     Examples:
       cosim list scenarios
       cosim list controllers
+      cosim list suite:fmvss127
     """
-    from cosim import inventory
+    for entry_kind in Kind:
+        if what == entry_kind:
+            return _print(_entries(entry_kind))
+    if what.startswith(SUITE):
+        from cosim.suites import listing
 
-    entries = {
+        return _print(listing.cases(what))
+    near = get_close_matches(what, list(Kind), n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    raise InputError(f"list {what}: {hint}expected one of {', '.join(Kind)}, or {SUITE}NAME")
+
+
+def _entries(kind: Kind) -> Sequence[Entry]:
+    from cosim import inventory
+    from cosim.suites import listing
+
+    return {
         Kind.SCENARIOS: inventory.scenarios,
         Kind.CONTROLLERS: inventory.controllers,
         Kind.METRICS: inventory.metrics,
         Kind.SENSING: inventory.sensing_models,
+        Kind.SUITES: listing.suites,
     }[kind]()
+
+
+def _print(entries: Sequence[Entry]) -> int:
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="bold")
     table.add_column(overflow="fold")

@@ -67,7 +67,13 @@ def judge(folder: Path, case: Case) -> Verdict:
     RecordingError
         When the run cannot be read.
     """
-    demand = Demand(case.group.rule, case.ego_speed_kmh, case.highest_impact_kmh, case.avoidance_only)
+    demand = Demand(
+        case.group.rule,
+        case.ego_speed_kmh,
+        case.highest_impact_kmh,
+        case.avoidance_only,
+        case.group.motion in ("along", "standing"),
+    )
     return decide(measure(folder), demand)
 
 

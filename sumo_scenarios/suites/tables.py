@@ -15,7 +15,7 @@ from sumo_scenarios.errors import ScenarioError
 FOLDER = Path(__file__).parent
 DEFINITION = "suite.toml"
 
-Rule = Literal["no_contact", "impact_speed", "green", "not_red", "no_worse", "no_false_stop"]
+Rule = Literal["no_contact", "impact_speed", "green", "not_red", "no_worse", "no_false_stop", "no_false_braking"]
 Motion = Literal["crossing", "stopping", "along", "standing", "turning"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
