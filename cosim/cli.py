@@ -18,6 +18,8 @@ from cosim.commands import analyse, compare, conformance, listing, papers
 from cosim.commands import batch as batch_command
 from cosim.commands import check as check_command
 from cosim.commands import inspect as inspect_command
+from cosim.commands import plot as plot_command
+from cosim.commands import replay as replay_command
 from cosim.commands import report as report_command
 from cosim.commands import run as run_command
 from cosim.errors import InputError, SimulationError
@@ -42,6 +44,8 @@ app.command("report")(report_command.report)
 app.command("conformance")(conformance.conformance)
 app.command("papers")(papers.papers)
 app.command("inspect")(inspect_command.inspect)
+app.command("plot")(plot_command.plot)
+app.command("replay")(replay_command.replay)
 app.command("list")(listing.show)
 
 
