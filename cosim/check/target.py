@@ -125,8 +125,8 @@ def _table(scenarios: Sequence[str], name: str, wishes: Wishes) -> StudyTable:
     content = {
         "scenarios": list(scenarios),
         "controllers": list(wishes.controllers or (DEFAULT_CONTROLLER,)),
-        "seeds": wishes.seeds or DEFAULT_SEEDS,
-        "run_timeout_s": wishes.run_timeout_s or DEFAULT_TIMEOUT_S,
+        "seeds": DEFAULT_SEEDS if wishes.seeds is None else wishes.seeds,
+        "run_timeout_s": DEFAULT_TIMEOUT_S if wishes.run_timeout_s is None else wishes.run_timeout_s,
         "set": _values(wishes.settings),
     }
     return study_of(content, name)
