@@ -2,6 +2,7 @@
 # make test   the tests         make check  the linters
 # make bench  the benchmarks    make study-crossings  the published table
 # make papers the papers' claims and figures     make study-papers  their methods in traffic
+# make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
 
 PYTHON ?= python3
@@ -15,7 +16,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -78,6 +79,11 @@ study-papers: $(VENV)/installed-papers
 study-roadside: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/roadside.toml --out runs/study-roadside --jobs $(JOBS)
 	$(BIN)/python -m cosim.study_roadside runs/study-roadside docs/study-roadside.md
+
+# 1: a controller fails a case, which is what the table is to show.
+protocols: $(VENV)/installed-papers
+	$(BIN)/python -m cosim.suites all --controller all --out runs/protocols --jobs $(JOBS) || test $$? -eq 1
+	$(BIN)/python -m cosim.suites.page runs/protocols docs/protocols.md
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

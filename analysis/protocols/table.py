@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.errors import AnalysisError
 from analysis.protocols.verdict import Verdict
 
 FILE = "protocol.csv"
@@ -68,19 +69,37 @@ def write(folder: Path, rows: Iterable[Row]) -> Path:
     return path
 
 
-def score(rows: Sequence[Row], most: float) -> float | None:
-    """Return the points of some cases that weigh the same: most · mean of their shares.
+def read(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a ``protocol.csv``.
 
-    A case without a valid run gives none; ``None`` where there is no case with points.
+    Raises
+    ------
+    AnalysisError
+        If it cannot be read, or has other columns.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            reader = csv.DictReader(file)
+            rows = list(reader)
+    except OSError as error:
+        raise AnalysisError(f"{path}: cannot be read: {error.strerror}") from error
+    if tuple(reader.fieldnames or ()) != COLUMNS:
+        raise AnalysisError(f"{path}: other columns than {', '.join(COLUMNS)}")
+    return rows
+
+
+def score(shares: Sequence[float], most: float) -> float:
+    """Return the points of some cases that weigh the same: most · mean of their shares.
 
     Parameters
     ----------
-    rows : cases of one share of a rating
-    most : what they give together
+    shares : of each case's points, 0 where there was no valid run
+    most : what the cases give together
+
+    >>> score([1.0, 0.25], 2.0)
+    1.25
     """
-    points = [0.0 if row.verdict is None else row.verdict.points for row in rows]
-    known = [one for one in points if one is not None]
-    return most * sum(known) / len(known) if known else None
+    return most * sum(shares) / len(shares)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analysis.errors import AnalysisError
 from analysis.protocols.colours import COLOURS, FACTORS, colour, worse
 from analysis.protocols.impact import Impact, Measured
-from analysis.protocols.table import COLUMNS, Row, score, write
+from analysis.protocols.table import COLUMNS, Row, read, write
 from analysis.protocols.verdict import Demand, Verdict, compared, decide
 
 
@@ -125,18 +125,15 @@ def row(verdict: Verdict | None, note: str = "") -> Row:
     return Row("s", "c_30kmh", "c", "aeb", 1, 30.0, "somebody", "standard", verdict, note)
 
 
-def test_scores_are_means_of_what_the_colours_are_worth(tmp_path: Path) -> None:
+def test_rows_are_written_and_read(tmp_path: Path) -> None:
     green, brown = (decide(measured(kmh), Demand("green", 30.0)) for kmh in (None, 5.0))
-    assert score([row(green), row(brown)], 2.0) == pytest.approx(1.25)
-    assert score([row(green), row(None, "time-out")], 2.0) == pytest.approx(1.0), (
-        "an invalid run gives nothing"
-    )
-    assert score([row(decide(measured(), Demand("no_contact", 30.0)))], 1.0) is None
     path = write(tmp_path, [row(green), row(brown), row(None, "time-out")])
-    with path.open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read(path)
     assert tuple(rows[0]) == COLUMNS
     assert [one["colour"] for one in rows] == ["green", "brown", ""]
     assert [one["impact_speed_kmh"] for one in rows] == ["", "5.00", ""]
     assert [one["valid"] for one in rows] == ["1", "1", "0"]
     assert rows[2]["note"] == "time-out"
+    path.write_text("suite,case\n")
+    with pytest.raises(AnalysisError, match="other columns"):
+        read(path)

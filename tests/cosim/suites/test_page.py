@@ -1,0 +1,91 @@
+"""The page of the protocols, and what is asked for in the wrong way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis.errors import AnalysisError
+from analysis.protocols.impact import Impact, Measured
+from analysis.protocols.table import Row, write
+from analysis.protocols.verdict import Demand, decide
+from cosim.cli import main as cosim
+from cosim.errors import InputError
+from cosim.suites import judging
+from cosim.suites.__main__ import main
+from cosim.suites.judging import Case, settled
+from cosim.suites.page import write_page
+
+
+def row(case: Case, controller: str, kmh: float | None, preventable: bool = True) -> Row:
+    impact = None if kmh is None else Impact(5.0, kmh / 3.6, kmh / 3.6, 0.0, 1.8, "front")
+    demand = Demand(case.group.rule, case.ego_speed_kmh, case.highest_impact_kmh)
+    verdict = decide(Measured(impact, False, False, 4.0, preventable), demand)
+    about = (case.suite, case.name, case.group.name, controller, 1, case.ego_speed_kmh)
+    return Row(*about, case.group.description, case.group.share, verdict)
+
+
+def test_the_page_has_what_was_passed_and_how_hard_the_others_were(tmp_path: Path) -> None:
+    fmvss, ncap = judging.cases("fmvss127", "crossing_right_25"), judging.cases("euroncap2026")
+    rows = [row(case, "aeb", 12.0 if case.ego_speed_kmh == 60.0 else None, False) for case in fmvss]
+    rows += [row(case, "vo_mpc", None) for case in fmvss]
+    rows += [row(case, "aeb", 8.0 if case.name == "cpna_25_50kmh" else None) for case in ncap]
+    write(tmp_path, rows)
+    page = tmp_path / "protocols.md"
+    page.write_text("# Title\n\nSaid by hand.\n\n## Tables\n\nold\n")
+    write_page(tmp_path, page)
+    text = page.read_text("utf-8")
+    assert text.startswith("# Title\n\nSaid by hand.\n\n## Tables\n")
+    assert "old" not in text
+    assert "5 of 6 (60°: 12)" in text
+    assert "5 of 6 (50: 8 yellow)" in text
+    # 18 standard cases of CPNA: one of them is worth three quarters.
+    assert f"| cpna, standard | 1 | {1.0 - 0.25 / 18.0:.3f} |" in text
+    assert f"**{7.5 - 0.25 / 18.0:.2f}**" in text
+    assert "after Euro NCAP 2026, transcribed" in text
+
+
+def test_a_page_of_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(AnalysisError, match=r"no protocol\.csv"):
+        write_page(tmp_path, tmp_path / "page.md")
+
+
+def test_slower_pedestrians_are_held_against_the_standard_case() -> None:
+    (standard,) = judging.cases("euroncap2026/cpna_50_60kmh")
+    (slower,) = judging.cases("euroncap2026/cpna_50_slower_60kmh")
+    pairs = [(case, row(case, "aeb", 12.0).verdict) for case in (standard, slower)]
+    judged = [(case, verdict) for case, verdict in pairs if verdict is not None]
+    assert [verdict.passed for _, verdict in judged] == [False, False]
+    assert [verdict.passed for _, verdict in settled(judged)] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("suite", "only", "said"),
+    [
+        ("fmvs127", "", "did you mean 'fmvss127'"),
+        ("fmvss127/nothing", "", "no such case"),
+        ("fmvss127", "crosing_right_25", "no case fits 'crosing_right_25'; did you mean 'crossing_right_25'"),
+    ],
+)
+def test_what_is_not_there_is_told_in_one_line(
+    suite: str, only: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(InputError):
+        judging.cases(suite, only)
+    assert main([suite, "--only", only, "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_suites_and_their_cases_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cosim(["list", "suites"]) == 0
+    listed = capsys.readouterr().out
+    assert all(f"suite:{name}" in listed for name in judging.names())
+    assert cosim(["list", "suite:unr152"]) == 0
+    listed = capsys.readouterr().out
+    assert all(case.reference in listed for case in judging.cases("unr152"))
+    assert cosim(["list", "suite:unr15"]) == 2
+    assert "did you mean" in capsys.readouterr().err
