@@ -71,12 +71,14 @@ def write_report(
     Raises
     ------
     StudyError
-        When there is no run, or runs cannot be read or do not belong together.
+        When there is no run, none of the baseline, or runs cannot be read or do not belong together.
     """
     folders = list(dict.fromkeys(folder for root in roots for folder in find_run_folders(root)))
     if not folders:
         raise StudyError(f"{', '.join(map(str, roots))}: no run in it; cosim run and cosim batch make them")
     study = read_study(folders)
+    if baseline is not None and not study.matching(baseline):
+        raise StudyError(f"{baseline}: no run of it; there are {', '.join(study.all_labels())}")
     root = roots[0] if len(roots) == 1 else None
     data = out / DATA
     data.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,246 @@
+"""The page without a browser: valid, closed to the network, and each number a cell of a CSV file."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from analysis.criteria_schema import CRITERIA
+from analysis.errors import StudyError
+from analysis.measures import Measure
+from analysis.page.report import Written, write_report
+from analysis.rows import cells
+from cosim.cli import main
+from cosim.comparison import sentence
+from tests.analysis.page.markup import Markup
+from tests.analysis.study_folders import write_study_run
+
+WORST = {"severity": "serious", "min_ttc_s": 0.83, "min_dist_m": 0.41, "clearance_min_m": 0.5}
+OTHERS: tuple[Mapping[str, Any], ...] = (
+    {"severity": "none", "min_ttc_s": None, "min_dist_m": 3.0},
+    {"severity": "none", "min_ttc_s": 4.0, "min_dist_m": 6.0},
+    {"severity": "slight", "min_ttc_s": 2.0, "min_dist_m": 1.5},
+)
+
+
+def write_study(folder: Path, seeds: Sequence[int] = (1, 2, 3)) -> Path:
+    """Write runs of two controllers; ``sumo`` has the worst encounter with seed 2."""
+    for seed in seeds:
+        for name in ("sumo", "careful"):
+            bad = [WORST] if (name, seed) == ("sumo", 2) else []
+            write_study_run(
+                folder / "runs" / f"{name}-{seed}",
+                name,
+                seed,
+                encounters=[*OTHERS, *bad],
+                numbers={"ego_delay_mean_s": 5.0 + seed + (name == "careful"), "n_conflicts": len(bad)},
+            )
+    return folder
+
+
+def written(folder: Path, **options: Any) -> tuple[Written, Markup, str]:
+    done = write_report([folder], folder, sentence, **options)
+    text = done.page.read_text("utf-8")
+    return done, Markup(text), text
+
+
+def test_the_page_is_well_formed_and_loads_nothing(tmp_path: Path) -> None:
+    _, page, text = written(write_study(tmp_path / "study"))
+    assert page.problems == []
+    assert page.loaded == set()
+    assert "http://" not in text
+    assert "https://" not in text
+    assert page.elements["table"] >= 3
+    assert page.elements["figure"] == 6
+
+
+def test_the_first_line_is_the_question_and_the_answer_of_cosim_compare(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = write_study(tmp_path / "study")
+    _, page, _ = written(folder)
+    assert "Is careful safer than sumo on road, and slower?" in page.texts
+    assert main(["compare", str(folder), "--alt", "careful"]) == 0
+    assert capsys.readouterr().out.splitlines()[0] in page.texts
+
+
+def test_the_worst_encounter_comes_first_with_its_folder_and_number(tmp_path: Path) -> None:
+    _, _, text = written(write_study(tmp_path / "study"))
+    rows = text.split("<tr data-key=")[1:]
+    assert len(rows) == 25 - 6
+    first = rows[0]
+    assert 'data-severity="serious"' in first
+    assert "runs/sumo-2" in first
+    assert "encounter_id 4" in first
+    assert ">0.83<" in first
+    ranks = [row.split('data-severity="')[1].split('"')[0] for row in rows]
+    assert ranks == ["serious"] + ["slight"] * 6 + ["none"] * 12
+
+
+def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(tmp_path: Path) -> None:
+    folder = write_study(tmp_path / "study")
+    _, _, text = written(folder)
+    with (folder / "report_data/configs.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["metric"] == "ego_delay_mean_s"]
+    assert [row["configuration"] for row in rows] == ["careful", "sumo"]
+    for row in rows:
+        assert f'<span class="value">{float(row["mean"]):.2f}</span>' in text
+        ends = [float(row[name]) for name in ("ci95_lo", "ci95_hi")]
+        interval = " … ".join(f"{end:.{2 if end < 10.0 else 1}f}" for end in ends)
+        assert f'<span class="interval">{interval}</span>' in text
+    assert "report_data/configs.csv" in text
+
+
+def test_tables_of_a_batch_are_used_only_while_they_are_of_these_runs(tmp_path: Path) -> None:
+    from analysis.study import write_tables
+    from analysis.study_runs import find_run_folders
+
+    folder = write_study(tmp_path / "study")
+    write_tables(folder, find_run_folders(folder), None)
+    _, _, text = written(folder)
+    assert not (folder / "report_data/configs.csv").exists()
+    assert "<code>configs.csv</code>" in text
+    write_study(folder, seeds=[4])
+    _, _, text = written(folder)
+    assert (folder / "report_data/configs.csv").is_file()
+    assert "<code>report_data/configs.csv</code>" in text
+
+
+def test_an_encounter_without_recording_says_so_and_names_the_command(tmp_path: Path) -> None:
+    folder = write_study(tmp_path / "study")
+    (folder / "runs/sumo-2/job.json").write_text('{"command": "cosim run road --controller sumo --seed 2"}')
+    done, page, _ = written(folder)
+    assert done.replays == 0
+    assert done.not_recorded == done.listed == 19
+    assert "no recording" in page.texts
+    assert "cosim run road --controller sumo --seed 2" in page.texts
+    assert "cosim run road --controller careful --seed 1" in page.texts
+    assert any("--drop-recordings" in text for text in page.texts)
+    assert not any("▶ Replay" in text for text in page.texts)
+
+
+def test_invalid_and_failed_runs_are_named_with_their_reason(tmp_path: Path) -> None:
+    folder = write_study(tmp_path / "study")
+    write_study_run(folder / "runs/sumo-9", "sumo", 9, invalid="ego_0 was teleported")
+    (folder / "failed.csv").write_text(
+        "run,scenario,controller,seed,attempts,reason,command\n"
+        "road-sumo-10,road,sumo,10,2,time-out after 600 s,cosim run road --seed 10\n"
+    )
+    _, page, _ = written(folder)
+    for text in ("runs/sumo-9", "ego_0 was teleported", "road-sumo-10", "time-out after 600 s", "6 of 8"):
+        assert text in page.texts
+
+
+def test_criteria_show_what_decides_first(tmp_path: Path) -> None:
+    folder = write_study(tmp_path / "study")
+    row = {
+        "target": "road",
+        "scenario_id": "road",
+        "controller": "sumo",
+        "configuration": "sumo",
+        "scope": "run",
+        "metric": "min_dist_m",
+        "operator": ">=",
+        "threshold": 1.0,
+        "unit": "m",
+        "counts": True,
+    }
+    rows = [
+        row | {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
+        row | {"criterion_id": "told only", "value": 0.6, "margin": -0.4, "status": "fail", "counts": False},
+        row | {"criterion_id": "too near", "value": 0.41, "margin": -0.59, "status": "fail"},
+    ]
+    with (folder / "criteria.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([CRITERIA.names(), *cells(CRITERIA, rows)])
+    _, page, _ = written(folder)
+    order = [page.texts.index(name) for name in ("too near", "told only", "kept away")]
+    assert order == sorted(order)
+    assert "✗ not passed" in page.texts
+    assert "2 failed, 1 passed of 3. Source:" in page.texts
+    assert page.texts.count("✗ fail") == 2
+    assert "does not count" in page.texts
+
+
+def test_one_run_is_told_in_numbers_and_compared_with_nobody(tmp_path: Path) -> None:
+    folder = write_study_run(tmp_path / "alone", "sumo", 1, encounters=[WORST, *OTHERS])
+    _, page, _ = written(folder)
+    assert page.problems == []
+    assert "How safe is sumo on road?" in page.texts
+    told = "4 encounters in 1 valid run: no collisions, smallest TTC 0.83 s, smallest distance 0.41 m."
+    assert told in page.texts
+    assert "Comparisons" not in page.texts
+
+
+def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
+    name = "<script>alert(1)</script>"
+    write_study_run(tmp_path / "study/runs/a", "sumo", 1, scenario=name, encounters=[WORST])
+    _, page, text = written(tmp_path / "study")
+    assert page.problems == []
+    assert page.elements["script"] == 1
+    assert name not in text
+
+
+def test_the_same_runs_give_the_same_bytes(tmp_path: Path) -> None:
+    pages = [written(write_study(tmp_path / place / "study"))[2] for place in ("here", "there")]
+    assert pages[0] == pages[1]
+
+
+def test_no_valid_run_is_a_page_too(tmp_path: Path) -> None:
+    write_study_run(tmp_path / "study/runs/a", "sumo", 1, invalid="it broke")
+    _, page, _ = written(tmp_path / "study")
+    assert page.problems == []
+    assert "it broke" in page.texts
+
+
+def test_a_folder_without_runs_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["report", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == (
+        f"cosim: {tmp_path}: no run in it; cosim run and cosim batch make them\n"
+    )
+    assert main(["report", str(tmp_path / "nowhere")]) == 2
+    assert capsys.readouterr().err == f"cosim: {tmp_path / 'nowhere'}: no such folder\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unknown_baseline_is_an_error_that_names_what_there_is(tmp_path: Path) -> None:
+    def say(rows: Sequence[Mapping[str, Any]], measures: Mapping[str, Measure]) -> str:
+        return ""
+
+    folder = write_study(tmp_path / "study")
+    with pytest.raises(StudyError, match=r"nobody.*there are careful, sumo"):
+        write_report([folder], folder, say, baseline="nobody")
+
+
+@pytest.mark.slow
+def test_a_thousand_runs_stay_below_ten_megabytes(tmp_path: Path) -> None:
+    controllers = ("sumo", "aeb", "careful", "swift")
+    for seed in range(250):
+        for number, name in enumerate(controllers):
+            encounters = [
+                {
+                    "severity": "none" if (seed + i) % 7 else "slight",
+                    "min_ttc_s": 1.0 + 0.01 * ((seed * 31 + i * 17 + number) % 500),
+                    "pet_area_s": 0.5 + 0.01 * ((seed * 13 + i * 29) % 500),
+                    "min_dist_m": 0.5 + 0.02 * ((seed * 7 + i * 3) % 900),
+                    "ego_max_decel_mps2": 0.01 * ((seed * 5 + i * 11) % 600),
+                    "ped_delay_s": 0.02 * ((seed + i) % 300),
+                }
+                for i in range(20)
+            ]
+            write_study_run(
+                tmp_path / "study/runs" / f"{name}-{seed}",
+                name,
+                seed,
+                encounters=encounters,
+                numbers={"ego_delay_mean_s": 5.0 + 0.01 * seed + number},
+            )
+    done, page, _ = written(tmp_path / "study")
+    assert page.problems == []
+    assert done.page.stat().st_size < 10e6
+    assert done.listed >= 200
