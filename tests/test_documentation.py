@@ -15,7 +15,7 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from cosim.cli import app
-from cosim.commands import analyse, batch, compare, conformance, listing, papers, run
+from cosim.commands import analyse, batch, check, compare, conformance, listing, papers, run
 from cosim.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
@@ -33,6 +33,7 @@ PAGES = (
     "CONTRIBUTING.md",
     "docs/architecture.md",
     "docs/batches.md",
+    "docs/ci.md",
     "docs/cluster.md",
     "docs/conventions.md",
     "docs/references.md",
@@ -65,6 +66,7 @@ def commands() -> list[str]:
         for function in (
             run.run,
             batch.batch,
+            check.check,
             analyse.analyse,
             compare.compare,
             conformance.conformance,
