@@ -13,6 +13,7 @@ from typing import Any
 from controllers import catalog
 from cosim.drivers import Drivers
 from cosim.errors import InputError
+from cosim.loop import Record
 from cosim.provenance import Inputs
 from cosim.rehearsal import rehearse
 from cosim.request import RunRequest
@@ -39,6 +40,8 @@ class Composition:
     end_time: float
     """Simulated time at which the run is over [s]."""
     _work_dir: TemporaryDirectory[str]
+    window: Record | None = None
+    """Shows egos and plans in SUMO's window, where there is one."""
 
     def close(self) -> None:
         """End the simulation and remove the files it was started from."""
@@ -69,7 +72,9 @@ def compose(request: RunRequest) -> Composition:
     given = tried.controller
     drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
     inputs = _inputs(request, tried, prepared)
-    return Composition(world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir)
+    return Composition(
+        world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir, world.window()
+    )
 
 
 def inputs_of(request: RunRequest) -> Inputs:

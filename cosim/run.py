@@ -15,6 +15,7 @@ from cosim.compose import Composition
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.loop import LoopTimes
 from cosim.recorder import Recorder, write_json
+from cosim.records import Records
 from cosim.request import RunRequest
 
 Progress = Callable[[float, float | None], None]
@@ -99,8 +100,9 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
 
 def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
     world, end = composition.world, composition.end_time
+    record = recorder if composition.window is None else Records(recorder, composition.window)
     try:
-        loop.run(world, composition.drivers, recorder, times, lambda time: progress(time, end))
+        loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
     except BaseException:
         # What failed is told; the map is drawn where a broken simulation still allows it.
         with suppress(CosimError, OSError):

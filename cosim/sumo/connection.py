@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import io
 import os
 import shutil
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,8 @@ def start(options: Sequence[str], gui: bool = False) -> Connection:
     SimulationError
         If this process runs a simulation already.
     """
+    if gui:
+        _require_display()
     sumo = _load("traci" if gui else "libsumo")
     if not gui and sumo.isLoaded():
         raise SimulationError("this process runs a simulation already; close it first")
@@ -77,7 +80,8 @@ def start(options: Sequence[str], gui: bool = False) -> Connection:
     extra = ["--start", "true", "--quit-on-end", "true"] if gui else ["--remote-port", "0"]
     refusals: tuple[type[Exception], ...] = (*_errors(sumo), OSError)
     failure: Exception | None = None
-    with _heard() as heard:
+    # traci prints how often it tries to connect.
+    with _heard() as heard, redirect_stdout(io.StringIO()):
         try:
             sumo.start([binary, *options, *extra])
         except refusals as error:
@@ -110,6 +114,15 @@ def _load(module: str) -> Any:
         raise InputError(f"{module} cannot be loaded ({_one_line(error)}); pip install {module}") from error
 
 
+def _require_display() -> None:
+    """Refuse a window where there is no screen: traci would try to connect for a minute."""
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        raise InputError(
+            "--gui needs a display, and the variable DISPLAY is not set; "
+            "without a screen: xvfb-run --auto-servernum cosim run …"
+        )
+
+
 def _sumo_gui() -> str:
     home = Path(importlib.import_module("sumo").SUMO_HOME)
     found = shutil.which("sumo-gui") or shutil.which("sumo-gui", path=str(home / "bin"))
@@ -140,6 +153,9 @@ def _heard() -> Iterator[_Heard]:
 
 
 def _reason(heard: _Heard, error: Exception) -> str:
+    for line in heard.text.splitlines():
+        if "unable to open display" in line:
+            return f"sumo-gui was {line.rpartition(': ')[2].strip()}"
     lines = [line.strip() for line in heard.text.splitlines() if line.startswith("Error:")]
     said = " ".join(line.removeprefix("Error:").strip() for line in lines[:2])
     return said or _one_line(error)

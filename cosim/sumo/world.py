@@ -28,6 +28,7 @@ from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
+from cosim.sumo.window import Window
 from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
@@ -230,6 +231,10 @@ class SumoWorld:
     def network(self) -> Network:
         """The network driven in."""
         return self._network
+
+    def window(self) -> Window | None:
+        """Return what shows egos and plans in SUMO's window; ``None`` without a window."""
+        return Window(self._connection) if self._connection.with_window else None
 
     # Steps --------------------------------------------------------------------------------------------
 
