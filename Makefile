@@ -4,6 +4,7 @@
 # make papers the papers' claims and figures     make study-papers  their methods in traffic
 # make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
+# make screenshots     the pictures of a report and of a replay in docs/images
 
 PYTHON ?= python3
 VENV := .venv
@@ -16,7 +17,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols screenshots clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -37,9 +38,13 @@ $(VENV)/installed-papers: $(VENV)/installed
 	$(PIP) install --quiet -c constraints.txt -e '.[papers]'
 	@touch $@
 
+$(VENV)/installed-report: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[report]'
+	@touch $@
+
 install: $(VENV)/installed
 
-demo: $(VENV)/installed
+demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.demo
 
 test: $(VENV)/installed-dev
@@ -84,6 +89,11 @@ study-roadside: $(VENV)/installed-papers
 protocols: $(VENV)/installed-papers
 	$(BIN)/python -m cosim.suites all --controller all --out runs/protocols --jobs $(JOBS) || test $$? -eq 1
 	$(BIN)/python -m cosim.suites.page runs/protocols docs/protocols.md
+
+screenshots: $(VENV)/installed-dev
+	rm -rf runs/screenshots
+	$(BIN)/cosim batch studies/screenshots.toml --out runs/screenshots --jobs $(JOBS)
+	$(BIN)/python -m cosim.screenshots runs/screenshots docs/images
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

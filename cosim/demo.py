@@ -16,9 +16,10 @@ BASELINE = "sumo"
 
 
 def main(seed: int = 1) -> int:
-    """Run the controllers, print the comparison and where the files are."""
+    """Run the controllers, print the comparison, write the report and say where the files are."""
     from cosim.commands import terminal
     from cosim.commands.progress import shown_progress
+    from cosim.commands.report import write
     from cosim.errors import CosimError
     from cosim.execution import Outcome, execute
     from cosim.request import RunRequest
@@ -42,6 +43,12 @@ def main(seed: int = 1) -> int:
         console.print(f"{name}: {outcome.folder}/encounters.csv, {outcome.folder}/runs.csv", soft_wrap=True)
         if outcome.invalid_reason:
             print(f"cosim: {name}: the run is not valid: {outcome.invalid_reason}", file=sys.stderr)
+    try:
+        page, _ = write([outcome.folder for outcome in outcomes.values()])
+    except CosimError as error:
+        print(f"cosim: no report: {error}", file=sys.stderr)
+    else:
+        console.print(f"report, and replays of the encounters: {page}", soft_wrap=True)
     return 3 if any(outcome.invalid_reason for outcome in outcomes.values()) else 0
 
 

@@ -15,7 +15,7 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from cosim.cli import app
-from cosim.commands import analyse, batch, check, compare, conformance, listing, papers, run
+from cosim.commands import analyse, batch, check, compare, conformance, listing, papers, report, run
 from cosim.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
@@ -37,6 +37,7 @@ PAGES = (
     "docs/cluster.md",
     "docs/conventions.md",
     "docs/references.md",
+    "docs/report.md",
     "docs/sensing.md",
     "docs/statistics.md",
 )
@@ -71,6 +72,7 @@ def commands() -> list[str]:
             compare.compare,
             conformance.conformance,
             papers.papers,
+            report.report,
             listing.show,
         )
     ]

@@ -1,0 +1,62 @@
+"""``make screenshots``: pictures of a report and of a replay.
+
+``python -m cosim.screenshots STUDY_DIR OUT_DIR`` takes them of a finished study. It needs
+Playwright and Chromium, as the tests of the page do.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+CONTROLLER = "vo_mpc"
+"""Whose replay is shown: the worst encounter of this one."""
+WIDTH, HEIGHT = 1280, 860
+
+
+def main(study: Path, out: Path) -> int:
+    """Write the report of a study, and ``report.png`` and ``replay.png`` of it."""
+    from cosim.commands.report import write
+    from cosim.errors import CosimError
+
+    browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if browser is None:
+        print(f"cosim: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
+        return 2
+    try:
+        page, _ = write([study])
+    except CosimError as error:
+        print(f"cosim: {error}", file=sys.stderr)
+        return 2
+    out.mkdir(parents=True, exist_ok=True)
+    for path in take(page, out, browser):
+        print(path)
+    return 0
+
+
+def take(report: Path, out: Path, browser: str) -> list[Path]:
+    """Take both pictures, the same ones each time, and return their paths."""
+    from playwright.sync_api import sync_playwright
+
+    paths = [out / "report.png", out / "replay.png"]
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        page = started.new_page(
+            viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light", reduced_motion="reduce"
+        )
+        page.goto(report.resolve().as_uri())
+        page.screenshot(path=paths[0])
+        page.select_option("#filter-controller", CONTROLLER)
+        page.locator("tr:not([hidden]) button.open").first.click()
+        page.wait_for_function("window.cosimReplay.state() !== null")
+        page.locator("#replay").screenshot(path=paths[1])
+        started.close()
+    return paths
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("usage: python -m cosim.screenshots STUDY_DIR OUT_DIR")
+    sys.exit(main(Path(sys.argv[1]), Path(sys.argv[2])))
