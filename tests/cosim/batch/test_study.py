@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.batch.study import parse_seeds, read_study
+from cosim.batch.study import parse_seeds, read_study, study_of, study_text
 from cosim.errors import InputError
 from tests.cosim.batch.studies import write_study
 
@@ -89,3 +90,29 @@ def test_a_key_that_is_missing_is_named(tmp_path: Path) -> None:
 @given(st.lists(st.integers(0, 10**6), min_size=1, max_size=20, unique=True))
 def test_seeds_written_one_by_one_are_the_list(seeds: list[int]) -> None:
     assert parse_seeds(", ".join(map(str, seeds))) == parse_seeds(seeds) == tuple(seeds)
+
+
+VALUES = st.one_of(
+    st.booleans(),
+    st.integers(-(10**12), 10**12),
+    st.floats(allow_nan=False),
+    st.text(st.characters(exclude_categories=["Cs"])),
+)
+
+
+@given(
+    st.dictionaries(st.text(st.characters(exclude_categories=["Cs"]), min_size=1), VALUES),
+    st.lists(st.text(st.characters(exclude_categories=["Cs"])), min_size=1, unique=True),
+)
+def test_a_study_written_as_a_file_is_the_same_study(settings: dict[str, Any], names: list[str]) -> None:
+    content = {
+        "scenarios": names,
+        "controllers": ["sumo"],
+        "seeds": [3, 5],
+        "set": settings,
+        "criteria": [{"metric": "n_collisions", "where": {"a": 1}}],
+    }
+    study = study_of(content, "study")
+    text = study_text(study)
+    assert study_of(tomllib.loads(text), "study") == study
+    assert tomllib.loads(text) == content
