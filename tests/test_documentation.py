@@ -15,7 +15,20 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from cosim.cli import app
-from cosim.commands import analyse, batch, check, compare, conformance, listing, papers, report, run
+from cosim.commands import (
+    analyse,
+    batch,
+    check,
+    compare,
+    conformance,
+    listing,
+    papers,
+    plot,
+    replay,
+    report,
+    run,
+)
+from cosim.commands import inspect as inspect_command
 from cosim.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
@@ -36,6 +49,8 @@ PAGES = (
     "docs/ci.md",
     "docs/cluster.md",
     "docs/conventions.md",
+    "docs/inspect.md",
+    "docs/plots.md",
     "docs/references.md",
     "docs/report.md",
     "docs/sensing.md",
@@ -73,6 +88,9 @@ def commands() -> list[str]:
             conformance.conformance,
             papers.papers,
             report.report,
+            inspect_command.inspect,
+            plot.plot,
+            replay.replay,
             listing.show,
         )
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -54,7 +54,7 @@ def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
         movement = _best_movement(ways, crossing)
         if movement is None:
             continue
-        edges = (*_before(ways, movement), *_after(ways, movement))
+        edges = _route_over(ways, movement)
         passed = tuple(one.name for one in ways.crossings_on(edges))
         covered.update(passed)
         routes.append(EgoRoute(edges, passed, sum(map(ways.length, edges))))
@@ -116,35 +116,33 @@ def _best_movement(ways: Ways, crossing: NetCrossing) -> Movement | None:
     return min(near, key=lambda one: _goodness(ways, one, one.target), default=None)
 
 
-def _after(ways: Ways, first: Movement) -> list[str]:
-    edges, length = [first.target], ways.length(first.target)
+def _route_over(ways: Ways, middle: Movement) -> tuple[str, ...]:
+    """Return a route with a movement in its middle that goes through no junction twice."""
+    edges = [middle.source, middle.target]
+    passed = {middle.junction}
+    length = ways.length(middle.target)
     while length < REACH_M:
-        onward = [
-            one
-            for one in ways.onward[edges[-1]]
-            if one.direction != TURNAROUND and one.target not in (*edges, first.source)
-        ]
+        onward = [one for one in _possible(ways.onward[edges[-1]], passed) if one.target not in edges]
         if not onward:
             break
-        edges.append(min(onward, key=lambda one: _goodness(ways, one, one.target)).target)
-        length += ways.length(edges[-1])
-    return edges
-
-
-def _before(ways: Ways, first: Movement) -> list[str]:
-    taken = set(_after(ways, first))
-    edges, length = [first.source], ways.length(first.source)
+        best = min(onward, key=lambda one: _goodness(ways, one, one.target))
+        edges.append(best.target)
+        passed.add(best.junction)
+        length += ways.length(best.target)
+    length = ways.length(middle.source)
     while length < REACH_M:
-        backward = [
-            one
-            for one in ways.backward[edges[0]]
-            if one.direction != TURNAROUND and one.source not in taken and one.source not in edges
-        ]
+        backward = [one for one in _possible(ways.backward[edges[0]], passed) if one.source not in edges]
         if not backward:
             break
-        edges.insert(0, min(backward, key=lambda one: _goodness(ways, one, one.source)).source)
-        length += ways.length(edges[0])
-    return edges
+        best = min(backward, key=lambda one: _goodness(ways, one, one.source))
+        edges.insert(0, best.source)
+        passed.add(best.junction)
+        length += ways.length(best.source)
+    return tuple(edges)
+
+
+def _possible(movements: Iterable[Movement], passed: Set[str]) -> list[Movement]:
+    return [one for one in movements if one.direction != TURNAROUND and one.junction not in passed]
 
 
 def _goodness(ways: Ways, movement: Movement, further: str) -> tuple[bool, int, str]:

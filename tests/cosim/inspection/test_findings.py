@@ -95,6 +95,18 @@ def test_ego_routes_follow_the_network_and_pass_every_crossing_that_they_name(tm
             assert found.network.crossings[name].edges & set(route.edges)
 
 
+def test_an_ego_route_in_a_grid_goes_through_no_junction_twice(tmp_path: Path) -> None:
+    size = "--grid --grid.number 3 --grid.length 150 --sidewalks.guess --crossings.guess --no-turnarounds"
+    call_line(f"netgenerate {size} -o grid.net.xml", tmp_path)
+    found = inspect(tmp_path / "grid.net.xml")
+    assert found.possible
+    for route in found.routes:
+        # netgenerate calls an edge by the two junctions that it joins, of two letters each.
+        junctions = [edge[2:] for edge in route.edges[:-1]]
+        assert len(set(junctions)) == len(junctions) > 0
+        assert len(set(route.edges)) == len(route.edges)
+
+
 def test_a_demand_without_persons_gets_some_by_the_suggested_command(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
     path = configure(tmp_path, CARS)
