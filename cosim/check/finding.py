@@ -27,7 +27,7 @@ class Finding:
     value: float | None = None
     margin: float | None = None
     counts: bool = True
-    """Whether anything but ``pass`` decides the exit code."""
+    """Whether it decides the exit code; true of all that passed."""
     seed: int | None = None
     run: str | None = None
     encounter_id: int | None = None

@@ -29,7 +29,8 @@ class Line:
     judged: int
     passed: int
     failed: int
-    undefined: int
+    """Undefined ones among them."""
+    not_counted: int
     invalid: int
     worst: Finding | None
     """The one nearest to failing, or furthest beyond; ``None`` where nothing tells."""
@@ -57,10 +58,8 @@ def lines(findings: Sequence[Finding]) -> list[Line]:
             criterion=name,
             judged=len(group),
             passed=sum(one.status == "pass" for one in group),
-            failed=sum(one.status == "fail" and one.counts for one in group),
-            undefined=sum(
-                one.status == "undefined" or (one.status == "fail" and not one.counts) for one in group
-            ),
+            failed=sum(one.failed for one in group),
+            not_counted=sum(not one.counts for one in group),
             invalid=sum(one.invalid for one in group),
             worst=_worst(group),
         )
@@ -137,7 +136,7 @@ def _wrong(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def _cells(line: Line) -> list[str]:
-    numbers = (line.judged, line.passed, line.failed, line.undefined, line.invalid)
+    numbers = (line.judged, line.passed, line.failed, line.not_counted, line.invalid)
     return [line.target, line.criterion, *map(str, numbers), line.worst_text]
 
 

@@ -110,8 +110,8 @@ def test_the_same_findings_give_the_same_bytes(tmp_path: Path) -> None:
 
 def test_a_summary_counts_and_shows_the_value_nearest_to_failing() -> None:
     near = replace(PASSED, value=0.55, margin=0.05)
-    (line,) = summary.lines([PASSED, near, ALLOWED, INVALID])
-    assert (line.judged, line.passed, line.failed, line.undefined, line.invalid) == (4, 2, 0, 1, 1)
+    (line,) = summary.lines([PASSED, near, ALLOWED, UNDEFINED, INVALID])
+    assert (line.judged, line.passed, line.failed, line.not_counted, line.invalid) == (5, 2, 1, 1, 1)
     assert line.worst_text == "0.55 m"
     assert summary.verdict([PASSED, FAILED, ALLOWED]) == (
         "failed: 1 of 2 criteria met, 1 not met, 1 do not count"
