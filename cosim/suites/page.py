@@ -102,7 +102,7 @@ def _scores(rows: Sequence[Cells], points: dict[str, dict[str, float]], controll
     totals = dict.fromkeys(controllers, 0.0)
     most_of_all = 0.0
     for part, shares in points.items():
-        for share in SHARES:
+        for share in (name for name in SHARES if name in shares):
             most = shares[share]
             most_of_all += most
             texts = []

@@ -1,6 +1,7 @@
 """A case of a test protocol as a scenario like any other.
 
-The road is straight, its speed limit is the test speed, and the ego comes at that speed. The pedestrian's
+The road is straight but for an ego that turns, its speed limit is the test speed, and the ego comes at that
+speed. The pedestrian's
 place is so far that the ego has driven steadily for a while before it matters.
 """
 
@@ -25,6 +26,8 @@ AFTERWARDS_S = 12.0
 CLOSING_S = 6.0
 """Who walks along the ego's path sets off when the ego would have caught up with him in this time."""
 EGO_WIDTH_M = 1.8
+FRONT_M = 3.55
+"""Of an ego, from the rear axle to the front bumper."""
 RADIUS_M = 0.25
 """Of pedestrians."""
 PARKED_BEFORE_M = 1.0
@@ -99,6 +102,9 @@ def walking_time(case: Case, way: float) -> float:
 def _table(case: Case) -> dict[str, Any]:
     group, place = case.group, place_of(case)
     speed = case.ego_speed_kmh / 3.6
+    road = f"{group.turns}_{group.turn_radius_m:g}" if group.turns else "open"
+    if group.obstructed:
+        road = "parking"
     closing = CLOSING_S if group.motion == "along" else 0.0
     table: dict[str, Any] = {
         "description": case.description,
@@ -106,8 +112,8 @@ def _table(case: Case) -> dict[str, Any]:
         "warmup_s": WARMUP_S,
         "step_s": 0.1,
         "network": {
-            "nodes": "nodes.nod.xml",
-            "edges": "parking.edg.xml" if group.obstructed else "open.edg.xml",
+            "nodes": f"{road}.nod.xml" if group.turns else "nodes.nod.xml",
+            "edges": f"{road}.edg.xml",
             "netconvert": ["--default.speed", f"{speed:.6f}", "--precision", "6"],
         },
         "demand": {"routes": ["parked_cars.rou.xml" if group.obstructed else "nobody.rou.xml"]},
@@ -148,6 +154,8 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
     assert group.start_distance_m is not None
     begin = group.start_distance_m
     row |= {"from_m": [place, side * begin], "to_m": [place, -side * begin]}
+    if group.motion == "turning":
+        return row | {"start": {"ego_distance_m": _turning_distance(case)}}
     if group.motion == "crossing":
         return row | {"start": {"overlap": group.overlap, "ego_speed_mps": case.ego_speed_kmh / 3.6}}
     # As somebody would who walks on to the near side of the ego; but he stops.
@@ -155,6 +163,21 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
     distance = RADIUS_M + near * case.ego_speed_kmh / 3.6
     stop = {"stop_after_m": begin - _beside(case), "stay_s": FOREVER_S}
     return row | stop | {"start": {"ego_distance_m": distance}}
+
+
+def _turning_distance(case: Case) -> float:
+    """Return the distance along the lane at which he sets off before an ego that is in its turn [m].
+
+    As for an overlap, but that the front bumper is seen at its place along the lane. With the rear axle on
+    the circle that is R · atan(f / R) ahead of it, not the f by which it will be ahead behind the turn.
+    """
+    assert case.group.turn_radius_m is not None
+    assert case.group.start_distance_m is not None
+    assert case.group.overlap is not None
+    radius = case.group.turn_radius_m
+    seen = radius * math.atan(FRONT_M / radius)
+    walks = walking_time(case, case.group.start_distance_m - (0.5 - case.group.overlap) * EGO_WIDTH_M)
+    return RADIUS_M + walks * case.ego_speed_kmh / 3.6 + FRONT_M - seen
 
 
 def _beside(case: Case) -> float:

@@ -15,7 +15,9 @@ from sumo_scenarios.errors import ScenarioError
 FOLDER = Path(__file__).parent
 DEFINITION = "suite.toml"
 
-Rule = Literal["no_contact", "impact_speed", "green", "not_red", "no_worse", "no_false_stop", "no_false_braking"]
+Rule = Literal[
+    "no_contact", "impact_speed", "green", "not_red", "no_worse", "no_false_stop", "no_false_braking"
+]
 Motion = Literal["crossing", "stopping", "along", "standing", "turning"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -46,6 +48,10 @@ class GroupTable(Table):
     start_distance_m: Positive | None = None
     """Between the middle of the ego's path and where he sets off."""
     acceleration_distance_m: NotNegative = 0.0
+    turns: Literal["left", "right", ""] = ""
+    """Where the ego turns to, in a quarter of a circle; motion ``turning``."""
+    turn_radius_m: Positive | None = None
+    """There is a road for each of the protocol's radii."""
     obstructed: bool = False
     """Two parked cars hide him."""
     highest_impact_kmh: list[NotNegative] = []
@@ -64,12 +70,14 @@ class GroupTable(Table):
             raise ValueError(
                 f"group '{self.name}': motion '{self.motion}' goes with the other of overlap, beside_m"
             )
-        if self.motion in ("crossing", "stopping") and self.start_distance_m is None:
+        if self.motion in ("crossing", "stopping", "turning") and self.start_distance_m is None:
             raise ValueError(f"group '{self.name}': key 'start_distance_m' is missing")
         if (self.motion == "standing") != (self.pedestrian_speed_kmh == 0.0):
             raise ValueError(
                 f"group '{self.name}': pedestrian_speed_kmh expected, except where he is standing"
             )
+        if (self.motion == "turning") != bool(self.turns and self.turn_radius_m):
+            raise ValueError(f"group '{self.name}': turns and turn_radius_m belong to motion 'turning'")
         if (self.rule == "impact_speed") != bool(self.highest_impact_kmh):
             raise ValueError(f"group '{self.name}': 'highest_impact_kmh' belongs to rule 'impact_speed'")
         if self.highest_impact_kmh and len(self.highest_impact_kmh) != len(self.speeds_kmh):

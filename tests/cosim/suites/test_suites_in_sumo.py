@@ -24,6 +24,7 @@ SOME = (
     "suite:fmvss127/stationary_55kmh",
     "suite:fmvss127/along_path_65kmh",
     "suite:euroncap2026/cpfa_90_40kmh",
+    "suite:euroncap2026/cpta_far_20_20kmh",
     "suite:unr157/crossing_5kmh",
     "suite:false_reactions/along_the_kerb_50kmh",
     "suite:false_reactions/stops_before_the_lane_40kmh",
@@ -53,7 +54,7 @@ def assert_geometry(case: Case, folder: Path) -> None:
     if case.group.motion != "standing":
         assert_full_speed_in_time(case, him, walking)
     # Whatever he does, the ego has come steadily for four seconds before it is there.
-    arrives = np.interp(place_of(case), egos["front_x_m"], egos["time_s"])
+    arrives = np.interp(place_of(case), egos["route_position_m"], egos["time_s"])
     assert arrives - egos["time_s"][0] >= 4.0
     if case.group.rule in BESIDE:
         assert_beside(case, measured, recorded)
@@ -67,7 +68,7 @@ def assert_geometry(case: Case, folder: Path) -> None:
     overlap = impact.overlap(case.group.comes_from == "left")
     assert overlap * impact.ego_width == pytest.approx(case.group.overlap * impact.ego_width, abs=0.02)
     begins = him["time_s"][0] if case.group.motion == "standing" else set_off(him, walking)
-    if case.group.motion == "crossing":
+    if case.group.motion in ("crossing", "turning"):
         assert case.group.start_distance_m is not None
         way = case.group.start_distance_m - (0.5 - case.group.overlap) * impact.ego_width
         assert impact.time - begins == pytest.approx(walking_time(case, way), abs=0.11)

@@ -1,0 +1,91 @@
+"""The reference driver: late by his reaction, and then as hard as the performance model says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from controllers.interface import Controller, Perception
+from controllers.strategies import careful_driver
+from tests.controllers.scenes import Walker, ego, perception
+
+SPEED = 50.0 / 3.6
+STEP = 0.1
+
+
+def scene(time: float, along: float, across: float, across_speed: float, speed: float = SPEED) -> Perception:
+    """Return an ego at a time, and one pedestrian so far ahead of its rear axle."""
+    walker = Walker(along=along, across=across, across_speed=across_speed)
+    return perception(ego(speed=speed, time=time), walkers=[walker])
+
+
+def commands(driver: Controller, scenes: list[Perception]) -> list[float]:
+    """Return the mean acceleration over each plan interval that is commanded [m/s^2]."""
+    found = []
+    for one in scenes:
+        command = driver.plan(one, driver.decide(one)).command
+        within = command.times < one.ego.plan_interval - 1e-9
+        found.append(float(np.mean(command.acceleration[within])))
+    return found
+
+
+def standing_ahead(times: np.ndarray, distance: float) -> list[Perception]:
+    """Return a pedestrian who stands in the path while the ego comes at constant speed."""
+    return [scene(float(time), distance - SPEED * float(time), 0.0, 0.0) for time in times]
+
+
+def test_he_brakes_after_his_reaction_and_not_before() -> None:
+    times = np.arange(0.0, 1.6, STEP)
+    asked = commands(careful_driver.build(), standing_ahead(times, 50.0))
+    begun = [time for time, value in zip(times, asked, strict=True) if value < -1.0]
+    # Perceived at once: the contact is 46 m or 3.3 s away.
+    assert begun[0] == pytest.approx(0.75, abs=STEP)
+    assert max(asked[:7]) > -1.0
+
+
+def test_the_braking_is_full_after_the_ramp() -> None:
+    times = np.arange(0.0, 1.8, STEP)
+    asked = commands(careful_driver.build(), standing_ahead(times, 50.0))
+    full = 0.774 * 9.80665
+    assert asked[-1] == pytest.approx(-full, abs=0.01)
+    assert min(asked) >= -8.0, "what leads the lag stays within the drive"
+
+
+def test_a_contact_that_is_far_away_is_no_risk_yet() -> None:
+    times = np.arange(0.0, 1.5, STEP)
+    asked = commands(careful_driver.build(), standing_ahead(times, 4.0 * SPEED + 3.6 + 1.5 * SPEED + 1.0))
+    assert min(asked) > -1.0
+
+
+@pytest.mark.parametrize(("walked", "risk"), [(0.3, False), (0.5, True)])
+def test_somebody_beside_the_path_is_a_risk_once_he_has_moved_across(walked: float, risk: bool) -> None:
+    driver = careful_driver.build(delay_s=0.0)
+    speed, steps = 1.4, 5
+    step = walked / speed / (steps - 1)
+    scenes = [
+        # On a collision course: he is in the middle of the path when the front is there.
+        scene(k * step, 3.55 + 2.0 * SPEED - SPEED * k * step, -2.8 + speed * k * step, speed)
+        for k in range(steps)
+    ]
+    because = [driver.decide(one).because for one in scenes]
+    assert (because[-1] != "") is risk
+
+
+def test_somebody_who_walks_along_the_kerb_is_no_risk() -> None:
+    driver = careful_driver.build()
+    scenes = [scene(0.1 * k, 40.0 - SPEED * 0.1 * k, -2.2, 0.0) for k in range(20)]
+    assert all(driver.decide(one).because == "" for one in scenes)
+
+
+def test_a_standing_driver_waits_for_whoever_is_ahead() -> None:
+    driver = careful_driver.build()
+    scenes = [scene(0.1 * k, 5.5, 0.0, 0.0, speed=0.0) for k in range(5)]
+    assert max(commands(driver, scenes)) < 0.0
+    gone = scene(0.6, 5.5, 6.0, 1.4, speed=0.0)
+    assert commands(driver, [gone])[0] > 0.0
+
+
+@pytest.mark.parametrize("wrong", [{"delay_s": -0.1}, {"deceleration_g": 0.0}, {"horizon_s": float("inf")}])
+def test_what_cannot_be_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        careful_driver.build(**wrong)
