@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -47,6 +50,35 @@ def test_braunschweig_is_what_its_files_say() -> None:
     assert sum(found.demand.ways.values()) == cars
     # The network is one intersection with crossings on all arms: nobody gets past them.
     assert f"{cars:,.0f} of {cars:,.0f} cars" in finding(found, "ego routes").text
+
+
+JUDGE = """
+import json, sys
+from collections import Counter
+from sumo.tools import sumolib
+net = sumolib.net.readNet(sys.argv[1], withInternal=True, withPedestrianConnections=True)
+def cars(edge): return sum(lane.allows("passenger") for lane in edge.getLanes())
+def walks(edge): return any(l.allows("pedestrian") and not l.allows("passenger") for l in edge.getLanes())
+crossed = Counter()
+for edge in net.getEdges():
+    if edge.getFunction() == "crossing":
+        crossed[sum(map(cars, edge.getCrossingEdges()))] += 1
+roads = net.getEdges(withInternal=False)
+several = sum(cars(one) > 1 for one in roads)
+print(json.dumps([sorted(crossed.items()), len(roads), several, sum(map(walks, roads))]))
+"""
+
+
+def test_sumos_own_reader_counts_the_same_in_braunschweig() -> None:
+    found = inspect(packaged_file(BRAUNSCHWEIG))
+    command = [sys.executable, "-c", JUDGE, str(found.source.net_file)]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    crossed, roads, several, with_sidewalk = json.loads(said)
+    assert {lanes: count for (_, lanes), count in found.counts.items()} == dict(crossed)
+    assert finding(found, "roads").text == (
+        f"{roads} of {roads} edges are for cars; {several} have more than one lane"
+    )
+    assert finding(found, "sidewalks").text.startswith(f"{with_sidewalk} of {roads} edges")
 
 
 def test_a_network_without_sidewalks_is_mended_by_the_suggested_command(tmp_path: Path) -> None:
