@@ -16,14 +16,12 @@ from cosim.batch.batch import Batch
 from cosim.batch.job import Configuration, Job
 from cosim.batch.ledger import FAILED
 from cosim.batch.ledger import RUNS as RUN_FOLDERS
-from cosim.check.finding import Finding
+from cosim.check.finding import VALID, Finding
 from cosim.check.target import Target
 
 if TYPE_CHECKING:
     from cosim.suites.judging import Case, Verdict
 
-VALID = "valid"
-"""The criterion that every run has to meet."""
 MOST_SEEDS = 10
 """Named in a note."""
 

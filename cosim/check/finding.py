@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+VALID = "valid"
+"""Name of the criterion that every run has to meet."""
+
 
 @dataclass(frozen=True, slots=True)
 class Finding:

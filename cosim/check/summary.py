@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cosim.check.finding import Finding, exit_code
+from cosim.check.finding import VALID, Finding, exit_code
 from cosim.check.junit import details
 
 MOST_FAILURES = 30
@@ -132,7 +132,9 @@ def markdown(findings: Sequence[Finding]) -> str:
 
 
 def _wrong(findings: Sequence[Finding]) -> list[Finding]:
-    return [one for one in findings if one.invalid] + [one for one in findings if one.failed]
+    """Return what is to be looked into: of an invalid run once that it is, and all that failed."""
+    invalid = [one for one in findings if one.invalid and (one.metric == VALID or one.seed is None)]
+    return invalid + [one for one in findings if one.failed]
 
 
 def _cells(line: Line) -> list[str]:

@@ -152,3 +152,11 @@ def test_a_long_list_of_failures_is_cut_and_says_so() -> None:
     many = [replace(FAILED, seed=seed) for seed in range(100)]
     assert summary.failures(many)[-1] == "… and 70 more"
     assert len(re.findall("^again:", summary.markdown(many), re.MULTILINE)) == summary.MOST_FAILURES
+
+
+def test_an_invalid_run_is_told_once() -> None:
+    run = replace(INVALID, criterion_id="valid", metric="valid")
+    (line,) = summary.failures([run, INVALID, replace(INVALID, scope="encounter", metric="collision")])
+    assert line.startswith("valid: town with aeb horizon=2, seed 6: invalid: still running")
+    statistic = replace(INVALID, scope="configuration", seed=None)
+    assert len(summary.failures([run, INVALID, statistic])) == 2
