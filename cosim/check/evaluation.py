@@ -129,7 +129,7 @@ class Evaluation:
         )
         if run.reason:
             return replace(about, status="invalid", note=run.reason)
-        return _verdict(about, case, self._verdicts[run.job])
+        return with_verdict(about, case, self._verdicts[run.job])
 
     @cached_property
     def _verdicts(self) -> Mapping[Job, Verdict]:
@@ -231,7 +231,8 @@ def _of_encounter(judged: Finding, row: Cells) -> Finding:
     )
 
 
-def _verdict(about: Finding, case: Case, verdict: Verdict) -> Finding:
+def with_verdict(about: Finding, case: Case, verdict: Verdict) -> Finding:
+    """Return the finding with the verdict of a protocol; what could not be prevented does not count."""
     notes = [f"expected {case.group.rule.replace('_', ' ')}", verdict.note]
     limit, speed = case.highest_impact_kmh, verdict.impact_speed_kmh
     if limit is not None:
