@@ -9,24 +9,24 @@ from cosim.errors import InputError
 DEFAULT_PARENT = Path("runs")
 
 
-def check(out: Path | None) -> None:
+def check(out: Path | None, flag: str = "--out") -> None:
     """Refuse a folder that cannot take a new run, before anything expensive happens.
 
     Raises
     ------
     InputError
-        When ``out`` is a file or a folder with something in it.
+        When ``out`` is a file or a folder with something in it; ``flag`` is named as what gave it.
     """
     if out is None:
         return
     try:
         if out.is_dir():
             if any(out.iterdir()):
-                raise InputError(f"--out {out}: an empty or new folder expected, this one has files in it")
+                raise InputError(f"{flag} {out}: an empty or new folder expected, this one has files in it")
         elif out.exists():
-            raise InputError(f"--out {out}: a folder expected, this is a file")
+            raise InputError(f"{flag} {out}: a folder expected, this is a file")
     except OSError as error:
-        raise InputError(f"--out {out}: {error.strerror}") from error
+        raise InputError(f"{flag} {out}: {error.strerror}") from error
 
 
 def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:

@@ -46,7 +46,7 @@ def inspect(
     from cosim.inspection.inspection import inspect as look
     from cosim.inspection.scaffold import write_scaffold
 
-    output.check(scaffold)
+    output.check(scaffold, "--scaffold")
     found = look(path)
     if picture is not None:
         from cosim.drawing import check_picture, require_matplotlib

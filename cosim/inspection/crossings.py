@@ -45,6 +45,14 @@ def crossings(network: Network, counts: Counts, net_file: Path) -> Finding:
     return Finding("crossings", Level.MISSING, "none", command)
 
 
+def impossible_routes(cars: Passing | None) -> list[Finding]:
+    """Say so where cars of the demand have a route that is not possible."""
+    if cars is None or not cars.impossible:
+        return []
+    text = f"{cars.impossible:,.0f} cars of the demand have edges that do not exist, or no way between them"
+    return [Finding("car routes", Level.DANGER, text + ": SUMO stops at the first of them")]
+
+
 def ego_routes(routes: Sequence[EgoRoute], cars: Passing | None, any_crossing: bool) -> Finding:
     """Say whether a car can drive over a crossing, and how many of the demand do."""
     if not routes:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import BinaryIO, cast
 from xml.etree import ElementTree
 
+from cosim.errors import InputError
 from cosim.inspection.source import Source
 
 DEFAULT_CLASSES = {
@@ -41,7 +42,13 @@ class Demand:
 
 
 def read_demand(source: Source) -> Demand:
-    """Return the demand of a configuration; none for a network alone."""
+    """Return the demand of a configuration; none for a network alone.
+
+    Raises
+    ------
+    InputError
+        If a rate of a flow is no number.
+    """
     reader = _Reader(source.begin_s, math.inf if source.end_s is None else source.end_s)
     for path in source.additional_files:
         reader.read(path, sorted_by_time=False)
@@ -92,7 +99,11 @@ class _Reader:
                     ignored.append(element.get("id", "?"))
                     continue
                 latest = depart
-            self._found.append((element, self._count(element, depart)))
+            try:
+                self._found.append((element, self._count(element, depart)))
+            except ValueError as error:
+                what = f"{element.tag} {element.get('id', '?')!r}"
+                raise InputError(f"{path}: {what} has something that is not a number: {error}") from error
         if ignored:
             self._demand.ignored[path] = ignored
 

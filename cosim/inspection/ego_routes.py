@@ -36,6 +36,8 @@ class Passing:
     cars: float
     """Whose route is known, expected number."""
     passing: float
+    impossible: float = 0.0
+    """Whose edges do not exist, or have no way for cars between them."""
 
 
 def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
@@ -63,14 +65,18 @@ def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
 
 def passing(ways: Ways, demand: Demand) -> Passing:
     """Return how many cars of the demand drive over a crossing, on the fastest way between what is given."""
-    cars = over = 0.0
+    cars = over = impossible = 0.0
     trees: dict[str, Mapping[str, str]] = {}
     for given, count in sorted(demand.ways.items()):
+        if given[0] not in trees and len(trees) == MOST_ORIGINS:
+            continue
         route = _filled(ways, given, trees)
-        if route is not None:
-            cars += count
-            over += count * bool(ways.crossings_on(route))
-    return Passing(cars, over)
+        if route is None:
+            impossible += count
+            continue
+        cars += count
+        over += count * bool(ways.crossings_on(route))
+    return Passing(cars, over, impossible)
 
 
 def _filled(
@@ -85,8 +91,6 @@ def _filled(
             route = (*route, target)
             continue
         if source not in trees:
-            if len(trees) == MOST_ORIGINS:
-                return None
             trees[source] = ways.fastest(source)
         part = route_to(target, trees[source])
         if part[0] != source:

@@ -64,6 +64,7 @@ def inspect(path: Path) -> Inspection:
         roads.permissions(network),
         crossings.crossings(network, counts, source.net_file),
         crossings.ego_routes(routes, cars, bool(counts)),
+        *crossings.impossible_routes(cars),
         demand_findings.vehicles(source, demand),
         demand_findings.persons(source, demand),
         *demand_findings.sorting(demand),

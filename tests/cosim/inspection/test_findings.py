@@ -232,3 +232,15 @@ def test_what_is_closed_to_cars_gives_no_ego_route(tmp_path: Path) -> None:
     net.write_text(text)
     found = inspect(net)
     assert {"roads", "ego routes"} <= missing(found)
+
+
+@pytest.mark.parametrize("way", ['from="gone" to="east_2"', 'from="east_2" to="east_1"'])
+@pytest.mark.sumo
+def test_a_car_that_sumo_stops_at_is_told(tmp_path: Path, way: str) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS, "--no-turnarounds")
+    path = configure(tmp_path, PERSONS + CARS + f'<trip id="lost" depart="5" {way}/>')
+    one = finding(inspect(path), "car routes")
+    assert one.level is Level.DANGER
+    assert one.text.startswith("1 cars")
+    with pytest.raises(subprocess.CalledProcessError):
+        call_line("sumo -c town.sumocfg", tmp_path)
