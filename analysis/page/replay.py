@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
+from scipy.spatial import ConvexHull
 
 from analysis.case import Case, prepare
 from analysis.errors import RecordingError
+from analysis.geometry import FloatArray
 from analysis.page.overlay import drawings
 from analysis.run import read_run
 from analysis.thresholds import Thresholds, names
@@ -217,20 +219,38 @@ def _plans(rows: pd.DataFrame, ego: str, times: np.ndarray[Any, Any]) -> list[di
 
 
 def _map(case: Case, front: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
+    """Return the areas near the ego's way, the ground of junctions first."""
     low, high = front.min(axis=0) - NEAR_M, front.max(axis=0) + NEAR_M
-    found = []
+    found: list[dict[str, Any]] = []
+    inner: dict[str, list[FloatArray]] = {}
     for area in case.run.areas:
         least, most = area.shape.min(axis=0), area.shape.max(axis=0)
         if (most < low).any() or (least > high).any():
             continue
+        inside = area.kind == "lane" and area.name.startswith(":")  # SUMO's name of a lane in a junction
+        if inside:
+            inner.setdefault(area.name.rsplit("_", 2)[0], []).append(area.shape)
         found.append(
             {
-                "kind": area.kind,
+                "kind": "inner_lane" if inside else area.kind,
                 "crossing_kind": area.crossing_kind,
                 "width_m": area.width_m,
                 "at": np.round(area.shape, 2).ravel().tolist(),
             }
         )
+    return [*_grounds(inner.values()), *found]
+
+
+def _grounds(junctions: Iterable[Sequence[FloatArray]]) -> list[dict[str, Any]]:
+    """Return what lies between the lanes of each junction: the smallest convex outline round them."""
+    found = []
+    for shapes in junctions:
+        points = np.unique(np.vstack(shapes), axis=0)
+        if len(points) < 3 or np.linalg.matrix_rank(points - points[0], tol=0.1) < 2:
+            continue  # on one line
+        outline = points[ConvexHull(points).vertices]
+        at = np.round(outline, 2).ravel().tolist()
+        found.append({"kind": "junction", "crossing_kind": "", "width_m": 0.0, "at": at})
     return found
 
 

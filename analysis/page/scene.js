@@ -134,22 +134,29 @@ function label(c, text, x, y, ink, ground) {
 function drawMap(c, areas, colour, trace, pixel) {
   c.lineCap = "butt";
   c.lineJoin = "round";
-  for (const area of areas) {
-    if (area.kind !== "walkingarea") continue;
-    trace(area.at, true);
-    c.fillStyle = colour("scene-walk");
-    c.fill();
-  }
-  // Lanes with a margin left free: what shows between two of them is the line.
-  const lanes = areas.filter((area) => area.kind === "lane");
-  for (const [narrower, name] of [[0, "scene-line"], [Math.max(0.14, pixel), "scene-road"]]) {
-    for (const area of lanes) {
+  const fill = (kind, name) => {
+    for (const area of areas) {
+      if (area.kind !== kind) continue;
+      trace(area.at, true);
+      c.fillStyle = colour(name);
+      c.fill();
+    }
+  };
+  const stroke = (kind, name, width) => {
+    for (const area of areas) {
+      if (area.kind !== kind) continue;
       trace(area.at, false);
-      c.lineWidth = Math.max(area.width_m - narrower, pixel);
+      c.lineWidth = Math.max(width(area.width_m), pixel);
       c.strokeStyle = colour(name);
       c.stroke();
     }
-  }
+  };
+  fill("junction", "scene-road");
+  stroke("inner_lane", "scene-road", (width) => width + 0.3);
+  fill("walkingarea", "scene-walk");
+  // Lanes with a margin left free: what shows between two of them is the line.
+  stroke("lane", "scene-line", (width) => width);
+  stroke("lane", "scene-road", (width) => width - Math.max(0.14, pixel));
   for (const area of areas) {
     if (area.kind !== "crossing") continue;
     trace(area.at, false);
