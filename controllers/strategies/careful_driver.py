@@ -7,6 +7,7 @@ he could perceive the risk. Across: as the road and its vehicles ask.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,8 @@ STANDING = 0.05
 """Slower is standing [m/s]."""
 START_SPEED = 2.0
 """A standing driver does not start where driving at this speed would meet somebody [m/s]."""
+WALKING = 0.5
+"""Who moves faster across the road when he comes into view is crossing it [m/s]."""
 HOLDING = -2.0
 """What keeps a standing car standing [m/s^2]."""
 
@@ -101,12 +104,16 @@ class CarefulDriver:
         elapsed = 0.0 if self._time is None else ego.time - self._time
         self._time = ego.time
         ways = [
-            self._moved.get(name, 0.0) + abs(float(speed)) * elapsed
+            self._moved.get(name, self._came(float(speed))) + abs(float(speed)) * elapsed
             for name, speed in zip(them.names, them.across_speed, strict=True)
         ]
         self._moved = dict(zip(them.names, ways, strict=True))
         inside = np.abs(them.across - ego.across) < 0.5 * ego.body.width + them.radius
         return np.asarray(inside | (np.array(ways) >= self._reaction.wander))
+
+    def _came(self, across_speed: float) -> float:
+        """Return how far somebody has moved who was not in view before: who comes walking is no wanderer."""
+        return self._reaction.wander if abs(across_speed) > WALKING else 0.0
 
     def _braking(self, ego: EgoState, times: FloatArray) -> FloatArray:
         """Return what the reaction allows at most over the steps that begin at those times [m/s^2]."""
@@ -116,13 +123,17 @@ class CarefulDriver:
             return np.full(len(times), HOLDING)
         rule, drive = self._reaction, ego.drive
         step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
-        elapsed = ego.time - self._since + times + 0.5 * step - rule.delay
-        built_up = np.clip(elapsed / max(rule.ramp, 1e-9), 0.0, 1.0)
-        # The model's braking is what the car does: the command leads it by the lag of the brake.
-        rising = (elapsed > 0.0) & (elapsed < rule.ramp)
-        lead = np.where(rising, drive.drive_lag / max(rule.ramp, 1e-9), 0.0)
-        wanted = np.minimum((built_up + lead) * rule.deceleration, drive.max_deceleration)
-        return np.where(elapsed > 0.0, -wanted, np.inf)
+        # The model's braking is what the car does: the command is what makes its brake, which lags, do it.
+        lags = 1.0 - math.exp(-step / drive.drive_lag) if drive.drive_lag > 0.0 else 1.0
+        elapsed = ego.time - self._since + times + step - rule.delay
+        wanted = np.clip(elapsed / max(rule.ramp, 1e-9), 0.0, 1.0) * rule.deceleration
+        asked = np.full(len(times), np.inf)
+        reached = max(-ego.acceleration, 0.0)
+        for k in np.flatnonzero(elapsed > 0.0).tolist():
+            command = min(max(reached + (wanted[k] - reached) / lags, 0.0), drive.max_deceleration)
+            reached += (command - reached) * lags
+            asked[k] = -command
+        return asked
 
 
 def build(
@@ -156,10 +167,10 @@ def build(
     Notes
     -----
     Delay, deceleration, ramp and wander are those of the performance model of [R157]_, after a
-    transcription. That model is of a vehicle that cuts in; that a pedestrian who has moved as far is
-    perceived as one is, the condition of a contact at constant velocities, and the horizon are ours. The
-    0.4 s in which the model's driver evaluates the risk are left out, as in the metric preventable_r157;
-    ``delay_s=1.15`` has them.
+    transcription. That model is of a vehicle that cuts in. That a pedestrian who has moved as far is
+    perceived as one is, and at once where he comes into view walking, the condition of a contact at
+    constant velocities, and the horizon are ours. The 0.4 s in which the model's driver evaluates the risk
+    are left out, as in the metric preventable_r157; ``delay_s=1.15`` has them.
     """
     values = {
         "delay_s": delay_s,
