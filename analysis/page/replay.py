@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
@@ -18,6 +19,7 @@ from analysis.case import Case, prepare
 from analysis.errors import RecordingError
 from analysis.geometry import FloatArray
 from analysis.page.overlay import drawings
+from analysis.recording import EGOS, NEIGHBOURS, PLANS
 from analysis.run import read_run
 from analysis.thresholds import Thresholds, names
 
@@ -64,10 +66,16 @@ def read_recording(folder: Path) -> Recording:
         When the recording cannot be read.
     """
     case = prepare(read_run(folder), _thresholds(folder))
-    tables = [
-        pq.read_table(folder / f"{name}.parquet").to_pandas() for name in ("egos", "neighbours", "plans")
-    ]
-    return Recording(case, *tables)
+    schemas = {"egos": EGOS, "neighbours": NEIGHBOURS, "plans": PLANS}
+    return Recording(case, **{name: _table(folder, name, schema) for name, schema in schemas.items()})
+
+
+def _table(folder: Path, name: str, schema: pa.Schema) -> pd.DataFrame:
+    path = folder / f"{name}.parquet"
+    try:
+        return pd.DataFrame(pq.read_table(path, schema=schema).to_pandas())
+    except (OSError, pa.ArrowException) as error:
+        raise RecordingError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
 
 
 def _thresholds(folder: Path) -> Thresholds:
