@@ -18,7 +18,13 @@ from cosim.provenance import Inputs
 
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
-    *("analysis/criteria", "analysis/crossing_", "analysis/protocols", "analysis/statistics", "analysis/study"),
+    *(
+        "analysis/criteria",
+        "analysis/crossing_",
+        "analysis/protocols",
+        "analysis/statistics",
+        "analysis/study",
+    ),
     *("cosim/batch", "cosim/check", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/papers"),
     "cosim/suites",
 )
