@@ -1,0 +1,91 @@
+"""References to cases wherever a scenario can be named: requests, studies, other machines, identities."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from cosim.batch.batch import BatchRequest, prepared
+from cosim.batch.matrix import build_matrix
+from cosim.batch.shipping import bundles
+from cosim.batch.study import study_of
+from cosim.compose import inputs_of
+from cosim.errors import InputError
+from cosim.request import RunRequest
+from cosim.suites import judging
+from cosim.suites.running import run_cases
+from sumo_scenarios.suites import build
+
+CASE = "suite:fmvss127/obstructed_child_30kmh"
+
+
+def study(**changes: object) -> dict[str, object]:
+    return {"scenarios": [CASE], "controllers": ["aeb"], "seeds": [1], **changes}
+
+
+def test_a_study_takes_cases_beside_scenarios_and_ships_no_files_for_them(tmp_path: Path) -> None:
+    table = study_of(study(scenarios=[CASE, "midblock_zebra"]), "mine")
+    matrix = build_matrix(table, tmp_path / "mine.toml")
+    assert [one.place for one in matrix.configurations] == [CASE, "midblock_zebra"]
+    assert matrix.jobs()[0].command().startswith(f"cosim run {CASE} ")
+    assert "/" not in matrix.jobs()[0].name
+    assert bundles(matrix.configurations) == ()
+
+
+def test_an_unknown_case_of_a_study_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="did you mean 'obstructed_child_30kmh'"):
+        build_matrix(study_of(study(scenarios=[f"{CASE}x"]), "mine"), tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"start_distance_m": 4.5},
+        {"overlap": 0.25},
+        {"pedestrian_speed_kmh": 6.0},
+        {"acceleration_distance_m": 1.2},
+        {"obstructed": False},
+    ],
+)
+def test_every_number_of_the_table_is_part_of_a_runs_identity(
+    changed: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = inputs_of(RunRequest(CASE, "aeb")).run_id()
+    assert inputs_of(RunRequest(CASE, "aeb")).run_id() == before
+    (case,) = judging.cases(CASE)
+    other = replace(case, group=case.group.model_copy(update=changed))
+    monkeypatch.setattr(build, "find", lambda reference: other)
+    assert inputs_of(RunRequest(CASE, "aeb")).run_id() != before
+
+
+@pytest.mark.parametrize("speed", [20.0, 31.0])
+def test_the_test_speed_is_part_of_a_runs_identity(speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    (case,) = judging.cases("suite:fmvss127/stationary_30kmh")
+    before = inputs_of(RunRequest(case.reference, "aeb")).run_id()
+    monkeypatch.setattr(build, "find", lambda reference: replace(case, ego_speed_kmh=speed))
+    assert inputs_of(RunRequest(case.reference, "aeb")).run_id() != before
+
+
+@pytest.mark.sumo
+def test_cases_run_in_worker_processes_are_judged_and_resumed(tmp_path: Path) -> None:
+    cases = [case for case in judging.cases("fmvss127", "stationary") if case.ego_speed_kmh < 25.0]
+    controllers = ["constant_speed", "aeb"]
+    finished = run_cases(cases, controllers, tmp_path / "out", jobs=1)
+    assert finished.result.tally.made == 4
+    assert finished.exit_code == 1
+    verdicts = {(row.controller, row.case): row.verdict for row in finished.rows}
+    assert {name: verdict.passed for name, verdict in verdicts.items() if verdict is not None} == {
+        ("constant_speed", "stationary_10kmh"): False,
+        ("constant_speed", "stationary_20kmh"): False,
+        ("aeb", "stationary_10kmh"): True,
+        ("aeb", "stationary_20kmh"): True,
+    }
+    written = (tmp_path / "out" / "protocol.csv").read_bytes()
+    again = run_cases(cases, controllers, tmp_path / "out", jobs=1)
+    assert again.result.tally.made == 0
+    assert (tmp_path / "out" / "protocol.csv").read_bytes() == written
+    table = study_of(study(scenarios=[case.reference for case in cases]), "other")
+    with prepared(BatchRequest(Path("other.toml"), tmp_path / "other", 1, table=table)) as batch:
+        assert len(batch.missing) == 2
