@@ -5,6 +5,7 @@ FOLDER holds, at any depth, one ``protocol.csv`` for each suite and set of contr
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -114,12 +115,17 @@ def _scores(rows: Sequence[Cells], points: dict[str, dict[str, float]], controll
                     and row["group"].startswith(f"{part}_")
                     and row["share"] == share
                 ]
-                gained = score(own, most)
+                # A part that was not driven gives no sum.
+                gained = score(own, most) if own else math.nan
                 totals[name] += gained
-                texts.append(f"{gained:.3f}")
+                texts.append(_points(gained, 3))
             lines.append([f"{part}, {share}", f"{most:g}", *texts])
-    lines.append(["all", f"{most_of_all:g}", *(f"**{totals[name]:.2f}**" for name in controllers)])
+    lines.append(["all", f"{most_of_all:g}", *(f"**{_points(totals[name], 2)}**" for name in controllers)])
     return _table(lines)
+
+
+def _points(value: float, digits: int) -> str:
+    return "–" if math.isnan(value) else f"{value:.{digits}f}"
 
 
 def _passed(rows: Iterable[Cells]) -> int:

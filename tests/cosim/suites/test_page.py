@@ -42,8 +42,17 @@ def test_the_page_has_what_was_passed_and_how_hard_the_others_were(tmp_path: Pat
     assert "5 of 6 (50: 8 yellow)" in text
     # 18 standard cases of CPNA: one of them is worth three quarters.
     assert f"| cpna, standard | 1 | {1.0 - 0.25 / 18.0:.3f} |" in text
-    assert f"**{7.5 - 0.25 / 18.0:.2f}**" in text
+    assert f"**{9.5 - 0.25 / 18.0:.2f}**" in text
     assert "after Euro NCAP 2026, transcribed" in text
+
+
+def test_a_rating_of_which_a_part_was_not_driven_has_no_sum(tmp_path: Path) -> None:
+    write(tmp_path, [row(case, "aeb", None) for case in judging.cases("euroncap2026", "cpna_*")])
+    write_page(tmp_path, tmp_path / "page.md")
+    text = (tmp_path / "page.md").read_text("utf-8")
+    assert "| cpna, standard | 1 | 1.000 |" in text
+    assert "| cpta, standard | 2 | – |" in text
+    assert "**–**" in text
 
 
 def test_a_page_of_nothing_is_refused(tmp_path: Path) -> None:
