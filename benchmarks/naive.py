@@ -82,7 +82,7 @@ class NaiveSpeedProgram:
         self.limits = like.limits
         self.tolerance = like.program.tolerance
 
-    def solve(self, task: PassingTask, warm: FloatArray | None = None) -> SpeedPlan:
+    def solve(self, task: PassingTask, warm: FloatArray | None = None, kind: object = None) -> SpeedPlan:
         """Return the plan for a task; ``warm`` is not used, as nothing outlives a call."""
         n = len(self.dt)
         z = solve(self.build(task), self.tolerance)

@@ -143,20 +143,33 @@ class LateralHorizon:
     """
 
     def __init__(self, dt: FloatArray, lag: float, wheelbase: float) -> None:
-        self._ramp = lagged_ramp(dt, lag)
-        self._wheelbase = wheelbase
+        r = lagged_ramp(dt, lag)
         n = len(dt)
-        r = self._ramp
-        self._step = np.zeros((n, 4, 4))
-        self._step[:, 0, 0] = 1.0
-        self._step[:, 1, 1] = 1.0
-        self._step[:, 2, 2] = r.decay
-        self._step[:, 2, 3] = 1.0 - r.decay
-        self._step[:, 3, 3] = 1.0
-        self._input = np.zeros((n, 4))
-        self._input[:, 2] = r.ramp
-        self._input[:, 3] = r.h
-        self._states = np.zeros((n, 4, n + 1))
+        self._h = dt
+        self._wheelbase = wheelbase
+        # Steering and command do not depend on the speed. Columns: the inputs, then both at the beginning.
+        steering, command = np.zeros((n + 1, n + 2)), np.zeros((n + 1, n + 2))
+        steering[0, n], command[0, n + 1] = 1.0, 1.0
+        for k in range(n):
+            steering[k + 1] = r.decay[k] * steering[k] + (1.0 - r.decay[k]) * command[k]
+            steering[k + 1, k] += r.ramp[k]
+            command[k + 1] = command[k]
+            command[k + 1, k] += dt[k]
+        # What one interval adds to the heading per v / wheelbase, and to the offset per v^2 / wheelbase.
+        self._turned = r.first[:, None] * steering[:-1] + r.ramp[:, None] * command[:-1]
+        self._turned[range(n), range(n)] += r.double
+        self._moved = (lag * r.ramp)[:, None] * steering[:-1] + r.double[:, None] * command[:-1]
+        self._moved[range(n), range(n)] += r.triple
+        self._free = np.empty((4, n))
+        self._gain = np.empty((4, n, n))
+        self._gain[STEERING], self._gain[STEERING_COMMAND] = steering[1:, :n], command[1:, :n]
+        self._start = (steering[1:, n:], command[1:, n:])
+
+    @property
+    def steering_gain(self) -> FloatArray:
+        """Commanded steering angle by inputs, whatever the speed, shape (N, N)."""
+        gain: FloatArray = self._gain[STEERING_COMMAND]
+        return gain
 
     def maps(self, speed: FloatArray, curvature: FloatArray, start: FloatArray) -> AffineMaps:
         """Return the maps for a speed profile and the lane's curvature in each interval.
@@ -170,25 +183,23 @@ class LateralHorizon:
 
         Notes
         -----
-        ``free`` and ``gain`` are views into a buffer that the next call overwrites.
+        ``free`` and ``gain`` are buffers that the next call overwrites.
         """
-        r, step, state = self._ramp, self._step, self._states
+        n, free, gain = len(speed), self._free, self._gain
+        travelled = speed * self._h
         per_wheelbase = speed / self._wheelbase
-        step[:, 0, 1] = speed * r.h
-        step[:, 0, 2] = speed * per_wheelbase * r.lag * r.ramp
-        step[:, 0, 3] = speed * per_wheelbase * r.double
-        step[:, 1, 2] = per_wheelbase * r.first
-        step[:, 1, 3] = per_wheelbase * r.ramp
-        self._input[:, 0] = speed * per_wheelbase * r.triple
-        self._input[:, 1] = per_wheelbase * r.double
-        turn = curvature * speed * r.h
-        current = np.zeros((4, len(speed) + 1))
-        current[:, -1] = start
-        for k in range(len(speed)):
-            current = step[k] @ current
-            current[:, k] += self._input[k]
-            current[0, -1] -= 0.5 * turn[k] * speed[k] * r.h[k]
-            current[1, -1] -= turn[k]
-            state[k] = current
-        by_state = state.transpose(1, 0, 2)
-        return AffineMaps(by_state[:, :, -1], by_state[:, :, :-1])
+        heading = np.cumsum(per_wheelbase[:, None] * self._turned, axis=0)
+        moved = (speed * per_wheelbase)[:, None] * self._moved
+        moved[1:] += travelled[1:, None] * heading[:-1]
+        across = np.cumsum(moved, axis=0)
+        gain[ACROSS], gain[HEADING] = across[:, :n], heading[:, :n]
+        # Without input: what the wheels do at the beginning, less what the lane turns away.
+        turn = np.cumsum(curvature * travelled)
+        lane_heading = start[HEADING] - turn
+        before = lane_heading + curvature * travelled
+        free[HEADING] = lane_heading + heading[:, n:] @ start[STEERING:]
+        free[ACROSS] = start[ACROSS] + across[:, n:] @ start[STEERING:]
+        free[ACROSS] += np.cumsum(travelled * 0.5 * (before + lane_heading))
+        free[STEERING] = self._start[0] @ start[STEERING:]
+        free[STEERING_COMMAND] = self._start[1] @ start[STEERING:]
+        return AffineMaps(free, gain)

@@ -119,32 +119,36 @@ class LateralProgram:
         p.lower[n] = 0.0
         p.P[n, n] = 2.0 * weights.leaving
         p.q[n] = weights.leaving
+        steering = self.horizon.steering_gain
+        p.G[self._rows(self.STEER_LEFT), :n] = steering
+        p.G[self._rows(self.STEER_RIGHT), :n] = -steering
+        self._weights = np.empty((3, n))
+        self._weights[0], self._weights[1] = weights.across * dt, weights.heading * dt
+        self._rate_cost = np.diag(2.0 * weights.rate * dt)
 
     def build(self, task: SteeringTask) -> tuple[FloatArray, FloatArray]:
         """Write the task into the program and return the free response and the gains."""
-        n, p, w = self.steps, self.program, self.weights
+        n, p = self.steps, self.program
         start = np.array([task.across, task.heading_error, task.steering, task.command])
         maps = self.horizon.maps(task.speed, task.curvature, start)
         free, gain = maps.free, maps.gain
         weights, errors = self._tracking(free, task)
         stacked = gain[:3].reshape(3 * n, n)
-        weighted = stacked * weights.reshape(-1, 1)
-        p.P[:n, :n] = 2.0 * (stacked.T @ weighted)
-        p.P[range(n), range(n)] += 2.0 * w.rate * self.dt
-        p.q[:n] = 2.0 * (weighted.T @ errors.reshape(-1))
+        weighted = stacked * (2.0 * weights).reshape(-1, 1)
+        np.add(stacked.T @ weighted, self._rate_cost, out=p.P[:n, :n])
+        p.q[:n] = errors.reshape(-1) @ weighted
         front_free = free[ACROSS] + self.front * free[HEADING]
         front_gain = gain[ACROSS] + self.front * gain[HEADING]
-        blocks = (
-            (self.LEFT, gain[ACROSS], task.left - free[ACROSS]),
-            (self.RIGHT, -gain[ACROSS], free[ACROSS] - task.right),
-            (self.FRONT_LEFT, front_gain, task.left - front_free),
-            (self.FRONT_RIGHT, -front_gain, front_free - task.right),
-            (self.STEER_LEFT, gain[STEERING_COMMAND], self.max_steering - free[STEERING_COMMAND]),
-            (self.STEER_RIGHT, -gain[STEERING_COMMAND], self.max_steering + free[STEERING_COMMAND]),
+        # The rows of the steering angle's limits do not change.
+        p.G[: 4 * n, :n].reshape(4, n, n)[:] = (gain[ACROSS], -gain[ACROSS], front_gain, -front_gain)
+        p.h.reshape(6, n)[:] = (
+            task.left - free[ACROSS],
+            free[ACROSS] - task.right,
+            task.left - front_free,
+            front_free - task.right,
+            self.max_steering - free[STEERING_COMMAND],
+            self.max_steering + free[STEERING_COMMAND],
         )
-        for block, rows, bound in blocks:
-            p.G[self._rows(block), :n] = rows
-            p.h[self._rows(block)] = bound
         return free, gain
 
     def solve(self, task: SteeringTask, warm: FloatArray | None = None) -> SteeringPlan:
@@ -170,14 +174,12 @@ class LateralProgram:
 
     def _tracking(self, free: FloatArray, task: SteeringTask) -> tuple[FloatArray, FloatArray]:
         """Return weights and errors of offset, heading and steering without input, shape (3, N) each."""
-        n, w = self.steps, self.weights
-        follow = self.wheelbase * task.curvature
+        w = self.weights
         # Lateral acceleration beyond the lane's own, as a weight on the steering angle.
         steering_weight = w.steering + w.lateral_acceleration * (task.speed**2 / self.wheelbase) ** 2
-        weights = np.stack(
-            [np.full(n, w.across) * self.dt, np.full(n, w.heading) * self.dt, steering_weight * self.dt]
-        )
-        return weights, np.stack([free[ACROSS] - task.target, free[HEADING], free[STEERING] - follow])
+        self._weights[2] = steering_weight * self.dt
+        follow = self.wheelbase * task.curvature
+        return self._weights, np.stack([free[ACROSS] - task.target, free[HEADING], free[STEERING] - follow])
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)

@@ -7,6 +7,7 @@ merged before it gets here, so the layout does not depend on who is around.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,6 +129,7 @@ class LongitudinalProgram:
         self.weights = weights
         self.limits = limits
         self.horizon = LongitudinalHorizon(dt, lag)
+        self._half_jerk = 0.5 * limits.jerk * np.cumsum(dt)
         self._scale: dict[int, FloatArray] = {}
         self.program = Program(self._cost_pattern(n), self._row_pattern(n), solver, tolerance)
         self._fill_constant_parts()
@@ -165,10 +167,13 @@ class LongitudinalProgram:
         p.upper[:n] = max(limits.acceleration - task.command, 0.0)
         return free
 
-    def solve(self, task: SpeedTask, warm: FloatArray | None = None) -> SpeedPlan:
-        """Return the plan for a task; ``found`` is False when the solver gave none."""
+    def solve(self, task: SpeedTask, warm: FloatArray | None = None, kind: Hashable = None) -> SpeedPlan:
+        """Return the plan for a task; ``found`` is False when the solver gave none.
+
+        ``warm`` and ``kind`` as for :meth:`controllers.qp.Program.solve`.
+        """
         free = self.build(task)
-        solution = self.program.solve(warm)
+        solution = self.program.solve(warm, kind)
         n = self.steps
         states = free + self.horizon.gain @ solution.z[:n]
         slack = SLACK_UNIT * solution.z[n:]
@@ -194,8 +199,7 @@ class LongitudinalProgram:
 
     def _towards(self, command: float, present: float) -> FloatArray:
         """Return the inputs that lead half way to a command at half the jerk: there is room left to drive."""
-        reach = 0.5 * self.limits.jerk * np.cumsum(self.dt)
-        return np.asarray(np.clip(0.5 * command - present, -reach, reach))
+        return np.asarray(np.clip(0.5 * command - present, -self._half_jerk, self._half_jerk))
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)

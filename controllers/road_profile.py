@@ -34,6 +34,10 @@ def reference_speed(
     road = perception.road
     along = np.arange(len(road.curvature)) * road.curvature_step
     bend = np.sqrt(lateral_acceleration / np.maximum(np.abs(road.curvature), 1e-4))
+    if len(road.limit) and road.limit_along[0] <= 0.0:
+        # A limit holds everywhere: of the road's many points only bends slower than that matter.
+        slow = bend < road.limit.max()
+        along, bend = along[slow], bend[slow]
     points = np.concatenate((along, road.limit_along))
     speeds = np.concatenate((bend, road.limit))
     here = road.limit[max(int(np.searchsorted(road.limit_along, 1e-9)) - 1, 0)] if len(road.limit) else np.inf

@@ -149,17 +149,17 @@ class SpeedPlanner:
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
         """Return the plan for one passing class, with its steering where that was planned too."""
-        return self._solve(self._bounded(perception, task, conflicts, behind)), None
+        return self._solve(self._bounded(perception, task, conflicts, behind), behind), None
 
-    def _solve(self, task: SpeedTask) -> SpeedPlan:
+    def _solve(self, task: SpeedTask, behind: int) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
-        plan = self.program.solve(task)
+        plan = self.program.solve(task, kind=behind)
         for _ in range(self.settings.passes - 1):
             bounded = np.isfinite(task.stoppable)
             if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > 0.3).any():
                 break
             task = replace(task, expected=plan.speed)
-            plan = self.program.solve(task, warm=plan.inputs)
+            plan = self.program.solve(task, warm=plan.inputs, kind=behind)
         return plan
 
     def _candidates(self, perception: Perception, conflicts: passing.Conflicts, task: SpeedTask) -> list[int]:

@@ -26,6 +26,7 @@ class ParquetSink:
         self._schema = schema
         self._rows_per_chunk = rows_per_chunk
         self._pieces: list[list[Column]] = [[] for _ in schema]
+        self._rows: list[Sequence[Any]] = []
         self._waiting = 0
         self._writer = pq.ParquetWriter(
             self._part, schema, version="2.6", compression="zstd", compression_level=3, use_dictionary=True
@@ -35,8 +36,7 @@ class ParquetSink:
     def add_row(self, row: Sequence[Any]) -> None:
         """Add one row, its values in the order of the schema."""
         self._check_width(len(row))
-        for pieces, value in zip(self._pieces, row, strict=True):
-            pieces.append((value,))
+        self._rows.append(row)
         self._count(1)
 
     def add_columns(self, columns: Sequence[Column]) -> None:
@@ -48,6 +48,7 @@ class ParquetSink:
             raise ValueError(f"{self._path.name}: columns of one length expected, got {lengths}")
         if count == 0:
             return
+        self._add_pieces()
         for pieces, column in zip(self._pieces, columns, strict=True):
             pieces.append(column)
         self._count(count)
@@ -72,9 +73,16 @@ class ParquetSink:
         if self._waiting >= self._rows_per_chunk:
             self._flush()
 
+    def _add_pieces(self) -> None:
+        """Turn the rows since the last columns into columns."""
+        for pieces, column in zip(self._pieces, zip(*self._rows, strict=True), strict=False):
+            pieces.append(column)
+        self._rows = []
+
     def _flush(self) -> None:
         if self._waiting == 0:
             return
+        self._add_pieces()
         pieces, self._pieces = self._pieces, [[] for _ in self._schema]
         self._waiting = 0
         arrays = [

@@ -13,9 +13,9 @@ from controllers.qp import Program
 VARIABLES, ROWS = 12, 20
 
 
-def _program(solver: str = "osqp", tolerance: float = 1e-7) -> Program:
+def _program(solver: str = "osqp", tolerance: float = 1e-7, changes: int | None = -1) -> Program:
     pattern = np.tril(np.ones((ROWS, VARIABLES), dtype=bool), 4)
-    return Program(np.ones((VARIABLES, VARIABLES), dtype=bool), pattern, solver, tolerance)
+    return Program(np.ones((VARIABLES, VARIABLES), dtype=bool), pattern, solver, tolerance, changes)
 
 
 def _fill(program: Program, seed: int, bounded_rows: int = ROWS) -> None:
