@@ -16,7 +16,7 @@ class RunRequest:
     """One scenario, one controller, one seed."""
 
     scenario: str
-    """Name of a scenario, a scenario's folder, or a SUMO configuration."""
+    """Name of a scenario, a scenario's folder, a case ``suite:NAME/CASE``, or a SUMO configuration."""
     controller: str = "vo_mpc"
     seed: int = 1
     settings: Mapping[str, str] = field(default_factory=dict)

@@ -13,7 +13,10 @@ from cosim.request import RunRequest, parse_settings
 
 def run(
     scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="A scenario's name or folder, or a SUMO configuration.")
+        str,
+        typer.Argument(
+            metavar="SCENARIO", help="A scenario's name or folder, suite:NAME/CASE, or a SUMO configuration."
+        ),
     ],
     controller: Annotated[str, typer.Option(metavar="NAME", help="Who drives the ego.")] = "vo_mpc",
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 1,
@@ -55,6 +58,7 @@ def run(
       cosim run midblock_unmarked --controller aeb --seed 7 --out results/aeb-7
       cosim run midblock_zebra --set pedestrians_per_hour=600 --set vehicles_per_hour=1000
       cosim run bus_stop_occlusion --sensing onboard --set range_m=40
+      cosim run suite:fmvss127/crossing_right_25_30kmh --controller aeb
       cosim run town.sumocfg --ego-route "e1 e2 e3" --duration-s 600
       cosim run town.sumocfg --ego-share 0.1 --controller vo_mpc
       cosim run town.sumocfg --ego-vehicle car.12 --gui
