@@ -12,7 +12,7 @@ from pathlib import Path
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 CONTROLLER = "vo_mpc"
-"""Whose replay is shown: the worst encounter of this one."""
+"""Whose replay is shown: the encounter of this one with the smallest TTC."""
 WIDTH, HEIGHT = 1280, 860
 
 
@@ -49,6 +49,7 @@ def take(report: Path, out: Path, browser: str) -> list[Path]:
         page.goto(report.resolve().as_uri())
         page.screenshot(path=paths[0])
         page.select_option("#filter-controller", CONTROLLER)
+        page.locator("#encounter-table th button", has_text="TTC").click()
         page.locator("tr:not([hidden]) button.open").first.click()
         page.wait_for_function("window.cosimReplay.state() !== null")
         page.locator("#replay").screenshot(path=paths[1])

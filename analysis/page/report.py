@@ -185,10 +185,13 @@ def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str,
     bad = sum(SEVERITIES.index(text) <= SEVERITIES.index("serious") for text in severity)
     ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
     failed = len(origin.failed_runs(root))
+    # The pedestrian touched the standing ego: no collision, and yet a distance of 0.
+    standing = round(sum(run.numbers.get("n_contacts_standing", 0.0) for run in found.runs))
     return [
         {"name": "valid runs", "value": f"{len(found.runs)} of {len(study.runs) + failed}"},
         {"name": "encounters", "value": str(len(found))},
         {"name": "collisions", "value": str(severity.count("collision"))},
+        {"name": "standing contacts", "value": str(standing)},
         {"name": "serious or worse", "value": str(bad)},
         {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},
         {"name": "smallest distance", "value": "–" if distance is None else f"{distance:.2f} m"},

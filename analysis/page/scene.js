@@ -78,9 +78,9 @@ function drawScene(canvas, frame, data, view) {
   drawMap(c, data.map, colour, trace, pixel);
 
   for (const one of frame.vehicles) drawCar(c, one, colour("scene-vehicle"), pixel, "");
-  if (view.layers.cone && frame.met) drawCone(c, ego, frame.met, colour("scene-cone"), pixel);
   if (view.layers.overlay && frame.plan) drawOverlay(c, frame.plan, colour("scene-overlay"), trace, pixel);
   if (view.layers.plan && frame.plan) drawPlan(c, frame.plan, colour("scene-ego"), trace, pixel);
+  if (view.layers.cone && frame.met) drawCone(c, ego, frame.met, colour("scene-cone"), pixel);
   drawCar(c, ego, colour("scene-ego"), pixel, colour("surface"));
   for (const one of frame.persons) {
     c.beginPath();

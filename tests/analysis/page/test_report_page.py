@@ -175,6 +175,19 @@ def test_one_run_is_told_in_numbers_and_compared_with_nobody(tmp_path: Path) -> 
     assert "Comparisons" not in page.texts
 
 
+def test_a_contact_with_the_standing_ego_is_told_beside_the_collisions(tmp_path: Path) -> None:
+    folder = write_study_run(
+        tmp_path / "alone",
+        "sumo",
+        1,
+        encounters=[{"min_dist_m": 0.0, "contact_standing": True}],
+        numbers={"n_contacts_standing": 1},
+    )
+    _, page, _ = written(folder)
+    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "standing contacts")]
+    assert values == ["0", "1"]
+
+
 def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
     name = "<script>alert(1)</script>"
     write_study_run(tmp_path / "study/runs/a", "sumo", 1, scenario=name, encounters=[WORST])
