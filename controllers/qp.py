@@ -208,8 +208,9 @@ class Program:
     def _is_number(self) -> bool:
         # One NaN in a warm workspace spoils the solves after it, and some solvers report success on NaN:
         # such a problem is never handed to a solver. A sum is NaN or infinite when any term is.
-        bounds = np.isnan(self.h).any() or np.isnan(self.lower).any() or np.isnan(self.upper).any()
-        return not bounds and bool(np.isfinite(self.P.sum() + self.q.sum() + self.G.sum()))
+        if np.isnan(self._bounds).any() or np.isnan(self.lower).any():
+            return False
+        return bool(np.isfinite(self.P.sum() + self.q.sum() + self.G.sum()))
 
     def _nothing(self) -> Solution:
         self._workspaces.clear()

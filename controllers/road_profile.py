@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,30 +33,40 @@ def reference_speed(
     braking
         With which the ego slows down for what it sees [m/s^2].
     """
+    return reference_speeds(perception, positions, ((lateral_acceleration, braking),))[0]
+
+
+def reference_speeds(
+    perception: Perception, positions: FloatArray, demands: Sequence[tuple[float, float]]
+) -> list[FloatArray]:
+    """Return :func:`reference_speed` for several pairs of lateral acceleration and braking [m/s^2]."""
     road = perception.road
     along = np.arange(len(road.curvature)) * road.curvature_step
-    bend = np.sqrt(lateral_acceleration / np.maximum(np.abs(road.curvature), 1e-4))
+    bend = np.maximum(np.abs(road.curvature), 1e-4)
     if len(road.limit) and road.limit_along[0] <= 0.0:
         # A limit holds everywhere: of the road's many points only bends slower than that matter.
-        slow = bend < road.limit.max()
+        slow = bend * road.limit.max() ** 2 > min(lateral for lateral, _ in demands)
         along, bend = along[slow], bend[slow]
     points = np.concatenate((along, road.limit_along))
-    speeds = np.concatenate((bend, road.limit))
-    here = road.limit[max(int(np.searchsorted(road.limit_along, 1e-9)) - 1, 0)] if len(road.limit) else np.inf
     if len(points) == 0:
-        return np.full(len(positions), here)
-    ahead = points[None, :] - positions[:, None]
+        return [np.full(len(positions), np.inf) for _ in demands]
+    ahead = points - positions[:, None]
     # A bend counts until the instant before has left it behind, or one between two instants would be
     # missed; a limit counts until the next one begins.
     since = np.concatenate(([0.0], positions[:-1]))
-    passed = points[None, :] < np.minimum(since, positions)[:, None]
-    passed[:, len(along) :] = False
-    reach = np.where(passed, np.inf, speeds[None, :] ** 2 + 2.0 * braking * np.maximum(ahead, 0.0))
-    ended = np.zeros_like(passed)
+    gone = points < np.minimum(since, positions)[:, None]
+    gone[:, len(along) :] = False
     if len(road.limit_along) > 1:
-        ended[:, len(along) : -1] = road.limit_along[None, 1:] <= positions[:, None]
-    reach = np.where(ended, np.inf, reach)
-    return np.asarray(np.sqrt(np.minimum(reach.min(axis=1), 1e4)))
+        gone[:, len(along) : -1] = road.limit_along[1:] <= positions[:, None]
+    distance = np.where(gone, np.inf, np.maximum(ahead, 0.0))
+    return [
+        np.sqrt(
+            np.minimum(
+                (np.concatenate((lateral / bend, road.limit**2)) + 2.0 * braking * distance).min(axis=1), 1e4
+            )
+        )
+        for lateral, braking in demands
+    ]
 
 
 def keep_clear_line(

@@ -237,15 +237,18 @@ class SpeedPlanner:
         ahead = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, ahead.rest)
         short = front + s.standstill_gap + limits.headway * ego.speed - float(ahead.follow[0])
-        reference = road_profile.reference_speed(
-            perception, positions, s.bend_acceleration, SLOWING_FOR_THE_ROAD
+        reference, ceiling = road_profile.reference_speeds(
+            perception,
+            positions,
+            (
+                (s.bend_acceleration, SLOWING_FOR_THE_ROAD),
+                (CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING),
+            ),
         )
+        ceiling += CEILING_MARGIN
         for along in self._watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
-        ceiling = CEILING_MARGIN + road_profile.reference_speed(
-            perception, positions, CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING
-        )
         unseen = occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)
         if unseen is not None:
             slow = occlusion.reached(*unseen, positions, SLOWING_FOR_THE_ROAD)
@@ -300,6 +303,8 @@ class SpeedPlanner:
         self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
     ) -> SpeedTask:
         """Return the task with the pedestrians of one passing class in it."""
+        if not len(conflicts):
+            return task
         bounds = self._class_bounds(perception, task, conflicts)
         return replace(
             task,

@@ -85,8 +85,8 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     if len(vehicles) == 0:
         return Blockade(free, free, free, "")
     box = footprints(vehicles)
-    soon = _ahead(perception, box, band, IN_THE_WAY_WITHIN)
-    later = soon | _ahead(perception, box, band, MERGING_WITHIN)
+    soon, later = _ahead(perception, box, band, (IN_THE_WAY_WITHIN, MERGING_WITHIN))
+    later |= soon
     if not later.any():
         return Blockade(free, free, free, "")
     chosen = np.flatnonzero(later)
@@ -103,23 +103,30 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
 
 
 def _ahead(
-    perception: Perception, box: Footprints, band: tuple[float, float], within: float
-) -> NDArray[np.bool_]:
-    """Return who is ahead of the ego and in the band, now or within a time."""
+    perception: Perception, box: Footprints, band: tuple[float, float], within: tuple[float, ...]
+) -> list[NDArray[np.bool_]]:
+    """Return who is ahead of the ego and in the band, now or within each of some times."""
     vehicles, front = perception.vehicles, perception.ego.body.front
-    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
-    drifting = box.same_way & (np.abs(vehicles.across_speed) > DRIFTING)
-    drift = np.where(drifting, vehicles.across_speed * within, 0.0)
-    centres = np.array([lane.offset for lane in perception.road.lanes])
-    way = centres[None, :] - vehicles.across[:, None]
-    towards = np.where(way * np.sign(drift)[:, None] > 0.1, np.abs(way), np.inf).min(axis=1, initial=np.inf)
-    drift = np.sign(drift) * np.minimum(np.abs(drift), towards)
-    right = box.right + np.minimum(drift, 0.0)
-    left = box.left + np.maximum(drift, 0.0)
-    ahead = (right < band[1]) & (left > band[0]) & (0.5 * (box.rear + box.front) > 0.5 * front)
+    middle_ahead = 0.5 * (box.rear + box.front) > 0.5 * front
     # Somebody beside the ego who drifts towards it is not ahead; braking for the rear end would be late.
     in_band = (box.right < band[1] - 0.2) & (box.left > band[0] + 0.2)
-    return np.asarray(ahead & ((box.rear > front - 1.0) | in_band))
+    possible = middle_ahead & ((box.rear > front - 1.0) | in_band)
+    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
+    drifting = possible & box.same_way & (np.abs(vehicles.across_speed) > DRIFTING)
+    if not drifting.any():
+        there = possible & (box.right < band[1]) & (box.left > band[0])
+        return [there.copy() for _ in within]
+    side = np.where(drifting, np.sign(vehicles.across_speed), 0.0)
+    centres = np.array([lane.offset for lane in perception.road.lanes])
+    way = centres[None, :] - vehicles.across[:, None]
+    towards = np.where(way * side[:, None] > 0.1, np.abs(way), np.inf).min(axis=1, initial=np.inf)
+    found = []
+    for time in within:
+        drift = side * np.minimum(np.abs(vehicles.across_speed) * time, towards)
+        right = box.right + np.minimum(drift, 0.0)
+        left = box.left + np.maximum(drift, 0.0)
+        found.append(possible & (right < band[1]) & (left > band[0]))
+    return found
 
 
 def _predicted(
