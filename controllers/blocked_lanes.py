@@ -35,9 +35,15 @@ class BlockedLanes:
     reason: float = 40.0
     distance: float = 9.0
     _since: dict[str, float] = field(default_factory=dict)
+    _blocked: frozenset[int] = frozenset()
+
+    def ends(self, lane: Lane) -> bool:
+        """Return whether a lane was told as ending at a vehicle in the perception returned last."""
+        return lane.number in self._blocked
 
     def look(self, perception: Perception) -> Perception:
         """Return the perception with lanes that end where they are blocked."""
+        self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
         standing = np.flatnonzero(np.hypot(vehicles.along_speed, vehicles.across_speed) < STANDING)
         names = {vehicles.names[i]: int(i) for i in standing}
@@ -49,7 +55,9 @@ class BlockedLanes:
         blocking = [i for i in parked if box.rear[i] > 0.0 and not self._waits(perception, box.front[i])]
         if not blocking:
             return perception
-        lanes = tuple(self._shortened(lane, box, blocking) for lane in perception.road.lanes)
+        known = perception.road.lanes
+        lanes = tuple(self._shortened(lane, box, blocking) for lane in known)
+        self._blocked = frozenset(new.number for old, new in zip(known, lanes, strict=True) if new is not old)
         return replace(perception, road=replace(perception.road, lanes=lanes))
 
     def _waits(self, perception: Perception, front: float) -> bool:
@@ -67,4 +75,5 @@ class BlockedLanes:
             for i in blocking
             if box.right[i] < left - 0.3 and box.left[i] > right + 0.3
         ]
-        return replace(lane, follows_route_for=min([lane.follows_route_for, *ends]))
+        end = min(ends, default=np.inf)
+        return replace(lane, follows_route_for=end) if end < lane.follows_route_for else lane

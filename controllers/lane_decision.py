@@ -14,6 +14,8 @@ from controllers.lane_manoeuvre import LaneManoeuvre
 
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""
+WAITING_BRAKING = 4.0
+"""Who needs more than this to stop with room for a change ahead drives on to the lane's end [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +32,8 @@ class ChangeSettings:
     before_crossing: float
     after_crossing: float
     least_speed: float
+    room: float
+    """Kept free before the end of a lane that has to be left, to steer out of it from a standstill [m]."""
     standstill_gap: float
     headway: float
     gaps: GapRule
@@ -106,9 +110,8 @@ class LaneDecision:
 
     def _for_the_route(self, perception: Perception, number: int) -> Decision:
         reference = perception.road.reference
-        # Lanes are not changed at a crossing, not even for the route.
-        near = self._near_crossing(perception)
-        obstacle = "crossing" if near else blocker(perception, number, self.settings.gaps)
+        obstacle = self._crossing_in_the_way(perception)
+        obstacle = obstacle or blocker(perception, number, self.settings.gaps) or ""
         if obstacle:
             return Decision(Manoeuvre.KEEP, reference, Rule.LANE_CHANGE, obstacle)
         self.manoeuvre.begin(perception, number)
@@ -152,6 +155,31 @@ class LaneDecision:
 
     def _length_of_change(self, perception: Perception) -> float:
         return perception.ego.speed * (self.manoeuvre.duration + 0.5)
+
+    def waiting_place(self, perception: Perception) -> float:
+        """Return where the front bumper has to wait for a change that the route asks for; inf for none.
+
+        It leaves the room that the change takes from a standstill. Who could not stop there any more may
+        use the lane to its end.
+        """
+        road, ego = perception.road, perception.ego
+        here = road.lane(road.reference)
+        if here is None or not self.settings.allowed or lane_for_route(perception) is None:
+            return np.inf
+        place = here.follows_route_for - self.settings.room
+        # A metre more: who stands there already may be a little over it.
+        return place if ego.speed**2 / (2.0 * WAITING_BRAKING) <= place + 1.0 - ego.body.front else np.inf
+
+    def _crossing_in_the_way(self, perception: Perception) -> str:
+        """Return the crossing that a change for the route would not end before; empty for none.
+
+        Such a change may begin nearer to a crossing than others: a lane that ends there would never be left.
+        """
+        body = perception.ego.body
+        needed = max(self._length_of_change(perception), self.settings.room - 1.0)
+        crossings = perception.road.crossings
+        near = [c for c in crossings if c.exit > -body.rear_overhang and c.entry - body.front < needed]
+        return "crossing" if near else ""
 
     def _near_crossing(self, perception: Perception) -> bool:
         """Return whether a change begun now would touch a crossing's surroundings."""

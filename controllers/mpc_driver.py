@@ -105,7 +105,7 @@ class VelocityObstacleMpc:
         """Apply the decision rules on the neighbour gaps; see :mod:`controllers.lane_decision`."""
         perception = self._seen(perception)
         planner = self._planner(perception)
-        planner.look(perception)
+        planner.look(perception, self._waiting_place(perception))
         self._kept = None
 
         def cost(lane: Lane) -> float:
@@ -154,6 +154,13 @@ class VelocityObstacleMpc:
             seen = with_margins(perception, self.settings.passing.uncertainty_gain)
             self._view = (perception, self._blocked.look(seen))
         return self._view[1]
+
+    def _waiting_place(self, perception: Perception) -> float:
+        """Return where to wait for a change that the route asks for; a blocked lane ends early already."""
+        here = perception.road.lane(perception.road.reference)
+        if here is None or self._blocked.ends(here):
+            return np.inf
+        return self._decision.waiting_place(perception)
 
     def _leaving(self, perception: Perception, lane: Lane | None) -> float:
         """Return how long vehicles ahead in the present lane still matter on the way into another [s]."""
@@ -207,6 +214,12 @@ class VelocityObstacleMpc:
         if ego.speed < 0.05 and float(speed.speed.max()) < 0.3:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
             return replace(command, acceleration=np.full(len(command.times), -0.5))
+        planner = self._planner(perception)
+        if float(speed.position.max()) + ego.body.front > planner.right_of_way.red_line:
+            # The plan, smooth as it is, ends beyond a red light's line. Who stands there is in the junction
+            # for everybody else: all the brakes for as long as that is so.
+            hardest = -planner.program.limits.emergency_braking
+            return replace(command, acceleration=np.full(len(command.times), hardest))
         return command
 
     def _fallback(self, perception: Perception, chosen: Chosen) -> Plan:

@@ -46,14 +46,36 @@ class RightOfWay:
     def __init__(self, acceleration: float) -> None:
         self._acceleration = acceleration
         self._standing_since: dict[str, float] = {}
+        self._braking_for: set[str] = set()
+        self.red_line = math.inf
+        """The nearest line ahead at which a red light held the ego when last asked; inf for none [m]."""
 
     def stops(self, perception: Perception) -> list[StopPlace]:
         """Return the places to stop at, in no order."""
         ego, road = perception.ego, perception.road
         self._watch(ego.time, road)
-        lights = [StopPlace(one.name, one.stop_line) for one in road.signals if must_stop(one, ego)]
+        lights = self._lights(perception)
         foes = [self._before(foe, perception) for foe in road.foes if self._yields(foe, perception)]
         return lights + [stop for stop in foes if stop is not None]
+
+    def _lights(self, perception: Perception) -> list[StopPlace]:
+        """Return the lights to stop at.
+
+        A stop at a red light that has begun is given up only where full braking would not do: lag and a
+        smooth plan make it need more than it seemed to at first, and there is no worse place to change
+        one's mind.
+        """
+        ego = perception.ego
+        held = [
+            one
+            for one in perception.road.signals
+            if must_stop(one, ego, 1.0 if one.name in self._braking_for else HARD_SHARE)
+        ]
+        red = [one for one in held if one.state is SignalState.RED]
+        self._braking_for = {one.name for one in red}
+        ahead = (one.stop_line for one in red if one.stop_line >= ego.body.front)
+        self.red_line = min(ahead, default=math.inf)
+        return [StopPlace(one.name, one.stop_line) for one in held]
 
     def _watch(self, time: float, road: RoadAhead) -> None:
         standing = {foe.name for foe in road.foes if foe.foe_speed < STANDING}
@@ -90,13 +112,14 @@ class RightOfWay:
         return None
 
 
-def must_stop(signal: Signal, ego: EgoState) -> bool:
+def must_stop(signal: Signal, ego: EgoState, share: float = HARD_SHARE) -> bool:
     """Say whether a traffic light has to be stopped at.
 
-    At red always, unless full braking would end beyond the line; at amber if comfortable braking is enough.
+    At red always, unless that share of full braking would end beyond the line; at amber if comfortable
+    braking is enough.
     """
     if signal.state is SignalState.RED:
-        return _can_stop(signal.stop_line + OVERSHOOT, ego, HARD_SHARE * ego.drive.max_deceleration)
+        return _can_stop(signal.stop_line + OVERSHOOT, ego, share * ego.drive.max_deceleration)
     if signal.state is SignalState.AMBER:
         return _can_stop(signal.stop_line, ego, AMBER_DECELERATION)
     return False

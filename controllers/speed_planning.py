@@ -83,12 +83,22 @@ class SpeedPlanner:
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
     _stops: list[StopPlace] = field(default_factory=list)
+    _waiting_place: float = np.inf
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
 
-    def look(self, perception: Perception) -> None:
-        """Take note of signals, of vehicles with priority, and of where people will be; once per plan."""
+    def look(self, perception: Perception, waiting_place: float = np.inf) -> None:
+        """Take note of signals, of vehicles with priority, and of where people will be; once per plan.
+
+        Parameters
+        ----------
+        perception
+            What the ego is told.
+        waiting_place
+            Where the front bumper waits in the present lane for a change to another; inf for nowhere [m].
+        """
         self._stops = self.right_of_way.stops(perception)
+        self._waiting_place = waiting_place
         if self.predictor is not None:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
@@ -295,7 +305,9 @@ class SpeedPlanner:
         gap = self.settings.standstill_gap
         places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
         if lane is not None:
-            places.append((lane.follows_route_for, "lane end"))
+            here = lane.number == perception.road.reference
+            end = min(lane.follows_route_for, self._waiting_place) if here else lane.follows_route_for
+            places.append((end, "lane end"))
         nearest, name = min(places)
         return nearest, name if np.isfinite(nearest) else ""
 

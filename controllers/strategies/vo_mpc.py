@@ -98,7 +98,7 @@ def build(
     change_duration_s, change_cost, change_pause_s
         Length of a change, what it costs in the objective, and the pause after one.
     clear_before_crossing_m, clear_after_crossing_m
-        No change begins within this distance of a crossing.
+        No change begins within this distance of a crossing, but for one that the route asks for.
     bend_acceleration_mps2
         Comfortable lateral acceleration.
     max_acceleration_mps2, comfortable_braking_mps2, emergency_braking_mps2, max_jerk_mps3
@@ -239,6 +239,7 @@ def build(
                 before_crossing=clear_before_crossing_m,
                 after_crossing=clear_after_crossing_m,
                 least_speed=2.0,
+                room=12.0,
                 standstill_gap=standstill_gap_m,
                 headway=headway_s,
                 gaps=GapRule(minimum=standstill_gap_m, headway=headway_s, duration=change_duration_s),
