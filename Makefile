@@ -5,6 +5,7 @@
 # make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
 # make screenshots     the pictures of a report and of a replay in docs/images
+# make docs            the documentation as a site: build/site/index.html
 
 PYTHON ?= python3
 VENV := .venv
@@ -17,7 +18,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols screenshots clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols screenshots docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -40,6 +41,10 @@ $(VENV)/installed-papers: $(VENV)/installed
 
 $(VENV)/installed-report: $(VENV)/installed
 	$(PIP) install --quiet -c constraints.txt -e '.[report]'
+	@touch $@
+
+$(VENV)/installed-docs: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[docs]'
 	@touch $@
 
 install: $(VENV)/installed
@@ -94,6 +99,11 @@ screenshots: $(VENV)/installed-dev
 	rm -rf runs/screenshots
 	$(BIN)/cosim batch studies/screenshots.toml --out runs/screenshots --jobs $(JOBS)
 	$(BIN)/python -m cosim.screenshots runs/screenshots docs/images
+
+# NO_MKDOCS_2_WARNING: what the theme's makers have to say on every build.
+docs: $(VENV)/installed-docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo build/site/index.html
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info

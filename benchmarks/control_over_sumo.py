@@ -1,7 +1,7 @@
-"""Where the time of a run with SUMO goes: sensing, control, SUMO's own step, recording; in one loop.
+"""What one controlled car costs beside SUMO's own work: sense, decide, plan and act, over ``world.advance()``.
 
-Run with ``make bench``. SUMO is measured inside the loop because its step slows down when its caches have
-gone cold in between.
+Both are measured inside one loop, because SUMO's step slows down when its caches have gone cold in between.
+The repeats take turns.
 """
 
 from __future__ import annotations
@@ -10,127 +10,133 @@ import os
 
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import gc
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import libsumo
-from control_step import solvers
+import numpy as np
 from measuring import results
-from measuring.stopwatch import Stopwatch, watching
+from measuring.bars import Bar, show
+from measuring.city import FILLED_S, City
+from measuring.command import options
+from measuring.control_parts import PARTS as CONTROL_PARTS
+from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, Drive, alone, drive
+from measuring.solvers import solvers
 
-from controllers.interface import Controller, Decision, Perception, Plan
-from cosim import loop
-from cosim.compose import compose
-from cosim.recorder import Recorder
 from cosim.request import RunRequest
 
-SCENARIO = "midblock_zebra"
-DRIVEN = 60.0
-"""Simulated time after the warm-up [s]."""
-SUMO, SENSE, CONTROL, ACT, RECORD = "SUMO's step", "sense", "decide + plan", "act + advance", "record"
-PARTS = (SENSE, CONTROL, ACT, SUMO, RECORD)
+EGO = "car.0"
+HORIZON = 30
+DRIVEN_S = 30.0
+CITIES = ((50, 20), (200, 200), (1000, 200))
+"""Vehicles and persons."""
+REPEATS = {50: 5, 200: 5, 1000: 3}
+BARRED = (200, 200)
+MOST = {"osqp": 1.0, "daqp": 0.4}
+OF_THE_LOOP = (SENSE, CONTROL, ACT, ADVANCE, SUMO, SNAPSHOT, RECORD)
 
 
-class _TimedDrivers(Mapping[str, Controller]):
-    """The drivers of a run, their controllers' time counted."""
-
-    def __init__(self, drivers: Mapping[str, Controller], watch: Stopwatch) -> None:
-        self._drivers, self._watch = drivers, watch
-
-    def __getitem__(self, name: str) -> Controller:
-        return _TimedDriver(self._drivers[name], self._watch)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._drivers)
-
-    def __len__(self) -> int:
-        return len(self._drivers)
-
-
-@dataclass(frozen=True, slots=True)
-class _TimedDriver:
-    driver: Controller
-    watch: Stopwatch
-
-    def decide(self, perception: Perception) -> Decision:
-        with self.watch.part(CONTROL):
-            return self.driver.decide(perception)
-
-    def plan(self, perception: Perception, decision: Decision) -> Plan:
-        with self.watch.part(CONTROL):
-            return self.driver.plan(perception, decision)
-
-
-def drive(solver: str, pedestrians_per_hour: int = 600) -> dict[str, Any]:
-    """Return the mean times per step of one run [ms], and how much traffic there was."""
-    settings = {"solver": solver, "steps": "30", "pedestrians_per_hour": str(pedestrians_per_hour)}
-    warmup_s = _warmup_s()
-    composition = compose(RunRequest(SCENARIO, seed=7, settings=settings, duration_s=warmup_s + DRIVEN))
-    watch = Stopwatch()
-    counts = {"vehicles": 0, "persons": 0, "plans": 0}
+def measure(vehicles: int, persons: int, repeats: int, driven_s: float) -> dict[str, Any]:
+    """Return times and ratios of one city, by solver."""
+    until_s = FILLED_S + driven_s
     with TemporaryDirectory() as folder:
-        try:
-            world = composition.world
-            world.sense()  # warms up
-            with Recorder(Path(folder)) as recorder:
-                kind, record = type(world), type(recorder)
-                places = (
-                    (kind, "sense", SENSE),
-                    (kind, "act", ACT),
-                    (kind, "advance", ACT),
-                    (kind, "snapshot", SENSE),
-                    (record, "planned", RECORD),
-                    (record, "stepped", RECORD),
-                    (libsumo, "simulationStep", SUMO),
-                )
-
-                def count(time: float) -> None:
-                    counts["vehicles"] += libsumo.vehicle.getIDCount()
-                    counts["persons"] += libsumo.person.getIDCount()
-
-                with watching(watch, places):
-                    times = loop.run(
-                        world, _TimedDrivers(composition.drivers, watch), recorder, after_step=count
-                    )
-        finally:
-            composition.close()
-    per_step = {part: 1e3 * watch.seconds.get(part, 0.0) / times.steps for part in PARTS}
+        configuration = City(vehicles, persons, duration_s=until_s).write(Path(folder))
+        requests = {solver: _request(configuration, solver) for solver in solvers()}
+        drives: dict[str, list[Drive]] = {solver: [] for solver in requests}
+        without: list[float] = []
+        for number in range(repeats):
+            names = list(requests) if number % 2 == 0 else list(reversed(requests))
+            for solver in names:
+                drives[solver].append(drive(requests[solver], FILLED_S))
+                gc.collect()
+            without.append(1e3 * float(np.mean(alone(configuration, FILLED_S, until_s))))
+        split = {solver: drive(requests[solver], FILLED_S, by_part=True) for solver in requests}
+    first = next(iter(drives.values()))[0]
     return {
-        "steps": times.steps,
-        "step_s": composition.inputs.step_s,
-        "vehicles": counts["vehicles"] / times.steps,
-        "persons": counts["persons"] / times.steps,
-        "egos_per_step": watch.calls.get(CONTROL, 0) / 2 / times.steps,
-        "ms_per_step": per_step,
-        "control_over_sumo": per_step[CONTROL] / per_step[SUMO],
-        "sense_over_sumo": per_step[SENSE] / per_step[SUMO],
+        "steps": first.steps,
+        "step_s": first.step_s,
+        "vehicles": float(np.mean(first.vehicles)),
+        "persons": float(np.mean(first.persons)),
+        "sumo_alone_ms": float(np.median(without)),
+        "solvers": {
+            solver: _summary(drives[solver], without, split[solver]) for solver in requests
+        },
     }
 
 
-def _warmup_s() -> float:
-    composition = compose(RunRequest(SCENARIO, controller="constant_speed"))
-    try:
-        return float(composition.inputs.warmup_s)
-    finally:
-        composition.close()
+def _request(configuration: Path, solver: str) -> RunRequest:
+    settings = {"solver": solver, "steps": str(HORIZON)}
+    return RunRequest(str(configuration), ego_vehicle=EGO, settings=settings, actuation="hybrid")
+
+
+def _summary(drives: Sequence[Drive], without: Sequence[float], split: Drive) -> dict[str, Any]:
+    means = [
+        {part: 1e3 * float(np.mean([step.get(part, 0.0) for step in one.watch.steps])) for part in OF_THE_LOOP}
+        for one in drives
+    ]
+    control = np.array([one[SENSE] + one[CONTROL] + one[ACT] for one in means])
+    advance = np.array([one[ADVANCE] + one[SUMO] for one in means])
+    parts = (SENSE, *CONTROL_PARTS, ACT, ADVANCE, SUMO, RECORD)
+    return {
+        "egos_per_step": float(np.mean([np.mean(one.egos) for one in drives])),
+        "ms_per_step": {part: float(np.median([one[part] for one in means])) for part in OF_THE_LOOP},
+        "control_over_advance": _spread(control / advance),
+        "control_over_sumo": _spread(control / np.array([one[SUMO] for one in means])),
+        "control_over_sumo_alone": _spread(control / np.array(without)),
+        "parts": split.watch.spread(parts),
+    }
+
+
+def _spread(values: np.ndarray) -> dict[str, float]:
+    return {"median": float(np.median(values)), "least": float(values.min()), "most": float(values.max())}
+
+
+def report(name: str, entry: dict[str, Any]) -> None:
+    """Print one city."""
+    print(f"{name}: SUMO without an ego {entry['sumo_alone_ms']:.3f} ms a step", flush=True)
+    for solver, one in entry["solvers"].items():
+        shares = "  ".join(f"{part} {value:.3f}" for part, value in one["ms_per_step"].items())
+        ratio = one["control_over_advance"]
+        print(
+            f"  {solver}: mean ms per step: {shares}; control over advance {ratio['median']:.2f} "
+            f"({ratio['least']:.2f} to {ratio['most']:.2f}), over SUMO without an ego "
+            f"{one['control_over_sumo_alone']['median']:.2f}",
+            flush=True,
+        )
+
+
+def bars(found: dict[str, Any]) -> list[Bar]:
+    """Return what is asked of one ego."""
+    name = f"{BARRED[0]}/{BARRED[1]}"
+    if name not in found:
+        return []
+    return [
+        Bar(
+            what=f"one ego, sense to act over world.advance(), {name}, {solver}",
+            measured=one["control_over_advance"]["median"],
+            at_most=MOST[solver],
+            unit="",
+            note=f"{one['control_over_advance']['least']:.2f} to {one['control_over_advance']['most']:.2f}; "
+            f"over SUMO's step without an ego {one['control_over_sumo_alone']['median']:.2f}",
+        )
+        for solver, one in found[name]["solvers"].items()
+    ]
 
 
 def main() -> None:
     """Measure with each solver, print and publish."""
-    found = {solver: drive(solver) for solver in solvers()}
-    for solver, entry in found.items():
-        shares = "  ".join(f"{part} {value:.3f}" for part, value in entry["ms_per_step"].items())
-        print(f"{SCENARIO} {solver}: {entry['egos_per_step']:.2f} egos a step; mean ms per step: {shares}")
-        print(
-            f"  control over SUMO's own step: {entry['control_over_sumo']:.1f}; "
-            f"sense over SUMO's own step: {entry['sense_over_sumo']:.2f}"
-        )
-    first = next(iter(found.values()))
-    common = {key: first[key] for key in ("steps", "step_s", "vehicles", "persons")}
-    results.publish("control_over_sumo", {"scenario": SCENARIO, **common, "solvers": found})
+    given = options(__doc__)
+    found = {}
+    for vehicles, persons in CITIES[:1] if given.quick else CITIES:
+        repeats, driven_s = (1, 3.0) if given.quick else (REPEATS[vehicles], DRIVEN_S)
+        name = f"{vehicles}/{persons}"
+        found[name] = measure(vehicles, persons, repeats, driven_s)
+        report(name, found[name])
+    asked = bars(found)
+    show(asked)
+    results.publish("control_over_sumo", {"horizon": HORIZON, "cities": found}, asked, given.folder)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """How long a control step takes, and how much longer the same step takes when written naively.
 
-Run with ``make bench``. Both drive along the same recorded perceptions, in turns, in one process: the
-naive controller is a copy of ours as it stands before the step, so that it solves the same programs.
+Both drive along the same recorded perceptions, in turns, in one process: the naive controller is a copy of
+ours as it stands before the step, so that it solves the same programs.
 """
 
 from __future__ import annotations
@@ -11,64 +11,55 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 import gc
-import sys
 import warnings
 from collections.abc import Sequence
-from contextlib import nullcontext
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
 import naive
 import numpy as np
-from measuring import agreement, perceptions, results
+from measuring import agreement, allocations, perceptions, results
+from measuring.bars import Bar, show
+from measuring.command import options
+from measuring.control_parts import PARTS, Programs, observed
 from measuring.perceptions import CASES, Approach, Case
-from measuring.stopwatch import OTHER, Stopwatch, watching
+from measuring.solvers import solvers
+from measuring.stopwatch import OTHER, Stopwatch
 from numpy.typing import NDArray
 
-from controllers import passing
 from controllers.interface import Perception
-from controllers.lateral import LateralProgram
-from controllers.longitudinal import LongitudinalProgram
-from controllers.qp import Program
-from controllers.speed_planning import SpeedPlanner
 
 FloatArray = NDArray[np.float64]
 
-REPETITIONS = 5
 NAIVE = "naive"
 NAIVE_STEPS = 20
 """Control steps per repetition that the naive controller repeats; it is the slow one."""
-PARTS = ("conflicts", "assembly", "solve", "steering", OTHER)
-PLACES = (
-    (passing, "find", "conflicts"),
-    (passing, "class_bounds", "conflicts"),
-    (SpeedPlanner, "_candidates", "conflicts"),
-    (LongitudinalProgram, "build", "assembly"),
-    (Program, "solve", "solve"),
-    (LateralProgram, "solve", "steering"),
-    (naive.NaiveSpeedProgram, "build", "assembly"),
-    (naive, "solve", "solve"),
-    (naive.NaiveSteeringProgram, "solve", "steering"),
-)
-"""What belongs to which part; ``steering`` keeps its own assembly and solve."""
+BARRED = (Case(30, 5), Case(30, 20))
+LEAST_RATIO = {"osqp": (8.0, 8.0), "daqp": (24.0, 38.0)}
+"""Naive over ours at the median control step, for each of these cases."""
+MOST_SPREAD = {"osqp": 9.0, "daqp": 3.0}
+"""99th percentile over median of the speed program's solve."""
 
 
-def solvers() -> tuple[str, ...]:
-    """Return the solvers to measure: OSQP, and DAQP where it is installed."""
-    import qpsolvers
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How much is measured."""
 
-    return ("osqp", *(name for name in ("daqp",) if name in qpsolvers.available_solvers))
+    repetitions: int = 5
+    counted_steps: int = 10_000
+    """Steps over which memory is watched."""
+    cases: tuple[Case, ...] = CASES
 
 
-def repetition(case: Case, approaches: Sequence[Approach], parts: bool = False) -> dict[str, dict[str, Any]]:
-    """Return the times of each control step of one pass over all approaches [s], by controller.
+QUICK = Effort(1, 60, (Case(30, 5),))
 
-    With ``parts`` also the mean time per step by part; the clock's own cost is then in all of them.
-    """
+
+def repetition(case: Case, approaches: Sequence[Approach]) -> dict[str, dict[str, FloatArray]]:
+    """Return the times of each control step of one pass over all approaches [s], by controller."""
     names = (*solvers(), NAIVE)
     times: dict[str, list[float]] = {name: [] for name in names}
     compared: dict[str, list[float]] = {name: [] for name in names}
-    watches = {name: Stopwatch(whole=("steering",)) for name in names}
     every = max(1, sum(len(approach) - 1 for approach in approaches) // NAIVE_STEPS)
     count = 0
     for approach in approaches:
@@ -82,33 +73,77 @@ def repetition(case: Case, approaches: Sequence[Approach], parts: bool = False) 
             order = list(turn) if count // every % 2 else list(reversed(turn))
             gc.collect(0)
             for name in order:
-                with watching(watches[name], PLACES) if parts and i else nullcontext():
-                    took = _timed(turn[name], perception, watches[name] if parts and i else None)
+                took = _timed(turn[name], perception)
                 # The first step of an approach builds the programs.
                 if i:
                     times[name].append(took)
                     if with_naive:
                         compared[name].append(took)
     return {
-        name: {"times": np.array(times[name]), "compared": np.array(compared[name]), "watch": watches[name]}
-        for name in names
+        name: {"times": np.array(times[name]), "compared": np.array(compared[name])} for name in names
     }
 
 
-def _timed(driver: Any, perception: Perception, watch: Stopwatch | None) -> float:
-    with watch.part(OTHER) if watch else nullcontext():
-        began = perf_counter()
-        driver.plan(perception, driver.decide(perception))
-        return perf_counter() - began
+def _timed(driver: Any, perception: Perception) -> float:
+    began = perf_counter()
+    driver.plan(perception, driver.decide(perception))
+    return perf_counter() - began
 
 
-def measure(case: Case) -> dict[str, Any]:
-    """Return times, ratios and parts of one case."""
+def split(case: Case, approaches: Sequence[Approach], solver: str) -> dict[str, dict[str, float]]:
+    """Return mean, median and 99th percentile of the time per control step, by part."""
+    watch = Stopwatch()
+    with observed(Programs(), watch):
+        for approach in approaches:
+            driver = perceptions.controller(case, solver)
+            for i, perception in enumerate(approach):
+                with watch.part(OTHER):
+                    driver.plan(perception, driver.decide(perception))
+                watch.end_step()
+                if i == 0:
+                    watch.steps.pop()
+    return watch.spread(PARTS)
+
+
+def programs(case: Case, approaches: Sequence[Approach], solver: str, times: int) -> dict[str, Any]:
+    """Return how programs were solved and how long that took."""
+    seconds: dict[str, list[list[float]]] = {"speed": [], "steering": []}
+    steps = sum(len(approach) - 1 for approach in approaches)
+    for _ in range(times):
+        counted = Programs()
+        for approach in approaches:
+            driver = perceptions.controller(case, solver)
+            _timed(driver, approach[0])
+            with observed(counted):
+                for perception in approach[1:]:
+                    driver.plan(perception, driver.decide(perception))
+        for kind, values in counted.seconds.items():
+            seconds[kind].append(values)
+    found: dict[str, Any] = {
+        "per_step": (counted.near + counted.solver) / steps,
+        "share_near": counted.share_near,
+    }
+    for kind, repeats in seconds.items():
+        # The programs are the same in every repetition: everything is deterministic.
+        table = 1e3 * np.array(repeats)
+        quiet, median = np.median(table, axis=0), float(np.median(table))
+        p99 = float(np.percentile(table, 99))
+        found[kind] = {
+            "solves": table.shape[1],
+            "median_ms": median,
+            "p99_ms": p99,
+            "p99_over_median": p99 / median,
+            "p99_over_median_quiet": float(np.percentile(quiet, 99) / np.median(quiet)),
+        }
+    return found
+
+
+def measure(case: Case, effort: Effort) -> dict[str, Any]:
+    """Return times, ratios, parts and programs of one case."""
     approaches = perceptions.record(case)
     repetition(case, approaches[:1])
-    runs = [repetition(case, approaches) for _ in range(REPETITIONS)]
-    split = repetition(case, approaches, parts=True)
-    entry: dict[str, Any] = {"times": {}, "ratio": {}, "parts_ms": {}, "programs_per_step": {}}
+    runs = [repetition(case, approaches) for _ in range(effort.repetitions)]
+    entry: dict[str, Any] = {"times": {}, "ratio": {}, "parts": {}, "programs": {}}
     for name in runs[0]:
         every = 1e3 * np.concatenate([run[name]["times"] for run in runs])
         entry["times"][name] = {
@@ -117,54 +152,88 @@ def measure(case: Case) -> dict[str, Any]:
             "p95_ms": float(np.percentile(every, 95)),
             "p99_ms": float(np.percentile(every, 99)),
         }
-        if name != NAIVE:
-            ratios = [np.median(run[NAIVE]["compared"]) / np.median(run[name]["compared"]) for run in runs]
-            entry["ratio"][name] = {
-                "median": float(np.median(ratios)),
-                "least": float(min(ratios)),
-                "most": float(max(ratios)),
-                "of_sums": float(
-                    sum(run[NAIVE]["compared"].sum() for run in runs)
-                    / sum(run[name]["compared"].sum() for run in runs)
-                ),
-            }
-        watch, steps = split[name]["watch"], len(split[name]["times"])
-        entry["parts_ms"][name] = {part: 1e3 * watch.seconds.get(part, 0.0) / steps for part in PARTS}
-        entry["programs_per_step"][name] = watch.calls.get("assembly", 0) / steps
+        if name == NAIVE:
+            continue
+        ratios = [np.median(run[NAIVE]["compared"]) / np.median(run[name]["compared"]) for run in runs]
+        entry["ratio"][name] = {
+            "median": float(np.median(ratios)),
+            "least": float(min(ratios)),
+            "most": float(max(ratios)),
+            "of_sums": float(
+                sum(run[NAIVE]["compared"].sum() for run in runs)
+                / sum(run[name]["compared"].sum() for run in runs)
+            ),
+        }
+        entry["parts"][name] = split(case, approaches, name)
+        entry["programs"][name] = programs(case, approaches, name, effort.repetitions)
     return entry
 
 
-def show(case: Case, entry: dict[str, Any]) -> None:
+def report(case: Case, entry: dict[str, Any]) -> None:
     """Print one case."""
     for name, times in entry["times"].items():
-        ratio = entry["ratio"].get(name, {"median": 1.0, "least": 1.0, "most": 1.0, "of_sums": 1.0})
-        parts = "  ".join(f"{part} {value:.2f}" for part, value in entry["parts_ms"][name].items())
-        print(
-            f"{case!s:6}{name:6} median {times['median_ms']:7.2f}  p95 {times['p95_ms']:7.2f}  "
-            f"p99 {times['p99_ms']:7.2f} ms   naive/it {ratio['median']:5.1f} "
-            f"({ratio['least']:.1f} to {ratio['most']:.1f}; of sums {ratio['of_sums']:.1f})   {parts}",
-            flush=True,
-        )
+        text = f"{case!s:6}{name:6} median {times['median_ms']:7.2f}  p99 {times['p99_ms']:7.2f} ms"
+        if name in entry["ratio"]:
+            ratio, solves = entry["ratio"][name], entry["programs"][name]
+            parts = "  ".join(f"{part} {value['median_ms']:.2f}" for part, value in entry["parts"][name].items())
+            text += (
+                f"   naive/it {ratio['median']:5.1f} ({ratio['least']:.1f} to {ratio['most']:.1f}; of sums "
+                f"{ratio['of_sums']:.1f})   no solver called {solves['share_near']:.0%}   {parts}"
+            )
+        print(text, flush=True)
 
 
-def main(only: Sequence[str]) -> None:
-    """Measure the cases, all or those named as ``steps/pedestrians``."""
-    cases = tuple(case for case in CASES if not only or str(case) in only)
-    if not cases:
-        raise SystemExit(f"no such case; there are {', '.join(map(str, CASES))}")
+def bars(found: dict[str, Any]) -> list[Bar]:
+    """Return what is asked of the measured cases."""
+    asked = []
+    for number, case in enumerate(BARRED):
+        entry = found.get(str(case), {"ratio": {}})
+        for solver, ratio in entry["ratio"].items():
+            asked.append(
+                Bar(
+                    what=f"control step against naive, N = {case.steps}, {case.pedestrians} pedestrians, "
+                    f"{solver}",
+                    measured=ratio["median"],
+                    at_least=LEAST_RATIO[solver][number],
+                    note=f"{ratio['least']:.1f} to {ratio['most']:.1f}; of total times {ratio['of_sums']:.1f}",
+                )
+            )
+        for solver in entry["ratio"]:
+            spread = entry["programs"][solver]["speed"]
+            asked.append(
+                Bar(
+                    what=f"p99 over median of the speed program's solve, N = {case.steps}, "
+                    f"{case.pedestrians} pedestrians, {solver}",
+                    measured=spread["p99_over_median"],
+                    at_most=MOST_SPREAD[solver],
+                    unit="",
+                    note=f"each program's median over the repetitions first: "
+                    f"{spread['p99_over_median_quiet']:.2g}",
+                )
+            )
+    return asked
+
+
+def main() -> None:
+    """Measure, print and publish."""
+    given = options(__doc__)
+    effort = QUICK if given.quick else Effort()
     warnings.simplefilter("ignore")  # OSQP's hint that a naive program was given up
     gc.disable()
-    found = {}
-    for case in cases:
-        found[str(case)] = measure(case)
-        show(case, found[str(case)])
-    agreed = agreement.check(cases)
-    if results.BAR_CASE in found:
-        print(*results.bar(found), sep="\n")
-    if len(cases) == len(CASES):
-        results.publish("control_step", found)
-        results.publish("agreement", agreed)
+    cases = {}
+    for case in effort.cases:
+        cases[str(case)] = measure(case, effort)
+        report(case, cases[str(case)])
+    agreed = agreement.check(effort.cases)
+    held = {}
+    for solver in solvers():
+        held[solver] = allocations.watch(Case(30, 5), solver, effort.counted_steps)
+        print(f"{solver}: {allocations.told(held[solver])}", flush=True)
+    asked = [*bars(cases), *allocations.bars(held)]
+    show(asked)
+    results.publish("control_step", {"cases": cases, "allocations": held}, asked, given.folder)
+    results.publish("agreement", {"programs": agreed}, (), given.folder)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

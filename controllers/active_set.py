@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -65,14 +66,14 @@ class ActiveSet:
         """
         try:
             return self._search(P, q, A, b, guess, most)
-        except np.linalg.LinAlgError:  # a singular system: the guessed rows depend on each other
+        except np.linalg.LinAlgError:  # the guessed rows depend on each other
             return None
 
     def _search(
         self, P: FloatArray, q: FloatArray, A: FloatArray, b: FloatArray, guess: IntArray, most: int
     ) -> Optimum | None:
         if P.shape != self._cost.shape or not np.array_equal(P, self._cost):
-            self._inverse, self._cost = np.asarray(np.linalg.inv(P), dtype=np.float64), P.copy()
+            self._inverse, self._cost = _solve(P, np.eye(len(P))), P.copy()
         inverse = self._inverse
         free = -(inverse @ q)
         active = guess[np.isfinite(b[guess])]
@@ -93,6 +94,14 @@ class ActiveSet:
         return None
 
 
+def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Return ``x`` with ``matrix x = right``, for a symmetric positive definite matrix."""
+    _, x, failed = dposv(matrix, right)
+    if failed:
+        raise np.linalg.LinAlgError("not positive definite")
+    return np.asarray(x, dtype=np.float64)
+
+
 def _without_pulling(
     inverse: FloatArray, free: FloatArray, A: FloatArray, b: FloatArray, active: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -100,8 +109,7 @@ def _without_pulling(
     while len(active):
         rows = A[active]
         reaction = inverse @ rows.T
-        answer = np.linalg.solve(rows @ reaction, rows @ free - b[active])
-        multipliers = np.asarray(answer, dtype=np.float64)
+        multipliers = _solve(rows @ reaction, rows @ free - b[active])
         if multipliers.min() >= 0.0:
             return active, multipliers, reaction
         active = active[multipliers >= 0.0]
@@ -123,7 +131,7 @@ def _enter(
     while True:
         rows = A[active]
         reaction = inverse @ rows.T
-        answer = np.linalg.solve(rows @ reaction, rows @ pull) if len(active) else np.empty(0)
+        answer = _solve(rows @ reaction, rows @ pull) if len(active) else np.empty(0)
         curvature = float(normal @ (pull - reaction @ answer))
         full = violation / curvature if curvature > FLAT else np.inf
         yielding = np.flatnonzero(answer > FLAT)

@@ -136,34 +136,33 @@ class LongitudinalProgram:
 
     def build(self, task: SpeedTask) -> FloatArray:
         """Write the task into the program and return the free response, shape (4, N)."""
-        n, p, limits = self.steps, self.program, self.limits
-        s, v = self.horizon.gain[POSITION], self.horizon.gain[SPEED]
+        n, p, limits, h = self.steps, self.program, self.limits, self._bounds
+        v = self.horizon.gain[SPEED]
         free = self.horizon.free(task.speed, task.acceleration, task.command)
-        w = self.weights
-        weighted_speed = w.speed * self.dt * (free[SPEED] - task.reference)
-        p.q[:n] = 2.0 * (v.T @ weighted_speed) + 2.0 * w.acceleration * (
-            self.horizon.gain[ACCELERATION].T @ (self.dt * free[ACCELERATION])
-        )
-        self._bound(self.UPPER, task.upper - free[POSITION])
-        self._bound(self.LOWER, free[POSITION] - task.lower)
+        position, speed = free[POSITION], free[SPEED]
+        p.q[:n] = self._speed_cost @ (speed - task.reference) + self._acceleration_cost @ free[ACCELERATION]
+        h[self.UPPER] = task.upper - position
+        h[self.LOWER] = position - task.lower
         slope = np.maximum(task.expected, 0.0) / limits.freeze_braking
-        p.G[self._rows(self.STOPPABLE), :n] = self._scale[self.STOPPABLE][:, None] * (s + slope[:, None] * v)
-        self._bound(
-            self.STOPPABLE,
-            task.stoppable + 0.5 * slope * task.expected - free[POSITION] - slope * free[SPEED],
+        np.add(
+            self._stoppable[0],
+            slope[:, None] * self._stoppable[1],
+            out=p.G[self._rows(self.STOPPABLE), :n],
         )
-        self._bound(self.HEADWAY, task.headway - free[POSITION] - limits.headway * free[SPEED])
+        h[self.STOPPABLE] = task.stoppable + 0.5 * slope * task.expected - position - slope * speed
+        h[self.HEADWAY] = task.headway - position - limits.headway * speed
         # Bounds that the state may already violate are moved to what is still reachable: the program
         # must have a solution from any state.
         present = task.speed + 0.5 * max(task.acceleration, 0.0)
         fastest = np.full(n, max(float(task.reference.max()), present) + 0.3)
         if task.ceiling is not None:
             fastest = np.minimum(fastest, task.ceiling)
-        slowed = free[SPEED] + v @ self._towards(-limits.comfortable_braking, task.command)
-        self._bound(self.FAST, np.maximum(fastest, slowed + 0.05) - free[SPEED])
-        recovered = free[SPEED] + v @ self._towards(limits.acceleration, task.command)
-        self._bound(self.SLOW, free[SPEED] - np.minimum(0.0, recovered - 0.05))
-        self._bound(self.BRAKE, limits.comfortable_braking + free[COMMAND])
+        slowed = v @ self._towards(-limits.comfortable_braking, task.command)
+        h[self.FAST] = np.maximum(fastest - speed, slowed + 0.05)
+        recovered = v @ self._towards(limits.acceleration, task.command)
+        h[self.SLOW] = np.maximum(speed, 0.05 - recovered)
+        h[self.BRAKE] = limits.comfortable_braking + free[COMMAND]
+        np.multiply(h, self._row_scale, out=p.h[: h.size].reshape(h.shape))
         p.upper[:n] = max(limits.acceleration - task.command, 0.0)
         return free
 
@@ -199,13 +198,11 @@ class LongitudinalProgram:
 
     def _towards(self, command: float, present: float) -> FloatArray:
         """Return the inputs that lead half way to a command at half the jerk: there is room left to drive."""
-        return np.asarray(np.clip(0.5 * command - present, -self._half_jerk, self._half_jerk))
+        step = 0.5 * command - present
+        return np.minimum(self._half_jerk, step) if step > 0.0 else np.maximum(-self._half_jerk, step)
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)
-
-    def _bound(self, block: int, values: FloatArray) -> None:
-        self.program.h[self._rows(block)] = self._scale[block] * values
 
     def _cost_pattern(self, n: int) -> NDArray[np.bool_]:
         pattern = np.zeros((n + self.SLACKS, n + self.SLACKS), dtype=bool)
@@ -267,6 +264,12 @@ class LongitudinalProgram:
         for block, slack in self._softened():
             p.G[self._rows(block), n + slack] = -SLACK_UNIT * self._scale[block]
         for block in (self.JERK_UP, self.JERK_DOWN):
-            self._bound(block, np.full(n, limits.jerk))
+            p.h[self._rows(block)] = self._scale[block] * limits.jerk
+        self._row_scale = np.array([self._scale[block] for block in range(self.JERK_UP)])
+        self._bounds = np.empty_like(self._row_scale)
+        scale = self._scale[self.STOPPABLE][:, None]
+        self._stoppable = (scale * s, scale * v)
+        self._speed_cost = 2.0 * w.speed * v.T * self.dt
+        self._acceleration_cost = 2.0 * w.acceleration * a.T * self.dt
         p.lower[n:] = 0.0
         p.upper[n + self.EMERGENCY] = (limits.emergency_braking - limits.comfortable_braking) / SLACK_UNIT

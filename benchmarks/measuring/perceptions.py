@@ -13,7 +13,7 @@ from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, Toy
 
 STEP = 0.1
 """Of the simulation [s]."""
-APPROACHES = 2
+APPROACHES = 4
 """Independent approaches per number of pedestrians."""
 LONGEST = 5.0
 """What is recorded of each [s]."""

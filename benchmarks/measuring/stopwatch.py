@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from time import perf_counter
 from typing import Any
+
+import numpy as np
 
 OTHER = "rest"
 OUTSIDE = "outside"
@@ -25,7 +27,10 @@ class Stopwatch:
     def __init__(self, whole: Sequence[str] = ()) -> None:
         self.seconds: dict[str, float] = {}
         self.calls: dict[str, int] = {}
+        self.steps: list[dict[str, float]] = []
+        """Time by part of each step that was ended."""
         self._whole = frozenset(whole)
+        self._before: Mapping[str, float] = {}
         self._stack = [OUTSIDE]
         self._since = perf_counter()
 
@@ -53,6 +58,29 @@ class Stopwatch:
             self._lap()
             self._stack.pop()
 
+    def moved(self, seconds: float, source: str, target: str) -> None:
+        """Count some of the time of one part under another."""
+        self.seconds[source] = self.seconds.get(source, 0.0) - seconds
+        self.seconds[target] = self.seconds.get(target, 0.0) + seconds
+
+    def end_step(self) -> None:
+        """Note what this step took."""
+        self._lap()
+        self.steps.append({part: now - self._before.get(part, 0.0) for part, now in self.seconds.items()})
+        self._before = dict(self.seconds)
+
+    def spread(self, parts: Sequence[str], skip: int = 0) -> dict[str, dict[str, float]]:
+        """Return mean, median and 99th percentile of each part over the steps after the first ``skip``."""
+        found = {}
+        for part in parts:
+            values = 1e3 * np.array([step.get(part, 0.0) for step in self.steps[skip:]])
+            found[part] = {
+                "mean_ms": float(values.mean()),
+                "median_ms": float(np.median(values)),
+                "p99_ms": float(np.percentile(values, 99)),
+            }
+        return found
+
     def _lap(self) -> None:
         now = perf_counter()
         top = self._stack[-1]
@@ -71,3 +99,14 @@ def watching(stopwatch: Stopwatch, places: Sequence[tuple[Any, str, str]]) -> It
     finally:
         for owner, name, original in originals:
             setattr(owner, name, original)
+
+
+@contextmanager
+def replaced(owner: Any, name: str, function: Callable[..., Any]) -> Iterator[None]:
+    """Have ``owner.name`` be another function while inside."""
+    original = getattr(owner, name)
+    setattr(owner, name, function)
+    try:
+        yield
+    finally:
+        setattr(owner, name, original)

@@ -23,7 +23,7 @@ _INTRODUCTION = """\
 Each method of the papers is a controller here. Their experiments are repeated on a road without SUMO, with
 the papers' initial conditions.
 
-    cosim papers [PAPER]... --out DIR
+    cosim papers --out results/papers
 
 runs them and writes `claims.csv` and the figures; `make papers` writes this page from them.
 
