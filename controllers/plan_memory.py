@@ -63,23 +63,25 @@ class PlanMemory:
         """Return acceleration and steering that are commanded at this instant."""
         if self.command is None:
             return ego.acceleration, ego.steering
-        i = self._entry(ego.time)
+        i = _entry(self.command, self.age(ego.time))
         acceleration, steering = float(self.command.acceleration[i]), float(self.command.steering[i])
         # A vehicle at its limits, or one that SUMO held, has left the command behind.
         return (ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration), steering
 
     def rest(self, time: float) -> Command | None:
         """Return what is left of the last command, as a command from now on."""
-        if self.command is None:
-            return None
-        i = self._entry(time)
-        times = np.maximum(self.command.times[i:] - self.age(time), 0.0)
-        return Command(times, self.command.acceleration[i:], self.command.steering[i:])
+        return None if self.command is None else rest_of(self.command, self.age(time))
 
-    def _entry(self, time: float) -> int:
-        if self.command is None:
-            return 0
-        return max(int(np.searchsorted(self.command.times, self.age(time) + 1e-9)) - 1, 0)
+
+def rest_of(command: Command, age: float) -> Command:
+    """Return what is left of a command that was given ``age`` ago [s], as a command from now on."""
+    i = _entry(command, age)
+    times = np.maximum(command.times[i:] - age, 0.0)
+    return Command(times, command.acceleration[i:], command.steering[i:])
+
+
+def _entry(command: Command, age: float) -> int:
+    return max(int(np.searchsorted(command.times, age + 1e-9)) - 1, 0)
 
 
 def sampled_command(

@@ -22,6 +22,7 @@ from controllers.occlusion import HiddenPedestrian
 from controllers.prediction import named
 from controllers.qp import check_solver
 from controllers.speed_planning import PassingSettings
+from controllers.unhurried import Unhurried
 from controllers.velocity_obstacle import Cone
 
 
@@ -70,6 +71,7 @@ def build(
     hidden_reaction_s: float = 0.8,
     creep_mps: float = 2.0,
     uncertainty_gain: float = 1.0,
+    idle_interval_s: float = 0.0,
     predictor: str = named.CONSTANT_VELOCITY,
     seed: int = 1,
 ) -> Controller:
@@ -144,6 +146,9 @@ def build(
     uncertainty_gain
         What both margins grow by for each metre that a pedestrian's position is uncertain (standard
         deviation); 0 for not at all. Not with ``model=paper``.
+    idle_interval_s
+        Time between plans while nobody is near and the road goes straight on, see
+        :mod:`controllers.unhurried`; 0 to plan at every step. Not with ``model=paper``.
     predictor
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed
@@ -213,7 +218,7 @@ def build(
             named.sampled(predictor, seed=seed),
             EmergencyBraking() if emergency_brake else None,
         )
-    return VelocityObstacleMpc(
+    driver = VelocityObstacleMpc(
         Settings(
             dt=growing_grid(steps, first_step_s, last_step_s),
             passing=PassingSettings(
@@ -260,3 +265,4 @@ def build(
         ),
         named.sampled(predictor, seed=seed),
     )
+    return driver if idle_interval_s == 0.0 else Unhurried(driver, idle_interval_s)
