@@ -20,10 +20,6 @@ from cosim.request import RunRequest
 from cosim.sensing import catalog as sensing_catalog
 from cosim.sensing import chosen
 from cosim.sensing.interface import Sensing
-from cosim.sumo.network import NetCrossing as NetCrossing  # for who looks at a network and runs nothing
-from cosim.sumo.network import NetLane as NetLane
-from cosim.sumo.network import Network as Network
-from cosim.sumo.network import read_network as read_network
 from cosim.sumo.world import SumoWorld
 from cosim.world import World
 from sumo_scenarios import library

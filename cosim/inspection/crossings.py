@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from controllers.interface import CrossingKind
-from cosim.compose import Network
 from cosim.inspection.ego_routes import EgoRoute, Passing, lanes_crossed
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.roads import guess_command, is_sidewalk
 from cosim.inspection.ways import Ways
+from cosim.sumo.network import Network
 
 NAMES = {
     CrossingKind.ZEBRA: "zebra",

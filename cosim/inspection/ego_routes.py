@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from controllers.interface import CrossingKind
-from cosim.compose import NetCrossing
 from cosim.inspection.demand import Demand
 from cosim.inspection.ways import CAR, TURNAROUND, Movement, Ways, route_to
+from cosim.sumo.network import NetCrossing
 
 MOST = 5
 """Routes that are suggested at most."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.compose import Network, read_network
 from cosim.inspection import crossings, demand_findings, options, roads
 from cosim.inspection.crossings import Counts
 from cosim.inspection.demand import Demand, read_demand
@@ -13,6 +12,7 @@ from cosim.inspection.ego_routes import EgoRoute, passing, suggest
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source, read_source
 from cosim.inspection.ways import Ways
+from cosim.sumo.network import Network, read_network
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from analysis.plots.saving import save
 from controllers.interface import CrossingKind
-from cosim.compose import NetLane, Network
 from cosim.inspection.crossings import NAMES
 from cosim.inspection.inspection import Inspection
 from cosim.inspection.roads import is_sidewalk
+from cosim.sumo.network import NetLane, Network
 
 FloatArray = NDArray[np.float64]
 

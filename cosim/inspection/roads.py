@@ -5,9 +5,9 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-from cosim.compose import NetLane, Network
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR
+from cosim.sumo.network import NetLane, Network
 
 ON_FOOT = "pedestrian"
 _TOWN_SPEED_MPS = 19.5

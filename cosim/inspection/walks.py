@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.compose import NetCrossing, NetLane, Network
 from cosim.inspection.ego_routes import EgoRoute
 from cosim.inspection.roads import is_sidewalk
+from cosim.sumo.network import NetCrossing, NetLane, Network
 
 APPROACH_M = 20.0
 """People come in so far before a crossing, and leave so far behind it."""

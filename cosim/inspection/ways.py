@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cosim.compose import NetCrossing, Network
+from cosim.sumo.network import NetCrossing, Network
 
 CAR = "passenger"
 TURNAROUND = "t"
