@@ -100,9 +100,9 @@ screenshots: $(VENV)/installed-dev
 	$(BIN)/cosim batch studies/screenshots.toml --out runs/screenshots --jobs $(JOBS)
 	$(BIN)/python -m cosim.screenshots runs/screenshots docs/images
 
-# NO_MKDOCS_2_WARNING: what the theme's makers have to say on every build.
+# Not --quiet: it keeps warnings from being errors. NO_MKDOCS_2_WARNING: what the theme's makers have to say on every build.
 docs: $(VENV)/installed-docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo build/site/index.html
 
 clean:

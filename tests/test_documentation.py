@@ -33,6 +33,7 @@ from cosim.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
 from sumo_scenarios import library
+from tests.documentation import command_blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = [
@@ -40,22 +41,7 @@ SOURCES = [
     for name in ("cosim", "controllers", "analysis", "sumo_scenarios")
     for path in (ROOT / name).rglob("*.py")
 ]
-PAGES = (
-    "README.md",
-    "CHANGELOG.md",
-    "CONTRIBUTING.md",
-    "docs/architecture.md",
-    "docs/batches.md",
-    "docs/ci.md",
-    "docs/cluster.md",
-    "docs/conventions.md",
-    "docs/inspect.md",
-    "docs/plots.md",
-    "docs/references.md",
-    "docs/report.md",
-    "docs/sensing.md",
-    "docs/statistics.md",
-)
+PAGES = ("CHANGELOG.md", *command_blocks.pages())
 CITATION = re.compile(r"\[([A-Z][A-Za-z]*[A-Za-z0-9.-]*)\]_")
 ENTRY = re.compile(r"^[-*]?\s*\*{0,2}\[([^\]]+)\]", re.MULTILINE)
 
@@ -76,7 +62,7 @@ def test_links_between_the_texts_lead_somewhere(name: str) -> None:
 
 def commands() -> list[str]:
     """Return every command line that a text or a help page shows."""
-    pages = [(ROOT / name).read_text() for name in PAGES]
+    shown = {shlex.join(one.words) for name in PAGES for one in command_blocks.of_page(name)}
     helps = [
         function.__doc__ or ""
         for function in (
@@ -94,8 +80,14 @@ def commands() -> list[str]:
             listing.show,
         )
     ]
-    lines = [line.strip() for text in (*pages, *helps) for line in text.splitlines()]
-    return sorted({line for line in lines if line.startswith("cosim ")})
+    shown |= {line.strip() for text in helps for line in text.splitlines()}
+    return sorted(line for line in shown if line.startswith("cosim "))
+
+
+def run_by_tests() -> set[str]:
+    """Return those that ``tests/documentation`` runs."""
+    found = (one for name in PAGES for one in command_blocks.of_page(name))
+    return {shlex.join(one.words) for one in found if not one.excuse}
 
 
 @pytest.mark.parametrize("line", commands())
@@ -108,6 +100,8 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
         assert command is not None, f"there is no command {name!r}"
         with command.make_context(name, arguments, parent=context) as given:
             values = given.params
+    if line in run_by_tests():
+        return  # their scenarios, controllers and parameters are looked up then
     settings = values.get("settings") or []
     if name == "analyse":
         with_settings(settings)
@@ -124,10 +118,31 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
             catalog.parse(values["controller"], leftover)
 
 
+@pytest.mark.parametrize("name", PAGES)
+def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
+    group = typer.main.get_command(app)
+    assert isinstance(group, typer.core.TyperGroup)
+    for text in re.findall(r"`cosim ([a-z][^`]*)`", (ROOT / name).read_text()):
+        command, *others = text.split()
+        with group.make_context("cosim", [command]) as context:
+            found = group.get_command(context, command)
+        assert found is not None, f"{name}: there is no command {command!r}"
+        flags = {flag for parameter in found.params for flag in parameter.opts}
+        for word in others:
+            assert not word.startswith("--") or word in flags | {"--help"}, f"{name}: `cosim {text}`: {word}"
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_files_that_a_text_names_exist(name: str) -> None:
+    named = r"`((?:cosim|controllers|analysis|sumo_scenarios|studies|tests|benchmarks|docs)/[\w./-]+\.\w+)"
+    for path in re.findall(named, (ROOT / name).read_text()):
+        assert (ROOT / path).exists(), f"{name} names {path}, which does not exist"
+
+
 def test_make_targets_that_the_texts_name_exist() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     for page in PAGES:
-        named = re.findall(r"^make ([a-z-]+)|`make ([a-z-]+)`", (ROOT / page).read_text(), re.MULTILINE)
+        named = re.findall(r"^ *make ([a-z-]+)|`make ([a-z-]+)`", (ROOT / page).read_text(), re.MULTILINE)
         for target in (first or second for first, second in named):
             assert target in targets, f"{page} names make {target}"
 
