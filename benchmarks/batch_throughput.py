@@ -21,14 +21,18 @@ from typing import Any
 
 import numpy as np
 from measuring import results
+from measuring.bars import Bar, show
+from measuring.command import options
 
 from cosim.batch.job import Configuration, Job
 from cosim.batch.pool import RUNS_PER_PROCESS, Pool
 from cosim.batch.worker import Handling
 
 ROUNDS = 3
-RUNS = {1: 40, 2: 120}
-"""Runs of a round, by how many run at a time: about a minute's work, as in a small study."""
+RUNS = {1: 20, 2: 40}
+"""Runs of a round, by how many run at a time."""
+SHELL_RUNS = {1: 5, 2: 10}
+"""Runs that shells start, which take longest; the rest is reckoned from these."""
 SCENARIO, CONTROLLER = "midblock_zebra", "aeb"
 SETTINGS = {"warmup_s": 20, "duration_s": 60}
 SHORT = {"warmup_s": 2, "duration_s": 6}
@@ -104,21 +108,23 @@ def timed(commands: list[list[str]]) -> tuple[float, float]:
     return wall_s, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def compared(processes: int) -> dict[str, Any]:
-    """Return times of a batch and of plain processes, taken in turns; of shells once, which take longest."""
+def compared(processes: int, rounds: int, runs: int, shell_runs: int) -> dict[str, Any]:
+    """Return times of a batch and of plain processes, taken in turns; of shells once, on fewer runs."""
     kinds = {"batch": batch, "in turn": in_turn, "shells": shells}
     wall: dict[str, list[float]] = {kind: [] for kind in kinds}
     cpu: dict[str, list[float]] = {kind: [] for kind in kinds}
-    for number in range(ROUNDS):
+    for number in range(rounds):
         order = ["batch", "in turn"] if number % 2 == 0 else ["in turn", "batch"]
         for kind in (*order, "shells") if number == 0 else order:
             with TemporaryDirectory() as folder:
-                wall_s, cpu_s = timed(kinds[kind](Path(folder), processes, RUNS[processes]))
-            wall[kind].append(wall_s)
-            cpu[kind].append(cpu_s)
+                own = shell_runs if kind == "shells" else runs
+                wall_s, cpu_s = timed(kinds[kind](Path(folder), processes, own))
+            wall[kind].append(wall_s * runs / own)
+            cpu[kind].append(cpu_s * runs / own)
     ratios = [plain / own for plain, own in zip(wall["in turn"], wall["batch"], strict=True)]
     return {
-        "runs": RUNS[processes],
+        "runs": runs,
+        "shell_runs": shell_runs,
         "wall_s": {kind: median(values) for kind, values in wall.items()},
         "cpu_s": {kind: median(values) for kind, values in cpu.items()},
         "throughput_ratio": median(ratios),
@@ -128,25 +134,26 @@ def compared(processes: int) -> dict[str, Any]:
     }
 
 
-def memory() -> dict[str, Any]:
+def memory(runs: int) -> dict[str, Any]:
     """Return how the memory of a worker grows over many short runs: as used, and within one process."""
     pairs = tuple((key, str(value)) for key, value in SHORT.items())
     one = Configuration(SCENARIO, SCENARIO, SCENARIO, CONTROLLER, pairs, (), ())
     sizes_mb: list[float] = []
     with TemporaryDirectory() as folder, Pool(1, Handling(600.0)) as pool:
-        for seed in range(1, SHORT_RUNS + 1):
+        for seed in range(1, runs + 1):
             place = Path(folder) / str(seed)
             outcome = pool.submit(Job(one, seed), place).result()
             if outcome.reason:
                 raise SystemExit(outcome.reason)
             sizes_mb.append(_largest_child_mb())
             shutil.rmtree(place)
+    settled = min(SETTLED, runs // 2)
     return {
-        "runs": SHORT_RUNS,
+        "runs": runs,
         "runs_per_process": RUNS_PER_PROCESS,
         "most_mb": max(sizes_mb),
-        "mb_per_100_runs": _slope(sizes_mb[SETTLED:]),
-        "mb_per_100_runs_within_a_process": _slope(sizes_mb[SETTLED : RUNS_PER_PROCESS - 1]),
+        "mb_per_100_runs": _slope(sizes_mb[settled:]),
+        "mb_per_100_runs_within_a_process": _slope(sizes_mb[settled : RUNS_PER_PROCESS - 1]),
     }
 
 
@@ -162,21 +169,49 @@ def _largest_child_mb() -> float:
     return max(child.memory_info().rss for child in psutil.Process().children()) / 1e6
 
 
+def bars(found: dict[str, Any]) -> list[Bar]:
+    """Return what is asked of a batch."""
+    one, two, held = found["jobs_1"], found["jobs_2"], found["memory"]
+    spread = f"{min(two['throughput_ratios']):.2f} to {max(two['throughput_ratios']):.2f}"
+    return [
+        Bar(
+            what="throughput of a batch with two processes over two that call the same runs in turn",
+            measured=two["throughput_ratio"],
+            at_least=LEAST_THROUGHPUT,
+            note=f"{spread}; {two['throughput_ratio_shells']:.2f} of two shells that start cosim run",
+        ),
+        Bar(
+            what="overhead of a batch over the same runs called in turn in one process",
+            measured=100.0 * (1.0 / one["throughput_ratio"] - 1.0),
+            at_most=100.0 * MOST_OVERHEAD,
+            unit="%",
+            note=f"of wall-clock time; {one['cpu_ratio'] - 1.0:+.1%} of processor time",
+        ),
+        Bar(
+            what=f"growth of a worker's memory in 100 short runs, over {held['runs']}",
+            measured=held["mb_per_100_runs"],
+            at_most=MOST_MB_PER_100_RUNS,
+            unit="MB",
+            note=f"its process replaced after every {held['runs_per_process']} runs; "
+            f"{held['mb_per_100_runs_within_a_process']:+.2f} MB within a process, most of it kept by SUMO",
+        ),
+    ]
+
+
 def main() -> None:
     """Measure, print and publish."""
-    found: dict[str, Any] = {"rounds": ROUNDS, "simulated_s": SETTINGS["duration_s"]}
+    given = options(__doc__)
+    rounds, short_runs = (1, 6) if given.quick else (ROUNDS, SHORT_RUNS)
+    found: dict[str, Any] = {"rounds": rounds, "simulated_s": SETTINGS["duration_s"]}
     for processes in (1, 2):
-        entry = found[f"jobs_{processes}"] = compared(processes)
+        runs, shell_runs = (2, 2) if given.quick else (RUNS[processes], SHELL_RUNS[processes])
+        entry = found[f"jobs_{processes}"] = compared(processes, rounds, runs, shell_runs)
         times = ", ".join(f"{kind} {value:.1f} s" for kind, value in entry["wall_s"].items())
-        print(f"{RUNS[processes]} runs, {processes} at a time: {times}")
-    found["memory"] = memory()
-    found["bars"] = {
-        "least_throughput": LEAST_THROUGHPUT,
-        "most_overhead": MOST_OVERHEAD,
-        "most_mb_per_100_runs": MOST_MB_PER_100_RUNS,
-    }
-    print("\n".join(results.batch_bars(found)))
-    results.publish("batch", found)
+        print(f"{runs} runs, {processes} at a time: {times}", flush=True)
+    found["memory"] = memory(short_runs)
+    asked = bars(found)
+    show(asked)
+    results.publish("batch", found, asked, given.folder)
 
 
 if __name__ == "__main__":

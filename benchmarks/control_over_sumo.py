@@ -1,4 +1,4 @@
-"""What one controlled car costs beside SUMO's own work: sense, decide, plan and act, over ``world.advance()``.
+"""What one controlled car costs beside SUMO's own work: sense to act, over ``world.advance()``.
 
 Both are measured inside one loop, because SUMO's step slows down when its caches have gone cold in between.
 The repeats take turns.
@@ -60,9 +60,7 @@ def measure(vehicles: int, persons: int, repeats: int, driven_s: float) -> dict[
         "vehicles": float(np.mean(first.vehicles)),
         "persons": float(np.mean(first.persons)),
         "sumo_alone_ms": float(np.median(without)),
-        "solvers": {
-            solver: _summary(drives[solver], without, split[solver]) for solver in requests
-        },
+        "solvers": {solver: _summary(drives[solver], without, split[solver]) for solver in requests},
     }
 
 
@@ -72,10 +70,7 @@ def _request(configuration: Path, solver: str) -> RunRequest:
 
 
 def _summary(drives: Sequence[Drive], without: Sequence[float], split: Drive) -> dict[str, Any]:
-    means = [
-        {part: 1e3 * float(np.mean([step.get(part, 0.0) for step in one.watch.steps])) for part in OF_THE_LOOP}
-        for one in drives
-    ]
+    means = [one.mean_ms(OF_THE_LOOP) for one in drives]
     control = np.array([one[SENSE] + one[CONTROL] + one[ACT] for one in means])
     advance = np.array([one[ADVANCE] + one[SUMO] for one in means])
     parts = (SENSE, *CONTROL_PARTS, ACT, ADVANCE, SUMO, RECORD)

@@ -79,9 +79,7 @@ def repetition(case: Case, approaches: Sequence[Approach]) -> dict[str, dict[str
                     times[name].append(took)
                     if with_naive:
                         compared[name].append(took)
-    return {
-        name: {"times": np.array(times[name]), "compared": np.array(compared[name])} for name in names
-    }
+    return {name: {"times": np.array(times[name]), "compared": np.array(compared[name])} for name in names}
 
 
 def _timed(driver: Any, perception: Perception) -> float:
@@ -175,7 +173,9 @@ def report(case: Case, entry: dict[str, Any]) -> None:
         text = f"{case!s:6}{name:6} median {times['median_ms']:7.2f}  p99 {times['p99_ms']:7.2f} ms"
         if name in entry["ratio"]:
             ratio, solves = entry["ratio"][name], entry["programs"][name]
-            parts = "  ".join(f"{part} {value['median_ms']:.2f}" for part, value in entry["parts"][name].items())
+            parts = "  ".join(
+                f"{part} {value['median_ms']:.2f}" for part, value in entry["parts"][name].items()
+            )
             text += (
                 f"   naive/it {ratio['median']:5.1f} ({ratio['least']:.1f} to {ratio['most']:.1f}; of sums "
                 f"{ratio['of_sums']:.1f})   no solver called {solves['share_near']:.0%}   {parts}"
@@ -195,7 +195,8 @@ def bars(found: dict[str, Any]) -> list[Bar]:
                     f"{solver}",
                     measured=ratio["median"],
                     at_least=LEAST_RATIO[solver][number],
-                    note=f"{ratio['least']:.1f} to {ratio['most']:.1f}; of total times {ratio['of_sums']:.1f}",
+                    note=f"{ratio['least']:.1f} to {ratio['most']:.1f}; "
+                    f"of total times {ratio['of_sums']:.1f}",
                 )
             )
         for solver in entry["ratio"]:

@@ -44,9 +44,9 @@ def controller(case: Case, solver: str) -> Controller:
     return catalog.build("vo_mpc", seed=1, steps=case.steps, solver=solver)
 
 
-def record(case: Case) -> list[Approach]:
+def record(case: Case, approaches: int = APPROACHES) -> list[Approach]:
     """Return the perceptions of all approaches, each until nobody is in the ego's way any more."""
-    return [_approach(case, seed) for seed in range(1, APPROACHES + 1)]
+    return [_approach(case, seed) for seed in range(1, approaches + 1)]
 
 
 def _approach(case: Case, seed: int) -> Approach:

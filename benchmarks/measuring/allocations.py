@@ -1,0 +1,91 @@
+"""What a control step allocates, and whether anything of it stays."""
+
+from __future__ import annotations
+
+import gc
+import itertools
+import tracemalloc
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from controllers.interface import Perception
+from measuring import perceptions
+from measuring.bars import Bar
+from measuring.perceptions import STEP, Case
+
+MOST_HELD = 1024.0
+"""Bytes per 1000 steps that count as nothing."""
+LOOKS = 10
+"""How often what is held is read, evenly spread."""
+
+
+def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
+    """Return what is still held after so many control steps, and the peaks of single steps."""
+    seen = _endless(perceptions.record(case))
+    driver = perceptions.controller(case, solver)
+    every = max(1, steps // LOOKS)
+    held: list[int] = []
+    peaks = np.zeros(steps)  # before anything is counted
+    for _ in range(max(every, 200)):
+        perception = next(seen)
+        driver.plan(perception, driver.decide(perception))
+    tracemalloc.start()
+    try:
+        for i in range(steps):
+            perception = next(seen)
+            if i % every == 0:
+                gc.collect()
+                held.append(tracemalloc.get_traced_memory()[0])
+            tracemalloc.reset_peak()
+            before = tracemalloc.get_traced_memory()[0]
+            driver.plan(perception, driver.decide(perception))
+            peaks[i] = tracemalloc.get_traced_memory()[1] - before
+    finally:
+        tracemalloc.stop()
+    # What a plan leaves for the next step was allocated before the counting began: the first look is not
+    # like the others.
+    steady = held[1:] if len(held) > 2 else held
+    slope = float(np.polyfit(np.arange(len(steady)) * every, steady, 1)[0]) if len(steady) > 1 else 0.0
+    return {
+        "case": str(case),
+        "steps": steps,
+        "bytes_per_1000_steps": 1000.0 * slope,
+        "bytes_after_first": int(steady[0]),
+        "bytes_after_last": int(steady[-1]),
+        "peak_median_kb": float(np.median(peaks)) / 1e3,
+        "peak_most_kb": float(peaks.max()) / 1e3,
+    }
+
+
+def told(entry: Mapping[str, Any]) -> str:
+    """Return one line about what was found."""
+    return (
+        f"{entry['steps']} control steps hold {entry['bytes_per_1000_steps']:+.0f} bytes more per 1000; "
+        f"a step's peak is {entry['peak_median_kb']:.0f} kB in the median, "
+        f"{entry['peak_most_kb']:.0f} at most"
+    )
+
+
+def bars(held: Mapping[str, Mapping[str, Any]]) -> list[Bar]:
+    """Return what is asked of the memory of a control step."""
+    return [
+        Bar(
+            what=f"bytes still held per 1000 control steps over {entry['steps']}, {solver}",
+            measured=entry["bytes_per_1000_steps"],
+            at_most=MOST_HELD,
+            unit="bytes",
+        )
+        for solver, entry in held.items()
+    ]
+
+
+def _endless(approaches: list[perceptions.Approach]) -> Iterator[Perception]:
+    """Return the approaches again and again, on one clock."""
+    time = 0.0
+    for approach in itertools.cycle(approaches):
+        for perception in approach:
+            yield replace(perception, ego=replace(perception.ego, time=time))
+            time += STEP

@@ -1,0 +1,1 @@
+"""The sections of the results page, one module each."""

@@ -1,0 +1,27 @@
+"""Memory of a long run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from measuring.markdown import table
+
+
+def paragraphs(found: Mapping[str, Any]) -> list[str]:
+    """Return the section's Markdown."""
+    settings = ", ".join(f"{key}={value}" for key, value in found["settings"].items())
+    times = found["time_s"]
+    step = max(1, len(times) // 8)
+    rows = [
+        {"simulated s": f"{now:.0f}", "resident MB": f"{size:.0f}"}
+        for now, size in list(zip(times, found["resident_mb"], strict=True))[::step]
+    ]
+    return [
+        "## Memory over a simulated hour",
+        f"`{found['scenario']}` with `{found['controller']}` ({found['solver']}) for a fifth of the cars, "
+        f"{found['simulated_s']:g} simulated seconds in {found['took_s']:.0f} s ({settings}). After the "
+        f"first {found['settled_s']:g} s memory grows by {found['mb_per_hour']:+.1f} MB per simulated hour, "
+        "the recording included.",
+        table(rows),
+    ]
