@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import Command, Drive, EgoState, Perception, constant_command
+from controllers.interface import Command, Drive, EgoState, Perception
 from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
 from cosim.plant import Plant, body_of
@@ -18,6 +17,7 @@ from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
+from cosim.sumo.driven_ego import DrivenEgo, let_go, own_limit
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.foes import FoeFinder, near
 from cosim.sumo.knowledge import Knowledge
@@ -25,11 +25,11 @@ from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
-from cosim.sumo.sensing import Frame, look, perceive, visible_crossings, visible_signals
+from cosim.sumo.sensing import look, perceive, visible_crossings, visible_signals
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
-from cosim.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
+from cosim.world import MapArea, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 
@@ -41,27 +41,6 @@ POSITION_TOLERANCE = 0.02
 """SUMO differs from the plant by an intervention when it is further off than this [m]."""
 SPEED_TOLERANCE = 0.1
 """The same for speeds [m/s]."""
-COAST = constant_command(0.0, 0.0)
-
-
-@dataclass(slots=True)
-class _Ego:
-    """A vehicle that is driven from here."""
-
-    name: str
-    plant: Plant
-    track: Track
-    executed: Executed
-    own_limit: float
-    """What this kind of vehicle drives at most [m/s]."""
-    command: Command = COAST
-    elapsed: float = 0.0
-    """Since the command was given [s]."""
-    travelled: float = 0.0
-    intervention: bool = False
-    handed_back: bool = False
-    frame: Frame | None = None
-    """As last sensed."""
 
 
 class SumoWorld:
@@ -97,7 +76,7 @@ class SumoWorld:
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = Drive() if drive is None else drive
-        self._egos: dict[str, _Ego] = {}
+        self._egos: dict[str, DrivenEgo] = {}
         self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
@@ -179,7 +158,7 @@ class SumoWorld:
         others = [row for row, name in enumerate(cars.names) if name not in self._egos]
         return Snapshot(
             self._time,
-            tuple(self._truth(ego) for ego in self._egos.values()),
+            tuple(ego.truth(self.step) for ego in self._egos.values()),
             PersonsTruth(
                 persons.names,
                 persons.position[:, 0],
@@ -287,7 +266,7 @@ class SumoWorld:
         self._knowledge.forget(name)
         del self._egos[name]
 
-    def _follow_up(self, ego: _Ego) -> None:
+    def _follow_up(self, ego: DrivenEgo) -> None:
         """Compare what SUMO made of the step with the plant, and find the ego's place on its route."""
         plant = ego.plant
         before = plant.front
@@ -350,10 +329,10 @@ class SumoWorld:
         track = Track(self._routes[key], vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
         track.update(seen.x, seen.y)
         track.number = 0
-        _free(self._sumo, name)
+        let_go(self._sumo, name)
         self._actuation.take_over(name)
         self._observer.follow(name)
-        self._egos[name] = _Ego(name, plant, track, seen, own_limit(self._sumo, name))
+        self._egos[name] = DrivenEgo(name, plant, track, seen, own_limit(self._sumo, name))
         self._any_ego = True
 
     def _observe(self) -> None:
@@ -373,7 +352,7 @@ class SumoWorld:
         except ValueError as error:
             raise InputError(f"sensing: {error}") from error
 
-    def _perceive(self, ego: _Ego, lights: dict[str, str]) -> Perception:
+    def _perceive(self, ego: DrivenEgo, lights: dict[str, str]) -> Perception:
         plant = ego.plant
         known = self._knowledge.believed(ego.name, plant, self._time, self._surroundings)
         view = look(ego.name, plant, ego.track, known)
@@ -402,57 +381,3 @@ class SumoWorld:
         told = perceive(state, view, ego.track, known, lights, foes, ego.own_limit)
         eyesight = self._knowledge.eyesight(plant.body)
         return told if eyesight is None else replace(told, eyesight=eyesight)
-
-    def _truth(self, ego: _Ego) -> EgoTruth:
-        plant, track = ego.plant, ego.track
-        entry = 0
-        if len(ego.command.times) > 1:
-            # The part of the command that was carried out in the last step.
-            began = ego.elapsed - self.step + 1e-9
-            entry = max(0, int(np.searchsorted(ego.command.times, began, side="right")) - 1)
-        x, y = plant.front
-        piece = track.path.piece_at(track.along)
-        return EgoTruth(
-            ego.name,
-            plant.body,
-            x,
-            y,
-            plant.heading,
-            plant.speed,
-            plant.acceleration,
-            plant.steering,
-            piece.lane.edge,
-            ego.executed.lane,
-            ego.travelled,
-            min(piece.lane.speed, ego.own_limit),
-            float(ego.command.acceleration[entry]),
-            float(ego.command.steering[entry]),
-            ego.executed.x,
-            ego.executed.y,
-            ego.executed.speed,
-            ego.intervention,
-            ego.handed_back,
-        )
-
-
-def own_limit(sumo: Any, name: str) -> float:
-    """Return the speed that a vehicle's type drives at most, on a road that allows any [m/s].
-
-    SUMO tells ``maxSpeed``; its ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h, shows in the speed
-    that the vehicle allows itself where the lane allows more.
-    """
-    vehicle = sumo.vehicle
-    possible: float = vehicle.getMaxSpeed(name)
-    factor: float = vehicle.getSpeedFactor(name)
-    allowed: float = vehicle.getAllowedSpeed(name)
-    on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
-    return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
-
-
-def _free(sumo: Any, name: str) -> None:
-    """Take away what SUMO would make a vehicle do apart from driving its route: stops and rerouting."""
-    vehicle = sumo.vehicle
-    for _ in vehicle.getStops(name):
-        vehicle.replaceStop(name, 0, "")
-    if vehicle.getParameter(name, "has.rerouting.device") == "true":
-        vehicle.setParameter(name, "device.rerouting.period", "0")

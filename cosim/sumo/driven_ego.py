@@ -1,0 +1,92 @@
+"""A vehicle of SUMO that is driven from here: its state, and what SUMO must leave to us."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from controllers.interface import Command, constant_command
+from cosim.plant import Plant
+from cosim.sumo.actuation import Executed
+from cosim.sumo.sensing import Frame
+from cosim.sumo.track import Track
+from cosim.world import EgoTruth
+
+COAST = constant_command(0.0, 0.0)
+
+
+@dataclass(slots=True)
+class DrivenEgo:
+    """A vehicle that is driven from here."""
+
+    name: str
+    plant: Plant
+    track: Track
+    executed: Executed
+    own_limit: float
+    """What this kind of vehicle drives at most [m/s]."""
+    command: Command = COAST
+    elapsed: float = 0.0
+    """Since the command was given [s]."""
+    travelled: float = 0.0
+    intervention: bool = False
+    handed_back: bool = False
+    frame: Frame | None = None
+    """As last sensed."""
+
+    def truth(self, step: float) -> EgoTruth:
+        """Return what the recording holds of it after a step of that length [s]."""
+        plant, track = self.plant, self.track
+        entry = 0
+        if len(self.command.times) > 1:
+            # The part of the command that was carried out in the last step.
+            began = self.elapsed - step + 1e-9
+            entry = max(0, int(np.searchsorted(self.command.times, began, side="right")) - 1)
+        x, y = plant.front
+        piece = track.path.piece_at(track.along)
+        return EgoTruth(
+            self.name,
+            plant.body,
+            x,
+            y,
+            plant.heading,
+            plant.speed,
+            plant.acceleration,
+            plant.steering,
+            piece.lane.edge,
+            self.executed.lane,
+            self.travelled,
+            min(piece.lane.speed, self.own_limit),
+            float(self.command.acceleration[entry]),
+            float(self.command.steering[entry]),
+            self.executed.x,
+            self.executed.y,
+            self.executed.speed,
+            self.intervention,
+            self.handed_back,
+        )
+
+
+def own_limit(sumo: Any, name: str) -> float:
+    """Return the speed that a vehicle's type drives at most, on a road that allows any [m/s].
+
+    SUMO tells ``maxSpeed``; its ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h, shows in the speed
+    that the vehicle allows itself where the lane allows more.
+    """
+    vehicle = sumo.vehicle
+    possible: float = vehicle.getMaxSpeed(name)
+    factor: float = vehicle.getSpeedFactor(name)
+    allowed: float = vehicle.getAllowedSpeed(name)
+    on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
+    return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
+
+
+def let_go(sumo: Any, name: str) -> None:
+    """Take away what SUMO would make a vehicle do apart from driving its route: stops and rerouting."""
+    vehicle = sumo.vehicle
+    for _ in vehicle.getStops(name):
+        vehicle.replaceStop(name, 0, "")
+    if vehicle.getParameter(name, "has.rerouting.device") == "true":
+        vehicle.setParameter(name, "device.rerouting.period", "0")
