@@ -60,6 +60,20 @@ def test_links_between_the_texts_lead_somewhere(name: str) -> None:
         assert (page.parent / target).exists(), f"{name} links to {target}, which does not exist"
 
 
+def test_every_page_is_reached_from_the_readme() -> None:
+    """The navigation of the site does not exist on a git host."""
+    reached, new = set(), {ROOT / "README.md"}
+    while new:
+        reached |= new
+        targets = (
+            (page.parent / target).resolve()
+            for page in new
+            for target in re.findall(r"\]\(([^)#:]+\.md)[)#]", page.read_text())
+        )
+        new = set(targets) - reached
+    assert {ROOT / name for name in PAGES} - reached == {ROOT / "docs/index.md"}
+
+
 def commands() -> list[str]:
     """Return every command line that a text or a help page shows."""
     shown = {shlex.join(one.words) for name in PAGES for one in command_blocks.of_page(name)}
