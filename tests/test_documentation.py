@@ -147,6 +147,17 @@ def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PAGES)
+def test_parameters_within_a_sentence_exist(name: str) -> None:
+    known = {"ego_route", "ego_vehicle", "ego_share"}  # of a study: docs/batches.md
+    for controller in catalog.names():
+        known |= catalog.parameters(controller).keys()
+    for scenario in library.names():
+        known |= library.parameter_values(library.load(scenario)).keys()
+    for text in re.findall(r"`--set ([a-z_]+)=", (ROOT / name).read_text()):
+        assert text in known, f"{name}: there is no parameter {text!r}"
+
+
+@pytest.mark.parametrize("name", PAGES)
 def test_files_that_a_text_names_exist(name: str) -> None:
     named = r"`((?:cosim|controllers|analysis|sumo_scenarios|studies|tests|benchmarks|docs)/[\w./-]+\.\w+)"
     for path in re.findall(named, (ROOT / name).read_text()):
