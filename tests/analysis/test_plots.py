@@ -118,9 +118,9 @@ def test_a_name_with_a_slash_makes_no_folder_and_an_ego_that_meets_nobody_is_dra
 
 def test_who_does_not_exist_is_answered_by_who_does(tmp_path: Path) -> None:
     case = meeting(tmp_path / "run")
-    with pytest.raises(SceneError, match="no ego 'nobody' .* ego, far/away"):
+    with pytest.raises(SceneError, match=r"no ego 'nobody' .* ego, far/away"):
         choose(case, "nobody", None)
-    with pytest.raises(SceneError, match="no encounter 2 .* 1 to 1"):
+    with pytest.raises(SceneError, match=r"no encounter 2 .* 1 to 1"):
         choose(case, None, 2)
     with pytest.raises(SceneError, match="no encounter 0"):
         choose(case, None, 0)
