@@ -24,8 +24,8 @@ LINK = re.compile(r"\]\(([^)#:\s]+)")
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the texts to the pages."""
     for source, page in OUTSIDE.items():
-        text = Path(config.config_file_path).with_name("docs").parent.joinpath(source)
-        files.append(File.generated(config, page, content=text.read_text(encoding="utf-8")))
+        text = (Path(config.config_file_path).parent / source).read_text(encoding="utf-8")
+        files.append(File.generated(config, page, content=text))
     return files
 
 
