@@ -17,12 +17,12 @@ import qpsolvers
 from measuring.loop_built import LoopBuilt
 from numpy.typing import NDArray
 
-from controllers.horizon import lagged_ramp
+from controllers.conflicts.passing import Conflicts
 from controllers.interface import Body, Perception
-from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
-from controllers.passing import Conflicts
-from controllers.speed_planning import SpeedPlanner
+from controllers.mpc.horizon import lagged_ramp
+from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.mpc.speed_planning import SpeedPlanner
 
 FloatArray = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class NaiveSpeedPlanner(SpeedPlanner):
 
 
 class NaiveSpeedProgram:
-    """Stands in for :class:`controllers.longitudinal.LongitudinalProgram`."""
+    """Stands in for :class:`controllers.mpc.longitudinal.LongitudinalProgram`."""
 
     def __init__(self, like: LongitudinalProgram, lag: float) -> None:
         self.dt = like.dt
@@ -222,7 +222,7 @@ class NaiveSpeedProgram:
 
 
 class NaiveSteeringProgram:
-    """Stands in for :class:`controllers.lateral.LateralProgram`."""
+    """Stands in for :class:`controllers.mpc.lateral.LateralProgram`."""
 
     def __init__(self, like: LateralProgram, lag: float, max_rate: float) -> None:
         self.dt = like.dt

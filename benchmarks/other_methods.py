@@ -26,8 +26,8 @@ from measuring.perceptions import Case
 from measuring.solvers import solvers
 from measuring.tasks import Planner, Step
 
-from controllers.lateral import SteeringPlan
-from controllers.longitudinal import SpeedPlan
+from controllers.mpc.lateral import SteeringPlan
+from controllers.mpc.longitudinal import SpeedPlan
 
 CASE = Case(30, 5)
 CASADI, PYMOO = "CasADi/IPOPT", "pymoo GA"

@@ -25,7 +25,7 @@ from measuring.solvers import solvers
 from measuring.stopwatch import replaced
 
 from analysis.statistics.paired import compare_values
-from controllers import qp
+from controllers.programs import qp
 from cosim.execution import execute
 from cosim.request import RunRequest
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from controllers.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
+from controllers.prediction.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
 from cosim.toy_world import Motion, ToyRoad, walk
 
 

@@ -12,8 +12,8 @@ from naive import twin
 from numpy.typing import NDArray
 
 from controllers.interface import Drive
-from controllers.lateral import LateralProgram
-from controllers.longitudinal import LongitudinalProgram
+from controllers.mpc.lateral import LateralProgram
+from controllers.mpc.longitudinal import LongitudinalProgram
 from measuring import perceptions
 from measuring.perceptions import Case
 

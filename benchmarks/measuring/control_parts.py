@@ -7,12 +7,12 @@ from contextlib import ExitStack, contextmanager
 from time import perf_counter
 from typing import Any
 
-from controllers import passing
-from controllers.lateral import LateralProgram
-from controllers.longitudinal import LongitudinalProgram
-from controllers.mpc_driver import VelocityObstacleMpc
-from controllers.qp import Program
-from controllers.speed_planning import SpeedPlanner
+from controllers.conflicts import passing
+from controllers.mpc.driver import VelocityObstacleMpc
+from controllers.mpc.lateral import LateralProgram
+from controllers.mpc.longitudinal import LongitudinalProgram
+from controllers.mpc.speed_planning import SpeedPlanner
+from controllers.programs.qp import Program
 from measuring.stopwatch import OTHER, Stopwatch, replaced, watching
 
 PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY = (

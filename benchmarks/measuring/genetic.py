@@ -11,7 +11,7 @@ from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
 
-from controllers.qp import Program
+from controllers.programs.qp import Program
 from measuring.tasks import Planner, Step
 
 FloatArray = NDArray[np.float64]

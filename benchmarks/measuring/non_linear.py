@@ -15,15 +15,15 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.horizon import lagged_ramp
-from controllers.lateral import SteeringTask
-from controllers.longitudinal import SpeedTask
+from controllers.mpc.horizon import lagged_ramp
+from controllers.mpc.lateral import SteeringTask
+from controllers.mpc.longitudinal import SpeedTask
 from measuring.tasks import Layout, Step
 
 FloatArray = NDArray[np.float64]
 
 LONG, ACROSS = 4, 4
-"""States of each motion; as in ``controllers.horizon``."""
+"""States of each motion; as in ``controllers.mpc.horizon``."""
 UPPER, LOWER, HEADWAY, EMERGENCY, CORRIDOR = range(5)
 SLACKS = 5
 SLOWEST = 0.5

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from controllers.interface import Drive
-from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from measuring import perceptions
 from measuring.perceptions import Case
 from measuring.stopwatch import replaced

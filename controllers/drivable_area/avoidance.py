@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from controllers import lane_keeping
+from controllers.conflicts.passing import Conflicts
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, boxes, walkers
 from controllers.drivable_area.course import Course
@@ -22,8 +22,8 @@ from controllers.drivable_area.evaluation import (
 from controllers.drivable_area.pareto_search import Budget, Front, search
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
+from controllers.driving import lane_keeping
 from controllers.interface import FloatArray, Perception
-from controllers.passing import Conflicts
 
 CREEPING = 2.0
 """A car slower than this may speed up to it to get past [m/s]."""

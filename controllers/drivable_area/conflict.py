@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.conflicts.passing import Conflicts, PedestrianAssumptions, Watch, find
 from controllers.drivable_area.clearances import Boxes, Shape
 from controllers.drivable_area.social_force import Walkers
+from controllers.driving.traffic import footprints
 from controllers.interface import FloatArray, Perception
-from controllers.passing import Conflicts, PedestrianAssumptions, Watch, find
-from controllers.traffic import footprints
 
 SHIFTING = 1.3
 """Speed across the road with which a lane is returned or changed to [m/s]."""

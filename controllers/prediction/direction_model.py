@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
 from controllers.interface import FloatArray, Perception
+from controllers.prediction.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
 from controllers.prediction.forecast import Forecast, Predictor
 
 WALKING = 0.2

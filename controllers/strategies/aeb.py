@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers import lane_keeping
-from controllers.driving_style import DrivingStyle
-from controllers.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, Perception, Plan
 from controllers.prediction import named
 from controllers.prediction.forecast import Predictor
-from controllers.traffic_driver import TrafficDriver
 
 
 class EmergencyBrakingDriver:

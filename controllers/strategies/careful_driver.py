@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.driving.lane_keeping import instants
+from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
-from controllers.lane_keeping import instants
 from controllers.prediction.contact import disc_contact_times
-from controllers.traffic_driver import TrafficDriver
 
 BoolArray = NDArray[np.bool_]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers import lane_keeping
+from controllers.driving import lane_keeping
 from controllers.interface import Command, Controller, Decision, EgoState, Manoeuvre, Perception, Plan
 
 RESPONSE_TIME = 0.5

@@ -14,7 +14,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from controllers import lane_keeping
+from controllers.conflicts.passing import Conflicts, PedestrianAssumptions, Watch
 from controllers.drivable_area.avoidance import AvoidanceSettings, Found, plan
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, first_conflict, outlook, relevant
@@ -24,8 +24,10 @@ from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget, require_pymoo
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
-from controllers.driving_style import DrivingStyle
-from controllers.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
     Controller,
@@ -36,8 +38,6 @@ from controllers.interface import (
     Perception,
     Plan,
 )
-from controllers.passing import Conflicts, PedestrianAssumptions, Watch
-from controllers.traffic_driver import TrafficDriver
 
 NO_CANDIDATE = "no_feasible_candidate"
 OUTLOOK_STEP = 0.2

@@ -9,15 +9,15 @@ that stay safe.
 
 from __future__ import annotations
 
-from controllers.driving_style import DrivingStyle
-from controllers.emergency_braking import EmergencyBraking
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.interface import Controller
-from controllers.intermediate_speed import plan_intermediate, safe_distance
-from controllers.plan_keeping import PlanSettings, Replanning
 from controllers.prediction import named
-from controllers.speed_plan_driver import PlanFrom, SpeedPlanDriver
-from controllers.speed_targets import CrossingRule
-from controllers.trapezoid_profile import PlanningLimits
+from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
+from controllers.speed_plans.plan_keeping import PlanSettings, Replanning
+from controllers.speed_plans.speed_plan_driver import PlanFrom, SpeedPlanDriver
+from controllers.speed_plans.speed_targets import CrossingRule
+from controllers.speed_plans.trapezoid_profile import PlanningLimits
 
 
 def build(

@@ -15,10 +15,13 @@ from typing import Final, Literal
 
 import numpy as np
 
-from controllers import lane_keeping
-from controllers.driving_style import DrivingStyle
-from controllers.emergency_braking import EmergencyBraking
-from controllers.field_course import Course, CourseFinder, CourseSettings, follow, with_only
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.driving.traffic_driver import TrafficDriver
+from controllers.field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
+from controllers.field.potential_field import Gains
+from controllers.field.road_field import FieldSettings
 from controllers.interface import (
     Command,
     Controller,
@@ -28,10 +31,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
-from controllers.potential_field import Gains
 from controllers.prediction import named
-from controllers.road_field import FieldSettings
-from controllers.traffic_driver import TrafficDriver
 
 GRAVITY = 9.80665
 NOBODY: Final = np.zeros(0, dtype=np.int64)

@@ -13,8 +13,12 @@ from enum import StrEnum
 
 import numpy as np
 
-from controllers import lane_keeping
-from controllers.driving_style import DrivingStyle
+from controllers.avoidance.septic_path import SepticPath
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.lane_choice import blocker
+from controllers.driving.lane_path import LanePath, Odometer, told
+from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
     Controller,
@@ -24,10 +28,6 @@ from controllers.interface import (
     Perception,
     Plan,
 )
-from controllers.lane_choice import blocker
-from controllers.lane_path import LanePath, Odometer, told
-from controllers.septic_path import SepticPath
-from controllers.traffic_driver import TrafficDriver
 
 SHORTEST = 8.0
 """No change is shorter, however slow the ego is [m]."""

@@ -9,14 +9,14 @@ around slow and standing vehicles, into gaps that stay safe.
 
 from __future__ import annotations
 
-from controllers.driving_style import DrivingStyle
-from controllers.emergency_braking import EmergencyBraking
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.interface import Controller
-from controllers.plan_keeping import PlanSettings, Replanning
 from controllers.prediction import named
-from controllers.speed_plan_driver import PlanFrom, SpeedPlanDriver
-from controllers.speed_targets import CrossingRule
-from controllers.trapezoid_profile import PlanningLimits, plan_trapezoid, stopping_gap
+from controllers.speed_plans.plan_keeping import PlanSettings, Replanning
+from controllers.speed_plans.speed_plan_driver import PlanFrom, SpeedPlanDriver
+from controllers.speed_plans.speed_targets import CrossingRule
+from controllers.speed_plans.trapezoid_profile import PlanningLimits, plan_trapezoid, stopping_gap
 
 
 def build(

@@ -10,13 +10,13 @@ route and traffic ask for. The sequential quadratic programs for the same proble
 
 from __future__ import annotations
 
-from controllers.avoidance_driver import AvoidanceDriver
-from controllers.avoidance_genetic import GeneticBudget, GeneticOptimiser, check_pymoo
-from controllers.avoidance_settings import PaperSettings, driver_settings
-from controllers.emergency_braking import EmergencyBraking
+from controllers.avoidance.driver import AvoidanceDriver
+from controllers.avoidance.genetic import GeneticBudget, GeneticOptimiser, check_pymoo
+from controllers.avoidance.settings import PaperSettings, driver_settings
+from controllers.conflicts.velocity_obstacle import Cone
+from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.interface import Controller
 from controllers.prediction import named
-from controllers.velocity_obstacle import Cone
 
 
 def build(

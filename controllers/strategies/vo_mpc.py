@@ -1,29 +1,29 @@
 """Velocity-obstacle model predictive control: passing classes, decision rules, sequential QPs.
 
-What its parameters mean; what it does with them is in ``controllers/mpc_driver.py`` and ``docs/control.md``,
-with ``model=paper`` in ``controllers/avoidance_driver.py``.
+What its parameters mean; what it does with them is in ``controllers/mpc/driver.py`` and ``docs/control.md``,
+with ``model=paper`` in ``controllers/avoidance/driver.py``.
 """
 
 from __future__ import annotations
 
-from controllers import passing
-from controllers.avoidance_classes import QuadraticOptimiser
-from controllers.avoidance_driver import AvoidanceDriver
-from controllers.avoidance_settings import Model, PaperSettings, driver_settings
-from controllers.emergency_braking import EmergencyBraking
-from controllers.horizon import growing_grid
+from controllers.avoidance.classes import QuadraticOptimiser
+from controllers.avoidance.driver import AvoidanceDriver
+from controllers.avoidance.settings import Model, PaperSettings, driver_settings
+from controllers.conflicts import passing
+from controllers.conflicts.occlusion import HiddenPedestrian
+from controllers.conflicts.velocity_obstacle import Cone
+from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.driving.lane_choice import GapRule
+from controllers.driving.lane_decision import ChangeSettings
+from controllers.driving.unhurried import Unhurried
 from controllers.interface import Controller
-from controllers.lane_choice import GapRule
-from controllers.lane_decision import ChangeSettings
-from controllers.lateral import SteeringWeights
-from controllers.longitudinal import SpeedLimits, SpeedWeights
-from controllers.mpc_driver import ConeParameters, Settings, Shape, VelocityObstacleMpc
-from controllers.occlusion import HiddenPedestrian
+from controllers.mpc.driver import ConeParameters, Settings, Shape, VelocityObstacleMpc
+from controllers.mpc.horizon import growing_grid
+from controllers.mpc.lateral import SteeringWeights
+from controllers.mpc.longitudinal import SpeedLimits, SpeedWeights
+from controllers.mpc.speed_planning import PassingSettings
 from controllers.prediction import named
-from controllers.qp import check_solver
-from controllers.speed_planning import PassingSettings
-from controllers.unhurried import Unhurried
-from controllers.velocity_obstacle import Cone
+from controllers.programs.qp import check_solver
 
 
 def build(
@@ -148,7 +148,7 @@ def build(
         deviation); 0 for not at all. Not with ``model=paper``.
     idle_interval_s
         Time between plans while nobody is near and the road goes straight on, see
-        :mod:`controllers.unhurried`; 0 to plan at every step. Not with ``model=paper``.
+        :mod:`controllers.driving.unhurried`; 0 to plan at every step. Not with ``model=paper``.
     predictor
         How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
     seed

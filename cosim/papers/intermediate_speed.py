@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from controllers.interface import Drive
-from controllers.intermediate_speed import plan_intermediate, safe_distance
-from controllers.trapezoid_profile import plan_trapezoid
+from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
+from controllers.speed_plans.trapezoid_profile import plan_trapezoid
 from cosim.papers import intermediate_speed_figures as drawings
 from cosim.papers.claim import Claim, compared, observed
 from cosim.papers.intermediate_speed_drives import (

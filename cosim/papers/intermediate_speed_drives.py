@@ -19,8 +19,8 @@ from controllers.interface import (
     Plan,
     constant_command,
 )
-from controllers.jerk_limit import Planner
-from controllers.trapezoid_profile import PlanningLimits, Situation
+from controllers.speed_plans.jerk_limit import Planner
+from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 from cosim.loop import ToWorld
 from cosim.loop import run as run_loop
 from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers.direction_choice import DirectionModel
+from controllers.prediction.direction_choice import DirectionModel
 from cosim.papers import potential_field_figures as drawings
 from cosim.papers.claim import Claim, compared, observed
 from cosim.papers.potential_field_scenes import (

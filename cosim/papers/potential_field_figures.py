@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from controllers.direction_choice import ANGLES, DirectionModel
-from controllers.potential_field import Gains
+from controllers.field.potential_field import Gains
+from controllers.prediction.direction_choice import ANGLES, DirectionModel
 from cosim.papers.potential_field_scenes import EDGE, SCENES, Scene, Track, field_of
 from cosim.papers.potential_field_spread import EXAMPLE
 

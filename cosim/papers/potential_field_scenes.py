@@ -15,9 +15,7 @@ import numpy as np
 
 from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
-from controllers.direction_choice import WALKING_SPEED, velocity
-from controllers.interface import Decision, FloatArray, Perception, Plan
-from controllers.potential_field import (
+from controllers.field.potential_field import (
     Field,
     Gains,
     curvature,
@@ -28,6 +26,8 @@ from controllers.potential_field import (
     side_distance,
     standing,
 )
+from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.prediction.direction_choice import WALKING_SPEED, velocity
 from cosim.loop import ToWorld, run
 from cosim.plant import body_of
 from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk

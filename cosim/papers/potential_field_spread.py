@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.direction_choice import ANGLES, DirectionModel, Errand
+from controllers.field.potential_field import Field, Gains, standing
 from controllers.interface import FloatArray
-from controllers.potential_field import Field, Gains, standing
+from controllers.prediction.direction_choice import ANGLES, DirectionModel, Errand
 from cosim.papers.potential_field_scenes import (
     CENTRE,
     EDGE,

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from controllers.avoidance_classes import QuadraticOptimiser
-from controllers.avoidance_genetic import GeneticBudget
-from controllers.avoidance_program import AvoidancePlan
-from controllers.velocity_cones import clearances
-from controllers.velocity_obstacle import Cone
+from controllers.avoidance.classes import QuadraticOptimiser
+from controllers.avoidance.genetic import GeneticBudget
+from controllers.avoidance.program import AvoidancePlan
+from controllers.avoidance.velocity_cones import clearances
+from controllers.conflicts.velocity_obstacle import Cone
 from cosim.papers import velocity_obstacle_figures as drawings
 from cosim.papers import velocity_obstacle_scenes as scenes
 from cosim.papers.claim import Claim, compared, observed

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
+from controllers.avoidance.septic_path import SepticPath
 from controllers.interface import FloatArray
-from controllers.septic_path import SepticPath
 from cosim.papers.velocity_obstacle_scenes import RADIUS, STEP, Scene, people
 from cosim.papers.velocity_obstacle_search import Spread
 

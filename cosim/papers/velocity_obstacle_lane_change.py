@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers.avoidance_classes import of_class
-from controllers.avoidance_program import AvoidancePlan
-from controllers.septic_path import SepticPath
-from controllers.velocity_cones import cone_margins
-from controllers.velocity_obstacle import Cone
+from controllers.avoidance.classes import of_class
+from controllers.avoidance.program import AvoidancePlan
+from controllers.avoidance.septic_path import SepticPath
+from controllers.avoidance.velocity_cones import cone_margins
+from controllers.conflicts.velocity_obstacle import Cone
 from cosim.papers import velocity_obstacle_figures as drawings
 from cosim.papers import velocity_obstacle_scenes as scenes
 from cosim.papers.claim import Claim, compared, observed

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from controllers.avoidance_classes import QuadraticOptimiser, class_jumps, of_class
-from controllers.avoidance_problem import AvoidanceProblem, End, all_room
-from controllers.avoidance_program import AvoidancePlan, AvoidanceProgram
-from controllers.euler_bicycle import EulerBicycle
+from controllers.avoidance.classes import QuadraticOptimiser, class_jumps, of_class
+from controllers.avoidance.euler_bicycle import EulerBicycle
+from controllers.avoidance.problem import AvoidanceProblem, End, all_room
+from controllers.avoidance.program import AvoidancePlan, AvoidanceProgram
+from controllers.avoidance.velocity_cones import People
+from controllers.conflicts.velocity_obstacle import Cone
 from controllers.interface import FloatArray
-from controllers.velocity_cones import People
-from controllers.velocity_obstacle import Cone
 
 STEP = 1.0
 WHEELBASE = 2.6

@@ -7,10 +7,10 @@ from time import process_time
 
 import numpy as np
 
-from controllers.avoidance_classes import QuadraticOptimiser
-from controllers.avoidance_genetic import GeneticBudget, solve_genetically
-from controllers.avoidance_problem import AvoidanceProblem
-from controllers.avoidance_program import AvoidancePlan
+from controllers.avoidance.classes import QuadraticOptimiser
+from controllers.avoidance.genetic import GeneticBudget, solve_genetically
+from controllers.avoidance.problem import AvoidanceProblem
+from controllers.avoidance.program import AvoidancePlan
 from controllers.interface import FloatArray
 
 QUICKER = 1.0 / 3.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.direction_choice import DirectionModel, Errand, velocity
+from controllers.prediction.direction_choice import DirectionModel, Errand, velocity
 from cosim.pedestrians.line import Line
 
 

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from controllers.direction_choice import DirectionModel
+from controllers.prediction.direction_choice import DirectionModel
 from cosim.pedestrians.hesitating import Hesitating
 from cosim.pedestrians.jaywalking import Roadside, Wish, jaywalk_line
 from cosim.pedestrians.line import Line

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import qpsolvers
 
-from controllers.active_set import ActiveSet
 from controllers.interface import FloatArray
-from controllers.qp import Program, Solution
+from controllers.programs.active_set import ActiveSet
+from controllers.programs.qp import Program, Solution
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import ride
 

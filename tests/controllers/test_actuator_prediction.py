@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from controllers.actuator_prediction import CommandHistory, predicted_state
 from controllers.interface import Body, Drive, constant_command
+from controllers.speed_plans.actuator_prediction import CommandHistory, predicted_state
 from cosim.plant import Plant
 from tests.controllers.scenes import ego
 

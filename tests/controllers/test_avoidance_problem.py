@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from controllers.avoidance_classes import QuadraticOptimiser, class_jumps
-from controllers.avoidance_genetic import GeneticBudget, solve_genetically
-from controllers.avoidance_problem import (
+from controllers.avoidance.classes import QuadraticOptimiser, class_jumps
+from controllers.avoidance.euler_bicycle import ALONG, SPEED, EulerBicycle
+from controllers.avoidance.genetic import GeneticBudget, solve_genetically
+from controllers.avoidance.problem import (
     AvoidanceProblem,
     FloatArray,
     InputLimits,
@@ -19,11 +20,10 @@ from controllers.avoidance_problem import (
     gradients,
     margins,
 )
-from controllers.avoidance_program import AvoidanceProgram
-from controllers.euler_bicycle import ALONG, SPEED, EulerBicycle
-from controllers.septic_path import PROFILE, SepticPath
-from controllers.velocity_cones import People, clearances, cone_margins
-from controllers.velocity_obstacle import Cone
+from controllers.avoidance.program import AvoidanceProgram
+from controllers.avoidance.septic_path import PROFILE, SepticPath
+from controllers.avoidance.velocity_cones import People, clearances, cone_margins
+from controllers.conflicts.velocity_obstacle import Cone
 
 STEPS = 8
 

@@ -16,7 +16,7 @@ from controllers.drivable_area.braking_profile import (
     longest_duration,
     shortest_duration,
 )
-from controllers.emergency_braking import stopping_distance
+from controllers.driving.emergency_braking import stopping_distance
 
 SPEEDS = some.floats(0.1, 40.0)
 SHARES = some.floats(0.0, 1.0)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.collision_cone import ConeSettings, Motion, Outline, Walkers, rows
+from controllers.conflicts.collision_cone import ConeSettings, Motion, Outline, Walkers, rows
+from controllers.conflicts.velocity_obstacle import Cone
 from controllers.interface import FloatArray
-from controllers.velocity_obstacle import Cone
 
 RECTANGLE = Outline(2.25, 0.9, 1.3, None)
 DISC = Outline(0.0, 0.0, 1.3, 2.0)

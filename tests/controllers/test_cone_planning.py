@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.collision_cone import ConeSettings, Motion, Outline, Walkers, rows
-from controllers.cone_program import NEAR, ConeProgram
-from controllers.horizon import growing_grid
+from controllers.conflicts.collision_cone import ConeSettings, Motion, Outline, Walkers, rows
+from controllers.conflicts.velocity_obstacle import Cone
 from controllers.interface import Body, Drive
-from controllers.lateral import LateralProgram, SteeringTask, SteeringWeights
-from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedTask, SpeedWeights
-from controllers.velocity_obstacle import Cone
+from controllers.mpc.cone_program import NEAR, ConeProgram
+from controllers.mpc.horizon import growing_grid
+from controllers.mpc.lateral import LateralProgram, SteeringTask, SteeringWeights
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedTask, SpeedWeights
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import ride
 

@@ -6,7 +6,7 @@ from itertools import product
 
 import pytest
 
-from controllers.decision_rules import LaneGaps, least_gap, rule, towards
+from controllers.driving.decision_rules import LaneGaps, least_gap, rule, towards
 from controllers.interface import Neighbour, NeighbourGaps, Rule
 
 G_MIN = 12.5

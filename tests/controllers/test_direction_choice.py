@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.direction_choice import (
+from controllers.prediction.direction_choice import (
     ANGLES,
     GOAL_UTILITIES,
     LENGTH_UTILITIES,

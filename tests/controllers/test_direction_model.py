@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.direction_choice import DirectionModel, Errand
 from controllers.interface import CrossingKind
 from controllers.prediction import named
+from controllers.prediction.direction_choice import DirectionModel, Errand
 from tests.controllers.scenes import LANE_WIDTH, Walker, perception, straight_road, zebra
 
 TIMES = np.linspace(0.0, 12.0, 25)

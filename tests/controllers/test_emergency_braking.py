@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers import catalog
-from controllers.emergency_braking import stopping_distance
+from controllers.driving.emergency_braking import stopping_distance
 from controllers.interface import Drive, EgoState, Perception
 from tests.controllers.driving import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra

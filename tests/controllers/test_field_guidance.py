@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.field_guidance import Guidance, drive
+from controllers.field.field_guidance import Guidance, drive
+from controllers.field.potential_field import Field, standing
 from controllers.interface import Body, Command, Drive, RoadAhead
-from controllers.potential_field import Field, standing
 from cosim.plant import Plant
 from tests.controllers.scenes import bend, ego, straight_road
 

@@ -10,15 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers import catalog, lane_keeping
-from controllers.driving_style import DrivingStyle
-from controllers.following import (
+from controllers import catalog
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.following import (
     BEND,
     SPEED_LIMIT,
     Following,
     desired_gap,
     free_acceleration,
 )
+from controllers.driving.leaders import LANE_END
 from controllers.interface import (
     EgoState,
     Neighbour,
@@ -27,7 +29,6 @@ from controllers.interface import (
     Signal,
     SignalState,
 )
-from controllers.leaders import LANE_END
 from tests.controllers.driving import drive
 from tests.controllers.scenes import (
     FRONT,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from controllers.horizon import (
+from controllers.interface import FloatArray
+from controllers.mpc.horizon import (
     ACCELERATION,
     COMMAND,
     POSITION,
@@ -15,7 +16,6 @@ from controllers.horizon import (
     LongitudinalHorizon,
     growing_grid,
 )
-from controllers.interface import FloatArray
 
 WHEELBASE = 2.6
 DT = growing_grid(8, 0.1, 0.7)

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.intermediate_speed import intermediate_speed, plan_intermediate, safe_distance
-from controllers.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation
+from controllers.speed_plans.intermediate_speed import intermediate_speed, plan_intermediate, safe_distance
+from controllers.speed_plans.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation
 
 LIMITS = PlanningLimits(1.723, 0.6944, 8.0, 11.111, 0.3, 2.5)
 UP, DOWN, TOP = LIMITS.acceleration, LIMITS.deceleration, LIMITS.top_speed

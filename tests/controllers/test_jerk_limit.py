@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.intermediate_speed import plan_intermediate, safe_distance
-from controllers.jerk_limit import plan_with_jerk_limit
-from controllers.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation, plan_trapezoid
+from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
+from controllers.speed_plans.jerk_limit import plan_with_jerk_limit
+from controllers.speed_plans.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation, plan_trapezoid
 
 LIMITS = PlanningLimits(1.723, 0.6944, 8.0, 11.111, 0.3, 2.5)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from controllers import catalog
+from controllers.driving.lane_choice import LaneChoice, blocker, lane_for_route
 from controllers.interface import EgoState, Manoeuvre, Perception, RoadAhead
-from controllers.lane_choice import LaneChoice, blocker, lane_for_route
 from tests.controllers.driving import drive
 from tests.controllers.scenes import (
     FRONT,

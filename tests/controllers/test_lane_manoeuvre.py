@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from controllers.driving.lane_manoeuvre import LaneManoeuvre, minimum_jerk
 from controllers.interface import Perception
-from controllers.lane_manoeuvre import LaneManoeuvre, minimum_jerk
 from tests.controllers.scenes import LANE_WIDTH, ego, perception, straight_road
 
 TIMES = np.linspace(0.0, 6.0, 61)

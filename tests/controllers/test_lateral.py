@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from controllers.horizon import growing_grid
+from controllers.driving.lane_manoeuvre import minimum_jerk
 from controllers.interface import Body, Drive, FloatArray
-from controllers.lane_manoeuvre import minimum_jerk
-from controllers.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
+from controllers.mpc.horizon import growing_grid
+from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
 
 N = 20
 DT = growing_grid(N, 0.1, 0.7)

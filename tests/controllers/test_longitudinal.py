@@ -10,9 +10,9 @@ import qpsolvers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.horizon import growing_grid
 from controllers.interface import FloatArray
-from controllers.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedTask, SpeedWeights
+from controllers.mpc.horizon import growing_grid
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedTask, SpeedWeights
 
 N = 20
 DT = growing_grid(N, 0.1, 0.7)

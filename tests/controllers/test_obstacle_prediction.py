@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.intermediate_speed import plan_intermediate, safe_distance
-from controllers.obstacle_prediction import (
+from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
+from controllers.speed_plans.obstacle_prediction import (
     BRAKING_FOR,
     expected_obstacle,
     plan_for_braking,
     plan_until_gone,
 )
-from controllers.trapezoid_profile import PlanningLimits, Situation
+from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 
 LIMITS = PlanningLimits(1.8, 2.0, 8.0, 13.0, 0.0, 2.5)
 

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from shapely import affinity
 from shapely.geometry import LineString, Point, Polygon, box
 
-from controllers import catalog, occlusion
+from controllers import catalog
+from controllers.conflicts import occlusion
+from controllers.conflicts.occlusion import RADIUS, HiddenPedestrian
 from controllers.interface import Body, Eyesight, FloatArray, Perception
-from controllers.occlusion import RADIUS, HiddenPedestrian
-from controllers.speed_planning import with_margins
+from controllers.mpc.speed_planning import with_margins
 from cosim.loop import run
 from cosim.sensing import catalog as sensing_catalog
 from cosim.toy_world import ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk

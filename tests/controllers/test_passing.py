@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from controllers.interface import CrossingKind, FloatArray, Perception
-from controllers.passing import (
+from controllers.conflicts.passing import (
     STRAIGHT_ON,
     Conflicts,
     PedestrianAssumptions,
@@ -19,6 +18,7 @@ from controllers.passing import (
     class_name,
     find,
 )
+from controllers.interface import CrossingKind, FloatArray, Perception
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra

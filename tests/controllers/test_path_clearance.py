@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from shapely import affinity
 from shapely.geometry import Point, Polygon, box
 
+from controllers.driving.path_clearance import beyond_edges, disc_clearances, vehicles_met
 from controllers.interface import Body
-from controllers.path_clearance import beyond_edges, disc_clearances, vehicles_met
 from tests.controllers.scenes import Car, vehicles
 
 BODY = Body()

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from controllers.actuator_prediction import PredictedState
-from controllers.intermediate_speed import plan_intermediate, safe_distance
-from controllers.plan_keeping import KeptPlan, Moment, PlanKeeper, PlanSettings, Replanning
-from controllers.speed_targets import FREE, SpeedTarget
-from controllers.trapezoid_profile import PlanningLimits
+from controllers.speed_plans.actuator_prediction import PredictedState
+from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
+from controllers.speed_plans.plan_keeping import KeptPlan, Moment, PlanKeeper, PlanSettings, Replanning
+from controllers.speed_plans.speed_targets import FREE, SpeedTarget
+from controllers.speed_plans.trapezoid_profile import PlanningLimits
 
 LIMITS = PlanningLimits(1.8, 2.0, 8.0, 13.0, 0.0, 2.5)
 LEADER = SpeedTarget("leader", "leader", 60.0, 8.0, standoff=2.5)

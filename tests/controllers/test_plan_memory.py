@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from controllers.driving.plan_memory import FORGOTTEN_AFTER, PlanMemory, sampled_command
 from controllers.interface import Command
-from controllers.plan_memory import FORGOTTEN_AFTER, PlanMemory, sampled_command
 from tests.controllers.scenes import ego
 
 TIMES = np.array([0.5, 1.0, 2.0])

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.interface import FloatArray
-from controllers.potential_field import (
+from controllers.field.potential_field import (
     Field,
     Gains,
     Obstacles,
@@ -23,6 +22,7 @@ from controllers.potential_field import (
     side_distance,
     standing,
 )
+from controllers.interface import FloatArray
 
 GRAVITY = 9.80665
 SAFE = side_distance(0.3, 1.86, 0.6)

@@ -7,8 +7,8 @@ import pytest
 import qpsolvers
 
 from controllers.interface import FloatArray
-from controllers.osqp_workspace import PERSISTENT_OSQP
-from controllers.qp import Program
+from controllers.programs.osqp_workspace import PERSISTENT_OSQP
+from controllers.programs.qp import Program
 
 VARIABLES, ROWS = 12, 20
 
@@ -118,7 +118,7 @@ def test_a_problem_that_cannot_be_solved_is_not_found_and_the_next_one_is_right_
 
 def test_the_iteration_limit_is_not_a_solution_and_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     program, fresh = _program(), _program()
-    monkeypatch.setattr("controllers.osqp_workspace.MAX_ITERATIONS", 1)
+    monkeypatch.setattr("controllers.programs.osqp_workspace.MAX_ITERATIONS", 1)
     _fill(program, 3)
     assert not program.solve().found
     monkeypatch.undo()

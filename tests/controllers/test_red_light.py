@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from controllers import catalog
+from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Body, Drive, Signal, SignalState
-from controllers.right_of_way import RightOfWay
 from cosim.plant import Plant
 from tests.controllers.scenes import FRONT, ego, perception
 

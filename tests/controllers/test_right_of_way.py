@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from controllers.driving.right_of_way import PATIENCE, RightOfWay, StopPlace, must_stop, travel_time
 from controllers.interface import JunctionFoe, Perception, Signal, SignalState
-from controllers.right_of_way import PATIENCE, RightOfWay, StopPlace, must_stop, travel_time
 from tests.controllers.scenes import ego, perception
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from controllers.interface import Body, Perception
-from controllers.potential_field import distance_to_shift, needed_shift, side_distance
-from controllers.prediction import named
-from controllers.road_field import (
+from controllers.field.potential_field import distance_to_shift, needed_shift, side_distance
+from controllers.field.road_field import (
     FORECAST_TIMES,
     FieldSettings,
     Meetings,
@@ -16,6 +14,8 @@ from controllers.road_field import (
     meetings,
     obstacles_on,
 )
+from controllers.interface import Body, Perception
+from controllers.prediction import named
 from tests.controllers.scenes import LANE_WIDTH, Car, Walker, ego, perception, straight_road
 
 BODY = Body()

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from controllers.driving.road_profile import keep_clear_line, reference_speed
 from controllers.interface import Perception
-from controllers.road_profile import keep_clear_line, reference_speed
 from tests.controllers.scenes import FRONT, bend, ego, perception, straight_road, zebra
 
 POSITIONS = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 60.0])

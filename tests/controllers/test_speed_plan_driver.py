@@ -11,9 +11,9 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import CrossingKind, Drive, EgoState, Perception, Signal, SignalState
-from controllers.intermediate_speed import safe_distance
 from controllers.prediction import named
-from controllers.trapezoid_profile import PlanningLimits
+from controllers.speed_plans.intermediate_speed import safe_distance
+from controllers.speed_plans.trapezoid_profile import PlanningLimits
 from cosim.loop import run
 from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
 from tests.controllers.driving import drive

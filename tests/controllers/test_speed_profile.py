@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.speed_profile import Segment, SpeedProfile, anticipated, smoothed
+from controllers.speed_plans.speed_profile import Segment, SpeedProfile, anticipated, smoothed
 
 DRAWN = np.random.default_rng(4)
 

@@ -8,9 +8,16 @@ from dataclasses import replace
 
 import pytest
 
-from controllers.driving_style import DrivingStyle
+from controllers.driving.driving_style import DrivingStyle
 from controllers.interface import CrossingKind, Perception
-from controllers.speed_targets import CrossingRule, PedestrianTargets, SpeedTarget, Yielding, leaders, without
+from controllers.speed_plans.speed_targets import (
+    CrossingRule,
+    PedestrianTargets,
+    SpeedTarget,
+    Yielding,
+    leaders,
+    without,
+)
 from tests.controllers.scenes import FRONT, LANE_WIDTH, Car, Walker, ego, perception, straight_road, zebra
 
 RULE = CrossingRule(standoff=2.5)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from controllers.traffic import Blockade, blockade, footprints
+from controllers.driving.traffic import Blockade, blockade, footprints
 from tests.controllers.scenes import FRONT, Car, perception, straight_road, vehicles
 
 BAND = (-1.2, 1.2)

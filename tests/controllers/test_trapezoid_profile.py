@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.trapezoid_profile import (
+from controllers.speed_plans.trapezoid_profile import (
     PlannedSpeed,
     PlanningLimits,
     Situation,

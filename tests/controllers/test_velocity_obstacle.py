@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shapely.geometry import LineString, Point, box
 
+from controllers.conflicts.velocity_obstacle import clearance, rectangle_tangent, tangent, threatens
 from controllers.interface import FloatArray
-from controllers.velocity_obstacle import clearance, rectangle_tangent, tangent, threatens
 
 HALF_LENGTH, HALF_WIDTH = 2.25, 0.9
 

@@ -9,7 +9,7 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import Manoeuvre, Plan, Rule
-from controllers.mpc_driver import VelocityObstacleMpc
+from controllers.mpc.driver import VelocityObstacleMpc
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride

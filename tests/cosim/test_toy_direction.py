@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from controllers.direction_choice import DirectionModel, Errand
+from controllers.prediction.direction_choice import DirectionModel, Errand
 from cosim.toy_direction import crossing_walk, drawn_walk
 from cosim.toy_world import ToyRoad
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.velocity_obstacle import Cone
+from controllers.conflicts.velocity_obstacle import Cone
 from cosim.papers import velocity_obstacle_scenes as scenes
 from cosim.papers.velocity_obstacle_oracle import Task, best_of
 from cosim.papers.velocity_obstacle_scenes import AHEAD, BEHIND, E1, E2, Scene

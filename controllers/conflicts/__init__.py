@@ -1,0 +1,1 @@
+"""Who crosses the ego's way: passing order, collision cones, hidden places."""

@@ -1,0 +1,111 @@
+"""Whom and what to stay behind: vehicles in the way, places to stop at, the end of the lane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.right_of_way import StopPlace
+from controllers.interface import EgoState, Neighbour, Perception
+
+STANDING = 0.1
+"""A leader slower than this is standing [m/s]."""
+LANE_END = "lane end"
+
+
+@dataclass(slots=True)
+class Leader:
+    """Something to stay behind; ``gap`` and ``speed`` change in the prediction."""
+
+    name: str
+    gap: float
+    speed: float
+    acceleration: float
+    standstill_gap: float
+    headway: float
+
+
+def neighbours_ahead(
+    perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
+) -> tuple[list[Leader], list[Neighbour]]:
+    """Return whom to stay behind, and whom to drive past slowly."""
+    gaps, road = perception.gaps, perception.road
+    seen = [gaps.ahead] if gaps.ahead is not None else []
+    beside = None
+    if target_lane > road.reference:
+        beside = gaps.left_ahead
+    elif target_lane < road.reference:
+        beside = gaps.right_ahead
+    # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
+    if beside is not None and beside.gap > 0.0:
+        seen.append(beside)
+    ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
+    passed = [one for one in seen if one not in ahead]
+    own_gap = style.standstill_gap
+    if gaps.ahead is not None and gaps.ahead.speed < STANDING:
+        if target_lane != road.reference:
+            own_gap = style.room_to_swing
+        elif leaving:
+            own_gap = style.room_to_change
+    leaders = [
+        Leader(
+            one.name,
+            one.gap,
+            max(one.speed, 0.0),
+            one.acceleration,
+            own_gap if one is gaps.ahead else style.standstill_gap,
+            style.headway,
+        )
+        for one in ahead
+    ]
+    return leaders, passed
+
+
+def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, style: DrivingStyle) -> bool:
+    """Say whether a neighbour is met between the ego's place in the lane and where it goes.
+
+    A standing vehicle that only juts out into the lane can be driven past; a moving one never is.
+    """
+    others, ego = perception.vehicles, perception.ego
+    if neighbour.speed >= STANDING or neighbour.name not in others.names:
+        return True
+    index = others.names.index(neighbour.name)
+    turned = float(others.heading_error[index])
+    half = 0.5 * abs(float(others.width[index]) * math.cos(turned)) + 0.5 * abs(
+        float(others.length[index]) * math.sin(turned)
+    )
+    reach = half + 0.5 * ego.body.width + style.side_clearance
+    place = float(others.across[index])
+    front = ego.across + ego.body.front * math.sin(ego.heading_error)
+    if target_lane != perception.road.reference and neighbour is perception.gaps.ahead:
+        side = math.copysign(1.0, target_lane - perception.road.reference)
+        return side * (_swung_out(ego, side, max(neighbour.gap, 0.0), style) - place) < reach
+    lane = perception.road.lane(target_lane)
+    goal = lane.offset if lane is not None else 0.0
+    return min(ego.across, front, goal) - reach < place < max(ego.across, front, goal) + reach
+
+
+def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle) -> float:
+    """Return where across the road the front is after swinging out to one side over a distance [m]."""
+    curvature = min(style.swing_curvature, style.lateral_acceleration / max(ego.speed, 1.0) ** 2)
+    begin = ego.heading_error
+    end = side * min(side * begin + curvature * distance, max(style.swing_angle, side * begin))
+    return ego.across + ego.body.front * math.sin(end) + distance * math.sin(0.5 * (begin + end))
+
+
+def standing_places(
+    perception: Perception, target_lane: int, stops: Sequence[StopPlace], style: DrivingStyle
+) -> list[Leader]:
+    """Return the places to stop at as standing leaders, the end of the ego's lane among them."""
+    road, front = perception.road, perception.ego.body.front
+    found = [
+        Leader(stop.name, stop.along - front, 0.0, 0.0, style.stop_gap, style.stop_headway) for stop in stops
+    ]
+    lane = road.lane(road.reference)
+    if lane is not None and lane.follows_route_for < min(road.route_end, math.inf):
+        room = style.room_to_change if target_lane == road.reference else 0.0
+        gap = lane.follows_route_for - front - room
+        found.append(Leader(LANE_END, gap, 0.0, 0.0, style.stop_gap, style.stop_headway))
+    return found

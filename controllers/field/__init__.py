@@ -1,0 +1,1 @@
+"""Steering down a potential field."""

@@ -1,0 +1,1 @@
+"""The model predictive controller: speed and steering as two quadratic programs."""

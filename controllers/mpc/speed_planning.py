@@ -1,0 +1,373 @@
+"""Speed plans on the way into a lane: who bounds the position, and which passing class is cheapest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.conflicts import occlusion, passing
+from controllers.conflicts.occlusion import HiddenPedestrian
+from controllers.driving import road_profile, traffic
+from controllers.driving.plan_memory import PlanMemory
+from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.interface import Lane, Perception
+from controllers.mpc.lateral import SteeringPlan
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.prediction.forecast import Forecast, Predictor
+
+FloatArray = NDArray[np.float64]
+
+SIDE_CLEARANCE = 0.3
+"""Distance kept beside other vehicles [m]."""
+BESIDE = 0.1
+"""The same for those in the lane that is being left: only who is really in the way counts [m]."""
+CAREFUL_BEFORE = 5.0
+"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
+BODY_GAP = 1.0
+"""Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
+CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
+"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
+deceleration [m/s^2], plus this [m/s]."""
+SLOWING_FOR_THE_ROAD = 1.5
+"""Deceleration with which limits and bends ahead are met [m/s^2]."""
+FORECAST_SPACING = 0.1
+"""How finely a predictor is asked; in between people go straight on [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PassingSettings:
+    """How pedestrians are passed."""
+
+    margin_along: float
+    margin_across: float
+    hysteresis: float
+    lock: float
+    max_classes: int
+    passes: int
+    reconsider: float
+    """While the present class is reachable, others are tried only this often [s]."""
+    standstill_gap: float
+    bend_acceleration: float
+    assume: passing.PedestrianAssumptions
+    hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
+    uncertainty_gain: float = 0.0
+    """What a margin grows by for each metre that a position is uncertain (standard deviation)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The speed plan of the cheapest passing class for one lane."""
+
+    plan: SpeedPlan
+    conflicts: passing.Conflicts
+    behind: int
+    because: str
+    """Who bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nobody."""
+    steering: SteeringPlan | None = None
+    """Where speed and steering were planned together."""
+
+
+@dataclass(slots=True)
+class SpeedPlanner:
+    """Makes speed plans; remembers which pedestrians the ego has set out to pass ahead of."""
+
+    settings: PassingSettings
+    program: LongitudinalProgram
+    memory: PlanMemory
+    right_of_way: RightOfWay
+    predictor: Predictor | None = None
+    """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
+    _forecast: Forecast | None = None
+    _ahead: dict[str, bool] = field(default_factory=dict)
+    _reconsidered: float = -np.inf
+    _watch: passing.Watch = field(default_factory=passing.Watch)
+    _stops: list[StopPlace] = field(default_factory=list)
+    _waiting_place: float = np.inf
+    _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
+    # Of the conflicts and task they were worked out for.
+
+    def look(self, perception: Perception, waiting_place: float = np.inf) -> None:
+        """Take note of signals, of vehicles with priority, and of where people will be; once per plan.
+
+        Parameters
+        ----------
+        perception
+            What the ego is told.
+        waiting_place
+            Where the front bumper waits in the present lane for a change to another; inf for nowhere [m].
+        """
+        self._stops = self.right_of_way.stops(perception)
+        self._waiting_place = waiting_place
+        if self.predictor is not None:
+            count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
+            times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
+            self._forecast = self.predictor.predict(perception, times)
+
+    def nearest_stop(self) -> str:
+        """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
+        return min(self._stops, key=lambda stop: stop.along).name if self._stops else ""
+
+    def commit(self, perception: Perception, chosen: Chosen) -> None:
+        """Remember the passing class that is followed from now on."""
+        if self._due(perception):
+            self._reconsidered = perception.ego.time
+        self._ahead = {name: i >= chosen.behind for i, name in enumerate(chosen.conflicts.names)}
+
+    def cheapest(self, perception: Perception, lane: Lane | None, leaving_for: float) -> Chosen:
+        """Return the cheapest passing class on the way into a lane.
+
+        Parameters
+        ----------
+        perception
+            What the ego is told.
+        lane
+            Where the ego drives to; ``None``: straight on.
+        leaving_for
+            How long the vehicles ahead in the present lane still count when another lane is the target [s].
+        """
+        s, times = self.settings, self.memory.times
+        conflicts = passing.find(
+            perception,
+            self._watch,
+            _swept(perception, lane),
+            s.margin_across,
+            float(times[-1]),
+            s.assume,
+            self._forecast,
+        )
+        task, because = self._task(perception, lane, leaving_for)
+        best: Chosen | None = None
+        best_cost = np.inf
+        for behind in self._candidates(perception, conflicts, task):
+            if best is not None and self._least_cost(perception, task, conflicts, behind) > best_cost:
+                continue
+            plan, steering = self._solve_class(perception, lane, task, conflicts, behind)
+            # A change of mind has to be worth it.
+            cost = plan.cost / (s.hysteresis if self._flips(conflicts, behind) else 1.0)
+            if plan.found and (best is None or cost < best_cost):
+                who = because or (conflicts.names[0] if len(conflicts) else "")
+                best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
+        return best or Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
+
+    def _solve_class(
+        self,
+        perception: Perception,
+        lane: Lane | None,
+        task: SpeedTask,
+        conflicts: passing.Conflicts,
+        behind: int,
+    ) -> tuple[SpeedPlan, SteeringPlan | None]:
+        """Return the plan for one passing class, with its steering where that was planned too."""
+        return self._solve(self._bounded(perception, task, conflicts, behind), behind), None
+
+    def _solve(self, task: SpeedTask, behind: int) -> SpeedPlan:
+        """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
+        plan = self.program.solve(task, kind=behind)
+        for _ in range(self.settings.passes - 1):
+            bounded = np.isfinite(task.stoppable)
+            if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > 0.3).any():
+                break
+            task = replace(task, expected=plan.speed)
+            plan = self.program.solve(task, warm=plan.inputs, kind=behind)
+        return plan
+
+    def _candidates(self, perception: Perception, conflicts: passing.Conflicts, task: SpeedTask) -> list[int]:
+        """Return the passing classes to solve: the present one and those that come nearest to reachable."""
+        s, n = self.settings, len(conflicts)
+        if n == 0:
+            return [0]
+        fastest, slowest = self._reach(perception.ego.speed, task)
+        bounds = self._class_bounds(perception, task, conflicts)
+        short = np.maximum(bounds.lower - fastest, 0.0).max(axis=1)
+        short += np.maximum(slowest - bounds.upper, 0.0).max(axis=1)
+        scored = [
+            (bool(short[behind] > 0.5), self._flips(conflicts, behind), -behind, behind)
+            for behind in range(n + 1)
+        ]
+        chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
+        if self._locked(perception, conflicts) or not self._due(perception):
+            kept = [behind for behind in range(n + 1) if self._flips(conflicts, behind) == 0]
+            reachable = {behind for far, *_, behind in scored if not far}
+            same = [behind for behind in kept if behind in reachable][: s.max_classes]
+            if same and all(name in self._ahead for name in conflicts.names):
+                return same
+        # Letting everybody pass is always worth a try.
+        return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
+
+    def _reach(self, speed: float, task: SpeedTask) -> tuple[FloatArray, FloatArray]:
+        """Return the farthest and nearest positions with comfortable accelerations, shape (N,) each."""
+        limits, times = self.program.limits, self.memory.times
+        top = max(float(task.reference.max()), speed)
+        t = np.minimum(times, (top - speed) / limits.acceleration)
+        farthest = speed * t + 0.5 * limits.acceleration * t**2 + (times - t) * top
+        t = np.minimum(times, speed / limits.comfortable_braking)
+        nearest = speed * t - 0.5 * limits.comfortable_braking * t**2
+        return np.minimum(farthest, task.upper), nearest
+
+    def _least_cost(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
+    ) -> float:
+        """Return what a class costs at least for violated bounds, however hard the ego brakes or pushes."""
+        limits, weights, times = self.program.limits, self.program.weights, self.memory.times
+        speed = perception.ego.speed
+        farthest = speed * times + 0.5 * limits.acceleration * times**2
+        t = np.minimum(times, speed / limits.emergency_braking)
+        nearest = speed * t - 0.5 * limits.emergency_braking * t**2
+        bounds = self._class_bounds(perception, task, conflicts)
+        late = float(np.maximum(bounds.lower[behind] - farthest, 0.0).max())
+        soon = float(np.maximum(nearest - bounds.upper[behind], 0.0).max())
+        return weights.violation * (late + soon) + weights.violation_squared * (late**2 + soon**2)
+
+    def _due(self, perception: Perception) -> bool:
+        """Return whether it is time to look at all passing classes again."""
+        return perception.ego.time - self._reconsidered >= self.settings.reconsider - 1e-9
+
+    def _locked(self, perception: Perception, conflicts: passing.Conflicts) -> bool:
+        """Return whether the class is kept because the ego is about to arrive."""
+        known = [i for i, name in enumerate(conflicts.names) if name in self._ahead]
+        if not known or perception.ego.speed < 1.0:
+            return False
+        room = float(np.min(conflicts.along[known])) - perception.ego.body.front
+        return room / perception.ego.speed < self.settings.lock
+
+    def _flips(self, conflicts: passing.Conflicts, behind: int) -> int:
+        """Return for how many pedestrians a class differs from the one that is being followed."""
+        return sum(
+            self._ahead[name] != (i >= behind)
+            for i, name in enumerate(conflicts.names)
+            if name in self._ahead
+        )
+
+    def _task(self, perception: Perception, lane: Lane | None, leaving_for: float) -> tuple[SpeedTask, str]:
+        """Return the speed task without pedestrians, and who bounds the position apart from them."""
+        s, ego, front = self.settings, perception.ego, perception.ego.body.front
+        times, limits = self.memory.times, self.program.limits
+        positions, expected = self.memory.expected(ego)
+        ahead = self._vehicles(perception, lane, leaving_for)
+        line, stop = self._line(perception, lane, ahead.rest)
+        short = front + s.standstill_gap + limits.headway * ego.speed - float(ahead.follow[0])
+        reference, ceiling = road_profile.reference_speeds(
+            perception,
+            positions,
+            (
+                (s.bend_acceleration, SLOWING_FOR_THE_ROAD),
+                (CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING),
+            ),
+        )
+        ceiling += CEILING_MARGIN
+        for along in self._watch.carefully_past(perception, s.assume):
+            beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
+            reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
+        unseen = occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)
+        if unseen is not None:
+            slow = occlusion.reached(*unseen, positions, SLOWING_FOR_THE_ROAD)
+            reference = np.minimum(reference, slow)
+            ceiling = np.minimum(ceiling, occlusion.reached(*unseen, positions, CEILING_BRAKING))
+        task = SpeedTask(
+            speed=ego.speed,
+            acceleration=ego.acceleration,
+            command=self.memory.commanded(ego)[0],
+            reference=reference,
+            expected=expected,
+            ceiling=ceiling,
+            # A line that is overrun already asks for a stop here, not for going back.
+            upper=np.minimum(ahead.rear - BODY_GAP - front, max(line - 0.5 - front, 0.0)),
+            lower=np.full(len(times), -np.inf),
+            stoppable=np.minimum(ahead.rest - BODY_GAP - front, max(line - front, 0.0)),
+            # A time gap that is short already is opened over some seconds, not by braking hard.
+            headway=ahead.follow - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
+        )
+        return task, stop or ahead.name
+
+    def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
+        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
+        ego, times = perception.ego, self.memory.times
+        reach = 0.5 * ego.body.width + SIDE_CLEARANCE
+        offset = lane.offset if lane is not None else 0.0
+        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
+        if abs(offset - ego.across) < 0.3:
+            return then
+        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
+        body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
+        now = traffic.blockade(perception, (at - body, at + body), times)
+        left = times > leaving_for
+        return traffic.Blockade(
+            np.minimum(np.where(left, np.inf, now.rear), then.rear),
+            np.minimum(np.where(left, np.inf, now.rest), then.rest),
+            np.minimum(np.where(left, np.inf, now.rear), then.follow),
+            then.name or (now.name if leaving_for > 0.0 else ""),
+        )
+
+    def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
+        """Return the place the front bumper must not pass now, and why; inf for none."""
+        places = [(stop.along, stop.name) for stop in self._stops]
+        gap = self.settings.standstill_gap
+        places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
+        if lane is not None:
+            here = lane.number == perception.road.reference
+            end = min(lane.follows_route_for, self._waiting_place) if here else lane.follows_route_for
+            places.append((end, "lane end"))
+        nearest, name = min(places)
+        return nearest, name if np.isfinite(nearest) else ""
+
+    def _bounded(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
+    ) -> SpeedTask:
+        """Return the task with the pedestrians of one passing class in it."""
+        if not len(conflicts):
+            return task
+        bounds = self._class_bounds(perception, task, conflicts)
+        return replace(
+            task,
+            upper=np.minimum(task.upper, bounds.upper[behind]),
+            lower=np.maximum(task.lower, bounds.lower[behind]),
+            stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),
+        )
+
+    def _class_bounds(
+        self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts
+    ) -> passing.ClassBounds:
+        """Return the bounds of all classes, worked out once for the same conflicts and task."""
+        known = self._bounds
+        if known is None or known[0] is not conflicts or known[1] is not task:
+            body = perception.ego.body
+            bounds = passing.class_bounds(
+                conflicts,
+                self.memory.times,
+                body.front,
+                body.rear_overhang,
+                self.settings.margin_along,
+                task.expected,
+            )
+            known = self._bounds = (conflicts, task, bounds)
+        return known[2]
+
+    def _nothing(self, speed: float) -> SpeedPlan:
+        times = self.memory.times
+        none = np.zeros(len(times))
+        return SpeedPlan(False, speed * times, none + speed, none, none, np.inf, 0.0, 0.0, none)
+
+
+def with_margins(perception: Perception, gain: float) -> Perception:
+    """Return the perception with discs that are larger by ``gain`` standard deviations of their positions."""
+    people = perception.pedestrians
+    if gain == 0.0 or not people.uncertainty.any():
+        return perception
+    grown = replace(people, radius=people.radius + gain * people.uncertainty)
+    return replace(perception, pedestrians=grown)
+
+
+def front_across(perception: Perception) -> float:
+    """Return the across coordinate of the front bumper's centre [m]."""
+    ego = perception.ego
+    return ego.across + ego.body.front * float(np.sin(ego.heading_error))
+
+
+def _swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
+    """Return right and left end of what the body sweeps on its way into a lane."""
+    half = 0.5 * perception.ego.body.width
+    offset = lane.offset if lane is not None else 0.0
+    across = perception.ego.across
+    return min(across, offset) - half, max(across, offset) + half

@@ -1,0 +1,1 @@
+"""Quadratic programs of a fixed layout, and what solves them."""

@@ -1,0 +1,1 @@
+"""Speed plans in pieces, for what is ahead."""

@@ -1,0 +1,259 @@
+"""Which obstacles a speed plan is made for: leaders, and where to stop for pedestrians.
+
+A pedestrian whose way crosses the ego's is an obstacle that stands at the stop line, or at the pedestrian
+where there is none, until he has left the ego's way. Whoever comes into it only after the ego is past is no
+obstacle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from typing import TypeVar
+
+import numpy as np
+
+from controllers.conflicts import passing
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.leaders import neighbours_ahead
+from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
+from controllers.prediction.forecast import Forecast, Predictor
+
+FORECAST_SPACING = 0.25
+"""How finely a predictor is asked [s]."""
+PAST_THE_LINE = 0.3
+"""A stop line overrun by no more still is the place to stop at [m]."""
+COMMITTED, RESUMED = 0.3, 2.0
+"""Share of the time margin that is enough to go on ahead of somebody, and to go ahead after all of somebody
+who was yielded to."""
+CAREFUL_BEFORE = 5.0
+"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedTarget:
+    """Something ahead that the ego must not reach, or must follow."""
+
+    key: str
+    """Who or what it is, for as long as it is there; empty for nothing."""
+    name: str
+    """Of the vehicle or pedestrian; of several, the one who leaves last."""
+    gap: float
+    """From the ego's front bumper [m]."""
+    speed: float = 0.0
+    """[m/s]"""
+    acceleration: float = 0.0
+    """[m/s^2]"""
+    standoff: float = 0.0
+    """Distance to keep to it at standstill [m]."""
+    leaves: float = float("inf")
+    """When it will be gone [s]."""
+    body_gap: float = float("inf")
+    """From the front bumper to whom the stop is for, where that is not the place itself [m]."""
+
+
+FREE = SpeedTarget("", "", float("inf"))
+"""Nothing ahead."""
+
+
+@dataclass(frozen=True, slots=True)
+class CrossingRule:
+    """When to go ahead of a pedestrian and where to stop for one."""
+
+    standoff: float
+    """Distance to a pedestrian away from a crossing [m]."""
+    side_margin: float = 0.6
+    """What a pedestrian's disc is grown by across the way [m]."""
+    clearance: float = 1.0
+    """Distance behind the ego at which a pedestrian may cross [m]."""
+    time_margin: float = 1.0
+    """Time between the ego being past and a pedestrian coming into its way [s]."""
+    horizon: float = 8.0
+    """Pedestrians who come into the way later do not matter yet [s]."""
+    assume: passing.PedestrianAssumptions = field(default_factory=passing.PedestrianAssumptions)
+
+    def check(self) -> None:
+        """Refuse margins that are none.
+
+        Raises
+        ------
+        ValueError
+            Named as parameters of a controller.
+        """
+        for name, value in {"side_margin_m": self.side_margin, "time_margin_s": self.time_margin}.items():
+            if not 0.0 <= value < float("inf"):
+                raise ValueError(f"{name} must be at least 0 and finite, not {value}")
+
+
+@dataclass(frozen=True, slots=True)
+class Yielding:
+    """Whom the ego lets pass, and whom it passes ahead of."""
+
+    targets: tuple[SpeedTarget, ...]
+    names: frozenset[str]
+    """Of all whom the targets are for."""
+    passing: str
+    """``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
+    along: FloatArray
+    """Of all in conflict [m]; so the next."""
+    across: FloatArray
+
+
+def leaders(
+    perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
+) -> tuple[list[SpeedTarget], frozenset[str]]:
+    """Return the vehicles ahead as targets, and the names of standing ones that are driven past.
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    target_lane : ``Lane.number`` to end in; its leader counts as well as the own one
+    style : distances kept to standing vehicles
+    leaving : whether the ego waits for a chance to leave its lane
+    """
+    ahead, passed = neighbours_ahead(perception, target_lane, style, leaving)
+    found = [
+        SpeedTarget(one.name, one.name, one.gap, one.speed, one.acceleration, one.standstill_gap)
+        for one in ahead
+    ]
+    return found, frozenset(one.name for one in passed)
+
+
+class PedestrianTargets:
+    """Decides whom to let pass; one per ego, because it remembers whom it has decided about."""
+
+    def __init__(self, rule: CrossingRule, predictor: Predictor | None = None) -> None:
+        self.rule = rule
+        self._predictor = predictor
+        self._watch = passing.Watch()
+        self._ahead: dict[str, bool] = {}
+
+    def find(self, perception: Perception, offset: float, time_past: Callable[[float], float]) -> Yielding:
+        """Return where to stop, and for whom.
+
+        Parameters
+        ----------
+        perception : what the ego knows
+        offset : across coordinate of the lane driven to [m]
+        time_past : when the ego will have driven a distance, by its present plan [s]
+        """
+        ego, rule = perception.ego, self.rule
+        half = 0.5 * ego.body.width
+        band = (min(ego.across, offset) - half, max(ego.across, offset) + half)
+        conflicts = passing.find(
+            perception,
+            self._watch,
+            band,
+            rule.side_margin,
+            rule.horizon,
+            rule.assume,
+            self._forecast(perception),
+        )
+        ahead = [self._goes_ahead(perception, conflicts, i, time_past) for i in range(len(conflicts))]
+        self._ahead = dict(zip(conflicts.names, ahead, strict=True))
+        yielded = [i for i, first in enumerate(ahead) if not first and not _beside(perception, conflicts, i)]
+        targets = _by_place([_target(perception, conflicts, i, rule) for i in yielded])
+        names = ["|".join(n for n, first in self._ahead.items() if first is side) for side in (False, True)]
+        return Yielding(
+            tuple(targets),
+            frozenset(conflicts.names[i] for i in yielded),
+            f"behind={names[0]} ahead={names[1]}" if len(conflicts) else "",
+            conflicts.along,
+            conflicts.across,
+        )
+
+    def careful_speed(self, perception: Perception, deceleration: float) -> float:
+        """Return how fast to drive past those who let the ego go first; inf where there is nobody [m/s]."""
+        assume, front = self.rule.assume, perception.ego.body.front
+        places = self._watch.carefully_past(perception, assume)
+        room = np.maximum(places[places > 0.0] - CAREFUL_BEFORE - front, 0.0)
+        allowed = np.sqrt(assume.careful_speed**2 + 2.0 * deceleration * room)
+        return float(allowed.min(initial=np.inf))
+
+    def _forecast(self, perception: Perception) -> Forecast | None:
+        if self._predictor is None:
+            return None
+        count = int(np.ceil(self.rule.horizon / FORECAST_SPACING))
+        return self._predictor.predict(perception, np.linspace(0.0, count * FORECAST_SPACING, count + 1))
+
+    def _goes_ahead(
+        self,
+        perception: Perception,
+        conflicts: passing.Conflicts,
+        i: int,
+        time_past: Callable[[float], float],
+    ) -> bool:
+        """Say whether the ego is past before a pedestrian comes into its way."""
+        rule, body = self.rule, perception.ego.body
+        enter = float(conflicts.enter[i])
+        there = float(conflicts.along_at(np.array([enter]))[i, 0])
+        beyond = there + float(conflicts.radius[i]) + rule.clearance + body.rear_overhang
+        before = self._ahead.get(conflicts.names[i])
+        share = 1.0 if before is None else COMMITTED if before else RESUMED
+        return enter > 0.0 and time_past(beyond) + share * rule.time_margin < enter
+
+
+def without(perception: Perception, names: frozenset[str]) -> Perception:
+    """Return a perception in which pedestrians and vehicles of these names do not exist."""
+    return replace(
+        perception,
+        pedestrians=_others(perception.pedestrians, names),
+        vehicles=_others(perception.vehicles, names),
+    )
+
+
+Many = TypeVar("Many", Pedestrians, Vehicles)
+
+
+def _others(many: Many, names: frozenset[str]) -> Many:
+    kept = [i for i, name in enumerate(many.names) if name not in names]
+    if len(kept) == len(many.names):
+        return many
+    arrays = {one.name: getattr(many, one.name)[kept] for one in fields(many) if one.name != "names"}
+    return replace(many, names=tuple(many.names[i] for i in kept), **arrays)
+
+
+def _beside(perception: Perception, conflicts: passing.Conflicts, i: int) -> bool:
+    """Say whether somebody is beside the body, behind its front: stopping would not help."""
+    ego = perception.ego
+    off = abs(float(conflicts.across[i]) - ego.across) - 0.5 * ego.body.width
+    radius = float(conflicts.radius[i])
+    return off > radius and float(conflicts.along[i]) + radius < ego.body.front
+
+
+def _target(perception: Perception, conflicts: passing.Conflicts, i: int, rule: CrossingRule) -> SpeedTarget:
+    """Return where to stop for one pedestrian."""
+    front = perception.ego.body.front
+    line, name = float(conflicts.stop_line[i]), conflicts.names[i]
+    people, index = perception.pedestrians, int(conflicts.index[i])
+    enter, leave = float(conflicts.enter[i]), float(conflicts.leave[i])
+    there = conflicts.along_at(np.array([enter, min(leave, enter + passing.STRAIGHT_ON)]))[i]
+    face = float(there.min() - conflicts.radius[i])
+    body_gap = max(face - front, 0.0)
+    # Who has not begun to cross, or stands, leaves at no time that could be relied on.
+    walks = abs(float(people.across_speed[index])) > rule.assume.standing_below
+    leaves = leave if walks and not people.waiting[index] else np.inf
+    if front <= line + PAST_THE_LINE and line <= face:
+        key = f"crossing {perception.road.crossings[int(people.crossing[index])].name}"
+        return SpeedTarget(key, name, max(line - front, 0.0), leaves=leaves, body_gap=body_gap)
+    return SpeedTarget(f"pedestrian {name}", name, body_gap, 0.0, 0.0, rule.standoff, leaves, body_gap)
+
+
+def _by_place(targets: list[SpeedTarget]) -> list[SpeedTarget]:
+    """Return one target for each place: who leaves last counts, and who is nearest."""
+    found: dict[str, SpeedTarget] = {}
+    for one in targets:
+        other = found.get(one.key)
+        if other is None:
+            found[one.key] = one
+            continue
+        last = one if one.leaves > other.leaves else other
+        found[one.key] = SpeedTarget(
+            one.key,
+            last.name,
+            min(one.gap, other.gap),
+            standoff=last.standoff,
+            leaves=last.leaves,
+            body_gap=min(one.body_gap, other.body_gap),
+        )
+    return list(found.values())
