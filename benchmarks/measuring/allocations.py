@@ -18,22 +18,29 @@ from measuring.perceptions import STEP, Case
 
 MOST_HELD = 1024.0
 """Bytes per 1000 steps that count as nothing."""
+WARM_UP = 0.3
+"""Steps before that, as a share of those watched."""
 LOOKS = 10
 """How often what is held is read, evenly spread."""
 
 
 def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
     """Return what is still held after so many control steps, and the peaks of single steps."""
-    seen = _endless(perceptions.record(case))
+    approaches = perceptions.record(case)
+    seen = _endless(approaches)
     driver = perceptions.controller(case, solver)
-    every = max(1, steps // LOOKS)
+    # A look is always at the same place of the approaches: what a plan holds depends on who is around.
+    whole = sum(map(len, approaches))
+    every = whole * max(1, round(steps / LOOKS / whole))
+    steps = max(steps, 2 * every + 1)
     held: list[int] = []
     peaks = np.zeros(steps)  # before anything is counted
-    for _ in range(max(every, 200)):
-        perception = next(seen)
-        driver.plan(perception, driver.decide(perception))
     tracemalloc.start()
     try:
+        # The growth of the first thousand steps is larger than what comes after.
+        for _ in range(whole * max(1, round(WARM_UP * steps / whole))):
+            perception = next(seen)
+            driver.plan(perception, driver.decide(perception))
         for i in range(steps):
             perception = next(seen)
             if i % every == 0:
@@ -45,16 +52,13 @@ def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
             peaks[i] = tracemalloc.get_traced_memory()[1] - before
     finally:
         tracemalloc.stop()
-    # What a plan leaves for the next step was allocated before the counting began: the first look is not
-    # like the others.
-    steady = held[1:] if len(held) > 2 else held
-    slope = float(np.polyfit(np.arange(len(steady)) * every, steady, 1)[0]) if len(steady) > 1 else 0.0
+    slope = float(np.polyfit(np.arange(len(held)) * every, held, 1)[0])
     return {
         "case": str(case),
         "steps": steps,
         "bytes_per_1000_steps": 1000.0 * slope,
-        "bytes_after_first": int(steady[0]),
-        "bytes_after_last": int(steady[-1]),
+        "bytes_after_first": int(held[0]),
+        "bytes_after_last": int(held[-1]),
         "peak_median_kb": float(np.median(peaks)) / 1e3,
         "peak_most_kb": float(peaks.max()) / 1e3,
     }

@@ -15,6 +15,8 @@ from measuring.bars import Bar
 from measuring.markdown import table
 
 FOLDER = Path(__file__).resolve().parent.parent
+BUSY = 1.5
+"""Load average above which somebody else was at work: one benchmark at a time runs, on one core."""
 PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "libsumo", "casadi", "pymoo")
 SECTIONS = (
     "control_step",
@@ -38,7 +40,7 @@ def publish(section: str, content: Mapping[str, Any], bars: Sequence[Bar], folde
     path = folder / "results.json"
     everything = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     everything["environment"] = environment()
-    everything[section] = {**content, "bars": [bar.entry() for bar in bars]}
+    everything[section] = {**content, "bars": [bar.entry() for bar in bars], "load": os.getloadavg()[0]}
     path.write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     (folder / "results.md").write_text(page(everything), encoding="utf-8")
 
@@ -69,6 +71,13 @@ def page(everything: Mapping[str, Any]) -> str:
         "Milliseconds depend on the machine and on what else it does: compare ratios. "
         "How it is measured: [docs/performance.md](../docs/performance.md).",
     ]
+    measured = [name for name in SECTIONS if name in everything]
+    busy = [name for name in measured if everything[name].get("load", float("inf")) > BUSY]
+    if busy:
+        parts.append(
+            f"**The machine was busy with other things** (load average above {BUSY:g}, or not known) while "
+            f"these were measured, so their times and their spread say little: {', '.join(busy)}."
+        )
     if bars := all_bars(everything):
         heads = ("what", "bar", "measured", "verdict", "note")
         parts += ["## Bars", table([{head: bar[head] for head in heads} for bar in bars])]
