@@ -15,7 +15,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "benchmarks"
-SLOW = ("screening", "instructions", "batch_throughput")
+QUICK = ("other_methods",)
+"""The others take more than some seconds."""
 SECTIONS = {"batch_throughput": "batch"}
 """Where a script's section has another name."""
 
@@ -37,7 +38,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     "script",
     [
-        pytest.param(name, marks=pytest.mark.slow if name in SLOW else ())
+        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
         for name in scripts()
         if name != "bars"
     ],
