@@ -32,10 +32,10 @@ SLOTS = 40
 """Rows that the smallest OSQP workspace takes; each larger one takes twice as many."""
 FEASIBLE = 1e-6
 """A row violated by no more than this counts as kept."""
-CHANGES = {"osqp": 12}
+CHANGES = {"osqp": 60}
 """Changes of the active set after which a solver is called."""
-FEWEST_CHANGES = 0
-"""The same for solvers that walk along active sets themselves: only the last one itself is tried."""
+FEWEST_CHANGES = 1
+"""The same for solvers that walk along active sets themselves: one is tried."""
 ACTIVE = 1e-7
 """A larger multiplier marks an active row."""
 _NO_ROWS = np.empty(0, dtype=np.int64)
