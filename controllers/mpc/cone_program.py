@@ -7,15 +7,15 @@ they are and copied in blocks; below their rows stand those of the cones, linear
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.conflicts.collision_cone import ConeRows, ConeSettings, Motion, Walkers, rows
-from controllers.mpc.horizon import ACCELERATION, ACROSS, COMMAND, HEADING, POSITION, SPEED, STEERING_COMMAND
-from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.mpc.longitudinal import SLACK_UNIT, LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.mpc.horizon import ACROSS, HEADING, POSITION, SPEED, STEERING_COMMAND
+from controllers.mpc.lateral import LateralProgram, Response, SteeringPlan, SteeringTask
+from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.programs.qp import Program
 
 FloatArray = NDArray[np.float64]
@@ -39,8 +39,7 @@ class JointResponse:
     """States as affine functions of both inputs, as ``build`` wrote them into the program."""
 
     speed_free: FloatArray
-    steering_free: FloatArray
-    steering_gain: FloatArray
+    steering: Response
 
 
 class ConeProgram:
@@ -54,7 +53,7 @@ class ConeProgram:
         Which cone.
     slots
         Pedestrians that fit in; a slot without one costs nothing.
-    solver, tolerance
+    solver, tolerance, compiled
         As for :class:`controllers.programs.qp.Program`.
     """
 
@@ -66,6 +65,7 @@ class ConeProgram:
         slots: int,
         solver: str = "osqp",
         tolerance: float = 1e-4,
+        compiled: bool = False,
     ) -> None:
         self.speed, self.steering, self.settings, self.slots = speed, steering, settings, slots
         self.steps = speed.steps
@@ -74,7 +74,9 @@ class ConeProgram:
         # First row and variable of the steering program, then of the cones.
         self._rows_at = (len(speed.program.h), len(speed.program.h) + len(steering.program.h))
         self._variables_at = (len(speed.program.q), len(speed.program.q) + len(steering.program.q))
-        self.program = Program(self._cost_pattern(), self._row_pattern(), solver, tolerance)
+        self.program = Program(
+            self._cost_pattern(), self._row_pattern(), solver, tolerance, compiled=compiled
+        )
         self._place(constant=True)
         first, weights = self._variables_at[1], speed.weights
         slack = range(first, len(self.program.q))
@@ -89,15 +91,15 @@ class ConeProgram:
     ) -> JointResponse:
         """Write both tasks and the cones about a nominal motion into the program."""
         speed_free = self.speed.build(speed)
-        steering_free, steering_gain = self.steering.build(steering)
+        response = self.steering.build(steering)
         self._place(constant=False)
         p, n = self.program, self.steps
         p.h[self._rows_at[1] :] = np.inf
         cones = rows(self.settings, walkers, nominal)
         jerk, angle = slice(0, n), slice(self._variables_at[0], self._variables_at[0] + n)
         s, v = self.speed.horizon.gain[POSITION], self.speed.horizon.gain[SPEED]
-        d, psi = steering_gain[ACROSS], steering_gain[HEADING]
-        constant = _at_free_response(cones, nominal, speed_free, steering_free)
+        d, psi = response.gain[ACROSS], response.gain[HEADING]
+        constant = _at_free_response(cones, nominal, speed_free, response.free)
         for slot in range(len(walkers.side)):
             at = self._slot(slot)
             p.G[at, jerk] = -_rows(cones.position[slot], s)
@@ -105,7 +107,7 @@ class ConeProgram:
             p.G[at, angle] = -_rows(cones.across[slot], d)
             p.G[at, angle] -= _rows(cones.heading[slot], psi) + _shifted(cones.heading_before[slot], psi)
             p.h[at] = constant[slot]
-        return JointResponse(speed_free, steering_free, steering_gain)
+        return JointResponse(speed_free, response)
 
     def solve(
         self,
@@ -120,24 +122,11 @@ class ConeProgram:
         solution = self.program.solve(warm)
         n, split, end = self.steps, *self._variables_at
         jerks, rates, slack = solution.z[:split], solution.z[split:end], solution.z[end:]
-        lane = response.steering_free + response.steering_gain @ rates[:n]
-        road = response.speed_free + self.speed.horizon.gain @ jerks[:n]
-        extra = SLACK_UNIT * jerks[n:]
-        positions = max(extra[self.speed.SLACK_UPPER], extra[self.speed.SLACK_LOWER])
-        constant = self.speed.constant_cost(response.speed_free, speed)
-        constant += self.steering.constant_cost(response.steering_free, steering)
+        lane = response.steering.free + response.steering.gain @ rates[:n]
+        cost = solution.cost + response.steering.cost
+        road = self.speed.plan(speed, response.speed_free, jerks, cost, solution.found)
         return JointPlan(
-            SpeedPlan(
-                found=solution.found,
-                position=road[POSITION],
-                speed=np.maximum(road[SPEED], 0.0),
-                acceleration=road[ACCELERATION],
-                command=road[COMMAND],
-                cost=solution.cost + constant,
-                slack=float(max(positions, slack.max(initial=0.0), 0.0)),
-                emergency=float(max(extra[self.speed.EMERGENCY], 0.0)),
-                inputs=jerks,
-            ),
+            replace(road, slack=max(road.slack, float(slack.max(initial=0.0)))),
             SteeringPlan(
                 found=solution.found,
                 across=lane[ACROSS],

@@ -77,6 +77,7 @@ class Settings:
     steering: SteeringWeights
     solver: str
     tolerance: float
+    compiled: bool = False
 
 
 class VelocityObstacleMpc:
@@ -245,7 +246,9 @@ class VelocityObstacleMpc:
                 emergency_braking=min(s.limits.emergency_braking, drive.max_deceleration),
                 comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
             )
-            program = LongitudinalProgram(s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance)
+            program = LongitudinalProgram(
+                s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance, s.compiled
+            )
             right_of_way = RightOfWay(limits.acceleration)
             if s.cone.kind is Cone.STEP:
                 self._speed = SpeedPlanner(s.passing, program, self._memory, right_of_way, self._predictor)
@@ -259,7 +262,7 @@ class VelocityObstacleMpc:
                     self._predictor,
                     steering=steering,
                     steering_of=self._steering_task,
-                    joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance),
+                    joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance, s.compiled),
                 )
         return self._speed
 
@@ -287,6 +290,7 @@ class VelocityObstacleMpc:
                 s.steering,
                 s.solver,
                 s.tolerance,
+                s.compiled,
             )
         return self._steering
 

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.numerics import steering_program
+
 FloatArray = NDArray[np.float64]
 
 
@@ -84,6 +86,8 @@ class LongitudinalHorizon:
 
     Attributes
     ----------
+    start
+        States by those at the start, shape (4, N, 4).
     gain
         States by inputs, shape (4, N, N).
     jerk
@@ -100,7 +104,7 @@ class LongitudinalHorizon:
     def __init__(self, dt: FloatArray, lag: float) -> None:
         n = len(dt)
         r = lagged_ramp(dt, lag)
-        self._start = np.zeros((4, n, 4))
+        self.start = np.zeros((4, n, 4))
         self.gain = np.zeros((4, n, n))
         self.jerk = (np.eye(n) - np.eye(n, k=-1)) / dt[:, None]
         start = np.eye(4)
@@ -117,13 +121,8 @@ class LongitudinalHorizon:
             start = step @ start
             gain = step @ gain
             gain[:, k] += (r.triple[k], r.double[k], r.ramp[k], dt[k])
-            self._start[:, k] = start
+            self.start[:, k] = start
             self.gain[:, k] = gain @ self.jerk
-
-    def free(self, speed: float, acceleration: float, command: float) -> FloatArray:
-        """Return the states without input, shape (4, N), from position 0."""
-        states: FloatArray = self._start @ np.array([0.0, speed, acceleration, command])
-        return states
 
 
 class LateralHorizon:
@@ -140,13 +139,18 @@ class LateralHorizon:
         Time constant of the steering [s].
     wheelbase
         [m].
+
+    Attributes
+    ----------
+    gain
+        States by inputs, shape (4, N, N); those of offset and heading are written for each speed profile.
+    bicycle
+        What that is worked out from.
     """
 
     def __init__(self, dt: FloatArray, lag: float, wheelbase: float) -> None:
         r = lagged_ramp(dt, lag)
         n = len(dt)
-        self._h = dt
-        self._wheelbase = wheelbase
         # Steering and command do not depend on the speed. Columns: the inputs, then both at the beginning.
         steering, command = np.zeros((n + 1, n + 2)), np.zeros((n + 1, n + 2))
         steering[0, n], command[0, n + 1] = 1.0, 1.0
@@ -156,19 +160,19 @@ class LateralHorizon:
             command[k + 1] = command[k]
             command[k + 1, k] += dt[k]
         # What one interval adds to the heading per v / wheelbase, and to the offset per v^2 / wheelbase.
-        self._turned = r.first[:, None] * steering[:-1] + r.ramp[:, None] * command[:-1]
-        self._turned[range(n), range(n)] += r.double
-        self._moved = (lag * r.ramp)[:, None] * steering[:-1] + r.double[:, None] * command[:-1]
-        self._moved[range(n), range(n)] += r.triple
-        self._free = np.empty((4, n))
-        self._gain = np.empty((4, n, n))
-        self._gain[STEERING], self._gain[STEERING_COMMAND] = steering[1:, :n], command[1:, :n]
-        self._start = (steering[1:, n:], command[1:, n:])
+        turned = r.first[:, None] * steering[:-1] + r.ramp[:, None] * command[:-1]
+        turned[range(n), range(n)] += r.double
+        moved = (lag * r.ramp)[:, None] * steering[:-1] + r.double[:, None] * command[:-1]
+        moved[range(n), range(n)] += r.triple
+        self.gain = np.empty((4, n, n))
+        self.gain[STEERING], self.gain[STEERING_COMMAND] = steering[1:, :n], command[1:, :n]
+        at_start = [np.ascontiguousarray(states[1:, n:]) for states in (steering, command)]
+        self.bicycle = steering_program.Bicycle(dt, turned, moved, at_start[0], at_start[1], wheelbase)
 
     @property
     def steering_gain(self) -> FloatArray:
         """Commanded steering angle by inputs, whatever the speed, shape (N, N)."""
-        gain: FloatArray = self._gain[STEERING_COMMAND]
+        gain: FloatArray = self.gain[STEERING_COMMAND]
         return gain
 
     def maps(self, speed: FloatArray, curvature: FloatArray, start: FloatArray) -> AffineMaps:
@@ -183,23 +187,8 @@ class LateralHorizon:
 
         Notes
         -----
-        ``free`` and ``gain`` are buffers that the next call overwrites.
+        ``gain`` is a buffer that the next call overwrites.
         """
-        n, free, gain = len(speed), self._free, self._gain
-        travelled = speed * self._h
-        per_wheelbase = speed / self._wheelbase
-        heading = np.cumsum(per_wheelbase[:, None] * self._turned, axis=0)
-        moved = (speed * per_wheelbase)[:, None] * self._moved
-        moved[1:] += travelled[1:, None] * heading[:-1]
-        across = np.cumsum(moved, axis=0)
-        gain[ACROSS], gain[HEADING] = across[:, :n], heading[:, :n]
-        # Without input: what the wheels do at the beginning, less what the lane turns away.
-        turn = np.cumsum(curvature * travelled)
-        lane_heading = start[HEADING] - turn
-        before = lane_heading + curvature * travelled
-        free[HEADING] = lane_heading + heading[:, n:] @ start[STEERING:]
-        free[ACROSS] = start[ACROSS] + across[:, n:] @ start[STEERING:]
-        free[ACROSS] += np.cumsum(travelled * 0.5 * (before + lane_heading))
-        free[STEERING] = self._start[0] @ start[STEERING:]
-        free[STEERING_COMMAND] = self._start[1] @ start[STEERING:]
-        return AffineMaps(free, gain)
+        n = len(speed)
+        free = steering_program.maps(self.bicycle, self.gain.reshape(4 * n, n), start, speed, curvature)
+        return AffineMaps(free, self.gain)

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.mpc.horizon import ACROSS, HEADING, STEERING, STEERING_COMMAND, LateralHorizon
+from controllers.mpc.horizon import ACROSS, HEADING, STEERING_COMMAND, LateralHorizon
+from controllers.numerics import steering_program
+from controllers.numerics.compiling import code_of
 from controllers.programs.qp import Program
 
 FloatArray = NDArray[np.float64]
@@ -65,6 +67,18 @@ class SteeringPlan:
     inputs: FloatArray
 
 
+@dataclass(frozen=True, slots=True)
+class Response:
+    """What the inputs of a program that has been built do."""
+
+    free: FloatArray
+    """States without input, shape (4, N)."""
+    gain: FloatArray
+    """States by inputs, shape (4, N, N)."""
+    cost: float
+    """The part of the objective that no input changes, which the program leaves out."""
+
+
 class LateralProgram:
     """Builds and solves steering plans of one layout.
 
@@ -80,6 +94,8 @@ class LateralProgram:
         From the rear axle to the front bumper [m].
     max_steering, max_rate
         [rad, rad/s].
+    solver, tolerance, compiled
+        As for :class:`controllers.programs.qp.Program`; compiled, the tasks are written by compiled code too.
     """
 
     LEFT, RIGHT, FRONT_LEFT, FRONT_RIGHT, STEER_LEFT, STEER_RIGHT = range(6)
@@ -96,6 +112,7 @@ class LateralProgram:
         weights: SteeringWeights,
         solver: str = "osqp",
         tolerance: float = 1e-4,
+        compiled: bool = False,
     ) -> None:
         self.steps = n = len(dt)
         self.dt = dt
@@ -112,7 +129,7 @@ class LateralProgram:
         cost = np.zeros((n + 1, n + 1), dtype=bool)
         cost[:n, :n] = True
         cost[n, n] = True
-        self.program = Program(cost, rows, solver, tolerance)
+        self.program = Program(cost, rows, solver, tolerance, compiled=compiled)
         p = self.program
         p.G[: self._rows(self.STEER_LEFT).start, n] = -1.0
         p.lower[:n], p.upper[:n] = -max_rate, max_rate
@@ -122,41 +139,37 @@ class LateralProgram:
         steering = self.horizon.steering_gain
         p.G[self._rows(self.STEER_LEFT), :n] = steering
         p.G[self._rows(self.STEER_RIGHT), :n] = -steering
-        self._weights = np.empty((3, n))
-        self._weights[0], self._weights[1] = weights.across * dt, weights.heading * dt
-        self._rate_cost = np.diag(2.0 * weights.rate * dt)
-
-    def build(self, task: SteeringTask) -> tuple[FloatArray, FloatArray]:
-        """Write the task into the program and return the free response and the gains."""
-        n, p = self.steps, self.program
-        start = np.array([task.across, task.heading_error, task.steering, task.command])
-        maps = self.horizon.maps(task.speed, task.curvature, start)
-        free, gain = maps.free, maps.gain
-        weights, errors = self._tracking(free, task)
-        stacked = gain[:3].reshape(3 * n, n)
-        weighted = stacked * (2.0 * weights).reshape(-1, 1)
-        np.add(stacked.T @ weighted, self._rate_cost, out=p.P[:n, :n])
-        p.q[:n] = errors.reshape(-1) @ weighted
-        front_free = free[ACROSS] + self.front * free[HEADING]
-        front_gain = gain[ACROSS] + self.front * gain[HEADING]
-        # The rows of the steering angle's limits do not change.
-        p.G[: 4 * n, :n].reshape(4, n, n)[:] = (gain[ACROSS], -gain[ACROSS], front_gain, -front_gain)
-        p.h.reshape(6, n)[:] = (
-            task.left - free[ACROSS],
-            free[ACROSS] - task.right,
-            task.left - front_free,
-            front_free - task.right,
-            self.max_steering - free[STEERING_COMMAND],
-            self.max_steering + free[STEERING_COMMAND],
+        w = weights
+        self._limits = steering_program.Limits(
+            front, max_steering, w.across, w.heading, w.steering, w.lateral_acceleration, 2.0 * w.rate * dt
         )
-        return free, gain
+        # Views: what is written into them needs no copying.
+        self._written = steering_program.Program(
+            p.P[:n, :n], p.q[:n], p.G[: 4 * n, :n], p.h.reshape(6, n), self.horizon.gain.reshape(4 * n, n)
+        )
+        self._code = code_of(steering_program, compiled)
+
+    def build(self, task: SteeringTask) -> Response:
+        """Write the task into the program and return what its inputs do; overwritten by the next call."""
+        free, cost = self._code.write(
+            self.horizon.bicycle,
+            self._limits,
+            self._written,
+            np.array([task.across, task.heading_error, task.steering, task.command]),
+            task.speed,
+            task.curvature,
+            task.target,
+            task.right,
+            task.left,
+        )
+        return Response(free, self.horizon.gain, cost)
 
     def solve(self, task: SteeringTask, warm: FloatArray | None = None) -> SteeringPlan:
         """Return the plan for a task; ``found`` is False when the solver gave none."""
-        free, gain = self.build(task)
+        response = self.build(task)
         solution = self.program.solve(warm)
         n = self.steps
-        states = free + gain @ solution.z[:n]
+        states = response.free + (self._written.gain @ solution.z[:n]).reshape(4, n)
         return SteeringPlan(
             found=solution.found,
             across=states[ACROSS],
@@ -166,20 +179,6 @@ class LateralProgram:
             slack=float(max(solution.z[n], 0.0)),
             inputs=solution.z,
         )
-
-    def constant_cost(self, free: FloatArray, task: SteeringTask) -> float:
-        """Return the part of the objective that no input changes, which the program leaves out."""
-        weights, errors = self._tracking(free, task)
-        return float((weights * errors**2).sum())
-
-    def _tracking(self, free: FloatArray, task: SteeringTask) -> tuple[FloatArray, FloatArray]:
-        """Return weights and errors of offset, heading and steering without input, shape (3, N) each."""
-        w = self.weights
-        # Lateral acceleration beyond the lane's own, as a weight on the steering angle.
-        steering_weight = w.steering + w.lateral_acceleration * (task.speed**2 / self.wheelbase) ** 2
-        self._weights[2] = steering_weight * self.dt
-        follow = self.wheelbase * task.curvature
-        return self._weights, np.stack([free[ACROSS] - task.target, free[HEADING], free[STEERING] - follow])
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)

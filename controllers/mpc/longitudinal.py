@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.mpc.horizon import ACCELERATION, COMMAND, POSITION, SPEED, LongitudinalHorizon
+from controllers.numerics import speed_program
+from controllers.numerics.compiling import code_of
 from controllers.programs.qp import Program
 
 FloatArray = NDArray[np.float64]
@@ -106,6 +108,10 @@ class LongitudinalProgram:
         Interval lengths, shape (N,) [s].
     lag
         Time constant of drive and brake [s].
+    weights, limits
+        See there.
+    solver, tolerance, compiled
+        As for :class:`controllers.programs.qp.Program`; compiled, the tasks are written by compiled code too.
     """
 
     # Blocks of N rows each.
@@ -123,47 +129,39 @@ class LongitudinalProgram:
         limits: SpeedLimits,
         solver: str = "osqp",
         tolerance: float = 1e-4,
+        compiled: bool = False,
     ) -> None:
         self.steps = n = len(dt)
         self.dt = dt
         self.weights = weights
         self.limits = limits
         self.horizon = LongitudinalHorizon(dt, lag)
-        self._half_jerk = 0.5 * limits.jerk * np.cumsum(dt)
         self._scale: dict[int, FloatArray] = {}
-        self.program = Program(self._cost_pattern(n), self._row_pattern(n), solver, tolerance)
-        self._fill_constant_parts()
+        self.program = Program(
+            self._cost_pattern(n), self._row_pattern(n), solver, tolerance, compiled=compiled
+        )
+        self._layout, self._written = self._fill_constant_parts()
+        self._gain = self.horizon.gain.reshape(4 * n, n)
+        self._tracking = np.array([weights.speed, weights.acceleration])
+        self._no_ceiling = np.full(n, np.inf)
+        self._code = code_of(speed_program, compiled)
 
     def build(self, task: SpeedTask) -> FloatArray:
         """Write the task into the program and return the free response, shape (4, N)."""
-        n, p, limits, h = self.steps, self.program, self.limits, self._bounds
-        v = self.horizon.gain[SPEED]
-        free = self.horizon.free(task.speed, task.acceleration, task.command)
-        position, speed = free[POSITION], free[SPEED]
-        p.q[:n] = self._speed_cost @ (speed - task.reference) + self._acceleration_cost @ free[ACCELERATION]
-        h[self.UPPER] = task.upper - position
-        h[self.LOWER] = position - task.lower
-        slope = np.maximum(task.expected, 0.0) / limits.freeze_braking
-        np.add(
-            self._stoppable[0],
-            slope[:, None] * self._stoppable[1],
-            out=p.G[self._rows(self.STOPPABLE), :n],
+        free: FloatArray = self._code.write(
+            self._layout,
+            self._written,
+            task.speed,
+            task.acceleration,
+            task.command,
+            task.reference,
+            task.expected,
+            task.upper,
+            task.lower,
+            task.stoppable,
+            task.headway,
+            self._no_ceiling if task.ceiling is None else task.ceiling,
         )
-        h[self.STOPPABLE] = task.stoppable + 0.5 * slope * task.expected - position - slope * speed
-        h[self.HEADWAY] = task.headway - position - limits.headway * speed
-        # Bounds that the state may already violate are moved to what is still reachable: the program
-        # must have a solution from any state.
-        present = task.speed + 0.5 * max(task.acceleration, 0.0)
-        fastest = np.full(n, max(float(task.reference.max()), present) + 0.3)
-        if task.ceiling is not None:
-            fastest = np.minimum(fastest, task.ceiling)
-        slowed = v @ self._towards(-limits.comfortable_braking, task.command)
-        h[self.FAST] = np.maximum(fastest - speed, slowed + 0.05)
-        recovered = v @ self._towards(limits.acceleration, task.command)
-        h[self.SLOW] = np.maximum(speed, 0.05 - recovered)
-        h[self.BRAKE] = limits.comfortable_braking + free[COMMAND]
-        np.multiply(h, self._row_scale, out=p.h[: h.size].reshape(h.shape))
-        p.upper[:n] = max(limits.acceleration - task.command, 0.0)
         return free
 
     def solve(self, task: SpeedTask, warm: FloatArray | None = None, kind: Hashable = None) -> SpeedPlan:
@@ -173,33 +171,32 @@ class LongitudinalProgram:
         """
         free = self.build(task)
         solution = self.program.solve(warm, kind)
-        n = self.steps
-        states = free + self.horizon.gain @ solution.z[:n]
-        slack = SLACK_UNIT * solution.z[n:]
+        return self.plan(task, free, solution.z, solution.cost, solution.found)
+
+    def plan(self, task: SpeedTask, free: FloatArray, z: FloatArray, cost: float, found: bool) -> SpeedPlan:
+        """Return what inputs and slacks mean.
+
+        Parameters
+        ----------
+        task : as built
+        free : states without input, shape (4, N)
+        z : inputs and slacks
+        cost : objective of the program at ``z``
+        found : whether that is a solution
+        """
+        states, constant = self._code.states(free, self._gain, z, task.reference, self.dt, self._tracking)
+        slack = z[self.steps :]
         return SpeedPlan(
-            found=solution.found,
+            found=found,
             position=states[POSITION],
-            speed=np.maximum(states[SPEED], 0.0),
+            speed=states[SPEED],
             acceleration=states[ACCELERATION],
             command=states[COMMAND],
-            cost=solution.cost + self.constant_cost(free, task),
-            slack=float(max(slack[self.SLACK_UPPER], slack[self.SLACK_LOWER], 0.0)),
-            emergency=float(max(slack[self.EMERGENCY], 0.0)),
-            inputs=solution.z,
+            cost=cost + constant,
+            slack=SLACK_UNIT * float(max(slack[self.SLACK_UPPER], slack[self.SLACK_LOWER], 0.0)),
+            emergency=SLACK_UNIT * float(max(slack[self.EMERGENCY], 0.0)),
+            inputs=z,
         )
-
-    def constant_cost(self, free: FloatArray, task: SpeedTask) -> float:
-        """Return the part of the objective that no input changes, which the program leaves out."""
-        w = self.weights
-        return float(
-            self.dt
-            @ (w.speed * (free[SPEED] - task.reference) ** 2 + w.acceleration * free[ACCELERATION] ** 2)
-        )
-
-    def _towards(self, command: float, present: float) -> FloatArray:
-        """Return the inputs that lead half way to a command at half the jerk: there is room left to drive."""
-        step = 0.5 * command - present
-        return np.minimum(self._half_jerk, step) if step > 0.0 else np.maximum(-self._half_jerk, step)
 
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)
@@ -231,7 +228,8 @@ class LongitudinalProgram:
             (self.BRAKE, self.EMERGENCY),
         )
 
-    def _fill_constant_parts(self) -> None:
+    def _fill_constant_parts(self) -> tuple[speed_program.Layout, speed_program.Program]:
+        """Write what does not change; return what the rest is worked out from, and where it goes."""
         n, p, w, limits = self.steps, self.program, self.weights, self.limits
         s, v, a, c = self.horizon.gain
         jerk = self.horizon.jerk
@@ -265,11 +263,25 @@ class LongitudinalProgram:
             p.G[self._rows(block), n + slack] = -SLACK_UNIT * self._scale[block]
         for block in (self.JERK_UP, self.JERK_DOWN):
             p.h[self._rows(block)] = self._scale[block] * limits.jerk
-        self._row_scale = np.array([self._scale[block] for block in range(self.JERK_UP)])
-        self._bounds = np.empty_like(self._row_scale)
-        scale = self._scale[self.STOPPABLE][:, None]
-        self._stoppable = (scale * s, scale * v)
-        self._speed_cost = 2.0 * w.speed * v.T * self.dt
-        self._acceleration_cost = 2.0 * w.acceleration * a.T * self.dt
         p.lower[n:] = 0.0
         p.upper[n + self.EMERGENCY] = (limits.emergency_braking - limits.comfortable_braking) / SLACK_UNIT
+        changing = range(self.JERK_UP)
+        stoppable = self._scale[self.STOPPABLE][:, None]
+        layout = speed_program.Layout(
+            start=self.horizon.start.reshape(4 * n, 4),
+            speed_gain=v,
+            stoppable_position=stoppable * s,
+            stoppable_speed=stoppable * v,
+            speed_cost=2.0 * w.speed * np.ascontiguousarray(v.T) * self.dt,
+            acceleration_cost=2.0 * w.acceleration * np.ascontiguousarray(a.T) * self.dt,
+            row_scale=np.array([self._scale[block] for block in changing]),
+            half_jerk=0.5 * limits.jerk * np.cumsum(self.dt),
+            acceleration=limits.acceleration,
+            comfortable_braking=limits.comfortable_braking,
+            freeze_braking=limits.freeze_braking,
+            headway=limits.headway,
+        )
+        written = speed_program.Program(
+            p.q[:n], p.G[self._rows(self.STOPPABLE), :n], p.h[: len(changing) * n].reshape(-1, n), p.upper[:n]
+        )
+        return layout, written

@@ -1,10 +1,4 @@
-"""The optimum of a quadratic program near the set of rows that bound the last one.
-
-From one step to the next a plan's active rows change little. With a guess of them the optimum is one small
-linear system away; while it breaks a row, or a multiplier is negative, rows are added and dropped one by one
-as the dual method of [GI1983]_ does. Whoever gives up after a few changes has lost little and hands the
-program to a general solver.
-"""
+"""What outlives one search near the last active rows (:mod:`controllers.numerics.active_rows`)."""
 
 from __future__ import annotations
 
@@ -14,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
+from controllers.numerics import active_rows
+from controllers.numerics.active_rows import KEPT as KEPT
+from controllers.numerics.compiling import code_of
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-KEPT = 1e-8
-"""A row violated by no more than this counts as kept; the rows' gradients are of the order of 1."""
-FLAT = 1e-11
-"""A row with less curvature along its step depends on the active ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +25,22 @@ class Optimum:
     """Rows that bound it."""
     multipliers: FloatArray
     """Of these, non-negative."""
+    cost: float
+    """The objective there."""
 
 
 @dataclass(slots=True)
 class ActiveSet:
-    """Searches from guessed active rows; remembers the inverse of the cost matrix."""
+    """Searches from guessed active rows; remembers the inverse of the cost matrix.
 
+    Parameters
+    ----------
+    compiled : whether the search is compiled
+    """
+
+    compiled: bool = False
     _cost: FloatArray = field(default_factory=lambda: np.empty(0))
-    _inverse: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    _inverse: FloatArray | None = None
 
     def resume(
         self, P: FloatArray, q: FloatArray, A: FloatArray, b: FloatArray, guess: IntArray, most: int
@@ -64,85 +65,13 @@ class ActiveSet:
         >>> found.z.tolist(), found.active.tolist(), found.multipliers.tolist()
         ([1.0, 1.0], [0], [1.0])
         """
-        try:
-            return self._search(P, q, A, b, guess, most)
-        except np.linalg.LinAlgError:  # the guessed rows depend on each other
-            return None
-
-    def _search(
-        self, P: FloatArray, q: FloatArray, A: FloatArray, b: FloatArray, guess: IntArray, most: int
-    ) -> Optimum | None:
         if P.shape != self._cost.shape or not np.array_equal(P, self._cost):
-            self._inverse, self._cost = _solve(P, np.eye(len(P))), P.copy()
-        inverse = self._inverse
-        free = -(inverse @ q)
-        active = guess[np.isfinite(b[guess])]
-        active, multipliers, reaction = _without_pulling(inverse, free, A, b, active)
-        z = free - reaction @ multipliers
-        for _ in range(most + 1):
-            over = A @ z - b
-            row = int(over.argmax())
-            if over[row] <= KEPT:
-                return Optimum(z, active, multipliers)
-            entered = _enter(inverse, A, row, float(over[row]), active, multipliers)
-            if entered is None:
-                return None
-            active, multipliers = entered
-            # Anew from the rows: what the steps' rounding adds up to would stay otherwise.
-            active, multipliers, reaction = _without_pulling(inverse, free, A, b, active)
-            z = free - reaction @ multipliers
-        return None
-
-
-def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Return ``x`` with ``matrix x = right``, for a symmetric positive definite matrix."""
-    _, x, failed = dposv(matrix, right)
-    if failed:
-        raise np.linalg.LinAlgError("not positive definite")
-    return np.asarray(x, dtype=np.float64)
-
-
-def _without_pulling(
-    inverse: FloatArray, free: FloatArray, A: FloatArray, b: FloatArray, active: IntArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return active rows, multipliers and ``P⁻¹ A'`` once no active row pulls the point towards itself."""
-    while len(active):
-        rows = A[active]
-        reaction = inverse @ rows.T
-        multipliers = _solve(rows @ reaction, rows @ free - b[active])
-        if multipliers.min() >= 0.0:
-            return active, multipliers, reaction
-        active = active[multipliers >= 0.0]
-    return active, np.empty(0), np.empty((len(free), 0))
-
-
-def _enter(
-    inverse: FloatArray,
-    A: FloatArray,
-    row: int,
-    violation: float,
-    active: IntArray,
-    multipliers: FloatArray,
-) -> tuple[IntArray, FloatArray] | None:
-    """Return the active rows and multipliers with a violated row among them; ``None`` without solution."""
-    normal = A[row]
-    pull = inverse @ normal
-    own = 0.0
-    while True:
-        rows = A[active]
-        reaction = inverse @ rows.T
-        answer = _solve(rows @ reaction, rows @ pull) if len(active) else np.empty(0)
-        curvature = float(normal @ (pull - reaction @ answer))
-        full = violation / curvature if curvature > FLAT else np.inf
-        yielding = np.flatnonzero(answer > FLAT)
-        ratios = multipliers[yielding] / answer[yielding]
-        step = min(full, float(ratios.min(initial=np.inf)))
-        if step == np.inf:
+            _, inverse, failed = dposv(P, np.eye(len(P)))
+            # In rows, as everything it is multiplied with.
+            self._inverse = None if failed else np.ascontiguousarray(inverse)
+            self._cost = P.copy()
+        if self._inverse is None:
             return None
-        multipliers = np.maximum(multipliers - step * answer, 0.0)
-        own += step
-        if step == full:
-            return np.append(active, row), np.append(multipliers, own)
-        violation -= step * max(curvature, 0.0)
-        leaving = int(yielding[ratios.argmin()])
-        active, multipliers = np.delete(active, leaving), np.delete(multipliers, leaving)
+        code = code_of(active_rows, self.compiled)
+        found, z, active, multipliers, cost = code.search(P, q, self._inverse, A, b, guess, most)
+        return Optimum(z, active, multipliers, cost) if found else None

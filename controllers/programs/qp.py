@@ -36,6 +36,8 @@ CHANGES = {"osqp": 60}
 """Changes of the active set after which a solver is called."""
 FEWEST_CHANGES = 1
 """The same for solvers that walk along active sets themselves: one is tried."""
+COMPILED_CHANGES = 60
+"""The same for all solvers where the search is compiled."""
 ACTIVE = 1e-7
 """A larger multiplier marks an active row."""
 _NO_ROWS = np.empty(0, dtype=np.int64)
@@ -51,10 +53,28 @@ class Solution:
     """Objective value."""
     violation: float
     """Largest violation of any row or bound, over all of them."""
-    dual: FloatArray
-    """Multipliers of the rows ``G z <= h``, non-negative."""
-    box_dual: FloatArray
-    """Multipliers of the bounds: positive at an upper, negative at a lower bound."""
+    active: IntArray
+    """What binds: rows, then upper, then lower bounds."""
+    multipliers: FloatArray
+    """Of these, non-negative."""
+    rows: int
+    """How many rows ``G z <= h`` there are."""
+
+    @property
+    def dual(self) -> FloatArray:
+        """Multipliers of the rows ``G z <= h``, non-negative."""
+        return self._all_multipliers()[: self.rows]
+
+    @property
+    def box_dual(self) -> FloatArray:
+        """Multipliers of the bounds: positive at an upper, negative at a lower bound."""
+        upper, lower = self._all_multipliers()[self.rows :].reshape(2, -1)
+        return np.asarray(upper - lower)
+
+    def _all_multipliers(self) -> FloatArray:
+        everything = np.zeros(self.rows + 2 * len(self.z))
+        everything[self.active] = self.multipliers
+        return everything
 
     def stationarity(self, program: Program) -> float:
         """Return the largest component of ``Pz + q + G'y + y_box`` (0 at an optimum)."""
@@ -79,6 +99,8 @@ class Program:
     changes
         Changes of the last active set to try before the solver is called; negative: always call it. ``None``:
         what pays with the solver.
+    compiled
+        Whether the search near the last active rows is compiled.
 
     Raises
     ------
@@ -91,6 +113,7 @@ class Program:
     solver: str = "osqp"
     tolerance: float = 1e-4
     changes: int | None = None
+    compiled: bool = False
     P: FloatArray = field(init=False)
     q: FloatArray = field(init=False)
     G: FloatArray = field(init=False)
@@ -100,7 +123,7 @@ class Program:
     _rows: FloatArray = field(init=False)
     """All rows: ``G``, then the bounds as rows."""
     _bounds: FloatArray = field(init=False)
-    _near: ActiveSet = field(init=False, default_factory=ActiveSet)
+    _near: ActiveSet = field(init=False)
     _active: dict[Hashable, IntArray] = field(init=False, default_factory=dict)
     _workspaces: dict[int, OsqpWorkspace] = field(init=False, default_factory=dict)
     _last: FloatArray | None = field(init=False, default=None)
@@ -115,8 +138,9 @@ class Program:
         self.G, self.h, self.upper = self._rows[:m], self._bounds[:m], self._bounds[m : m + n]
         self.lower = np.full(n, -np.inf)
         check_solver(self.solver)
+        self._near = ActiveSet(self.compiled)
         if self.changes is None:
-            self.changes = CHANGES.get(self.solver, FEWEST_CHANGES)
+            self.changes = COMPILED_CHANGES if self.compiled else CHANGES.get(self.solver, FEWEST_CHANGES)
 
     def problem(self) -> qpsolvers.Problem:
         """Return the built problem, to be looked at without being solved; rows without bound are left out."""
@@ -130,11 +154,11 @@ class Program:
         warm : where the solver begins, shape (n,)
         kind : problems of one kind tend to be bound by the same rows
         """
-        if not self._is_number():
-            return self._nothing()
         near = self._near_the_last(kind)
         if near is not None:
             return near
+        if not self._is_number():
+            return self._nothing()
         start = warm if warm is not None else self._last
         z = np.zeros(len(self.q)) if start is None else start
         room = self.h - self.G @ z
@@ -153,14 +177,15 @@ class Program:
                 break
             rows, start = np.concatenate((rows, added)), z
         self._last = z
-        dual = np.zeros(len(self.h))
+        multipliers = np.zeros(len(self._bounds))
         if answer.z is not None and len(rows):
-            dual[rows] = np.asarray(answer.z)
-        box = np.zeros(len(self.q))
+            multipliers[rows] = np.asarray(answer.z)
         if answer.z_box is not None and len(answer.z_box):
             box = np.asarray(answer.z_box)
-        self._active[kind] = np.flatnonzero(np.concatenate((dual, box, -box)) > ACTIVE)
-        return Solution(z, True, self.cost(z), self.violation(z), dual, box)
+            multipliers[len(self.h) :] = np.maximum(np.concatenate((box, -box)), 0.0)
+        self._active[kind] = np.flatnonzero(multipliers > ACTIVE)
+        bound = np.flatnonzero(multipliers)
+        return Solution(z, True, self.cost(z), self.violation(z), bound, multipliers[bound], len(self.h))
 
     def _near_the_last(self, kind: Hashable) -> Solution | None:
         """Return the optimum where the rows that bound the last one lead to it; ``None`` otherwise."""
@@ -174,10 +199,7 @@ class Program:
             return None
         self._active[kind] = found.active
         self._last = found.z
-        multipliers = np.zeros(m + 2 * n)
-        multipliers[found.active] = found.multipliers
-        box = multipliers[m : m + n] - multipliers[m + n :]
-        return Solution(found.z, True, self.cost(found.z), KEPT, multipliers[:m], box)
+        return Solution(found.z, True, found.cost, KEPT, found.active, found.multipliers, m)
 
     def cost(self, z: FloatArray) -> float:
         """Return the objective at ``z``."""
@@ -216,8 +238,8 @@ class Program:
         self._workspaces.clear()
         self._active.clear()
         self._last = None
-        n, m = len(self.q), len(self.h)
-        return Solution(np.zeros(n), False, np.inf, np.inf, np.zeros(m), np.zeros(n))
+        none = np.zeros(len(self.q))
+        return Solution(none, False, np.inf, np.inf, _NO_ROWS, np.empty(0), len(self.h))
 
 
 def check_solver(name: str) -> None:

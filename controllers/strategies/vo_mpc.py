@@ -22,6 +22,7 @@ from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import SteeringWeights
 from controllers.mpc.longitudinal import SpeedLimits, SpeedWeights
 from controllers.mpc.speed_planning import PassingSettings
+from controllers.numerics.compiling import check_compiler
 from controllers.prediction import named
 from controllers.programs.qp import check_solver
 
@@ -58,6 +59,7 @@ def build(
     truncation_s: float = float("inf"),
     solver: str = "osqp",
     tolerance: float = 2e-4,
+    compiled: bool = False,
     model: Model = Model.CLOSED_LOOP,
     euler_step_s: float = 1.0,
     euler_steps: int = 11,
@@ -120,6 +122,9 @@ def build(
         Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
         A solver that qpsolvers knows; tolerance of OSQP.
+    compiled
+        Whether the arithmetic is compiled by Numba (extra ``fast``): quicker once it has been compiled, the
+        same up to rounding. Not with ``model=paper``.
     model
         ``closed_loop``, or ``paper`` for the formulation of the paper. That one takes the parameters from
         here on, and of those above ``cone`` (about a disc of ``disc_radius_m``), ``truncation_s``,
@@ -194,6 +199,8 @@ def build(
         if not value > 0.0:
             raise ValueError(f"{name} must be above 0, not {value}")
     check_solver(solver)
+    if compiled:
+        check_compiler()
     if Model(model) is Model.PAPER:
         if euler_passes < 1:
             raise ValueError(f"euler_passes must be at least 1, not {euler_passes}")
@@ -262,6 +269,7 @@ def build(
             steering=SteeringWeights(),
             solver=solver,
             tolerance=tolerance,
+            compiled=compiled,
         ),
         named.sampled(predictor, seed=seed),
     )

@@ -63,8 +63,7 @@ def test_without_pedestrians_the_joint_plan_is_the_two_plans() -> None:
     assert joint.steering.found
     assert joint.speed.position == pytest.approx(speed.position, abs=1e-4)
     assert joint.steering.across == pytest.approx(steering.across, abs=1e-4)
-    free, _ = program.steering.build(STEERING)
-    both = speed.cost + steering.cost + program.steering.constant_cost(free, STEERING)
+    both = speed.cost + steering.cost + program.steering.build(STEERING).cost
     assert joint.speed.cost == pytest.approx(both, abs=1e-4)
 
 
@@ -79,7 +78,7 @@ def test_the_rows_of_the_program_are_the_linearised_cones(kind: Cone) -> None:
     split = len(program.speed.program.q)
     z[:N], z[split : split + N] = drawn.normal(size=N) * 0.3, drawn.normal(size=N) * 0.02
     road = response.speed_free + program.speed.horizon.gain @ z[:N]
-    lane = response.steering_free + response.steering_gain @ z[split : split + N]
+    lane = response.steering.free + response.steering.gain @ z[split : split + N]
     about = rows(program.settings, walkers, nominal)
     speed, heading = road[1] - nominal.speed, lane[1] - nominal.heading
     wanted = about.value + about.position * (road[0] - nominal.position) + about.speed * speed

@@ -54,7 +54,7 @@ def test_the_longitudinal_maps_are_the_integrals_of_a_lagged_ramp(lag: float) ->
 
     horizon = LongitudinalHorizon(DT, lag)
     # Inputs are what the command has changed by at the end of each interval; it ramps in between.
-    states = horizon.free(12.0, -1.5, 0.7) + horizon.gain @ np.cumsum(jerk * DT)
+    states = horizon.start @ np.array([0.0, 12.0, -1.5, 0.7]) + horizon.gain @ np.cumsum(jerk * DT)
     assert np.allclose(horizon.jerk @ np.cumsum(jerk * DT), jerk)
     assert np.allclose(states, _integrated(rate, start), atol=1e-8)
 
@@ -62,7 +62,7 @@ def test_the_longitudinal_maps_are_the_integrals_of_a_lagged_ramp(lag: float) ->
 def test_without_lag_the_acceleration_is_the_command() -> None:
     jerk = np.linspace(-3.0, 3.0, len(DT))
     horizon = LongitudinalHorizon(DT, 0.0)
-    states = horizon.free(10.0, -4.0, 1.0) + horizon.gain @ np.cumsum(jerk * DT)
+    states = horizon.start @ np.array([0.0, 10.0, -4.0, 1.0]) + horizon.gain @ np.cumsum(jerk * DT)
     assert np.allclose(states[ACCELERATION], states[COMMAND])
     assert np.allclose(states[COMMAND], 1.0 + np.cumsum(jerk * DT))
     # Over the first interval: v = v0 + c h + u h^2 / 2, s = v0 h + c h^2 / 2 + u h^3 / 6.

@@ -127,13 +127,13 @@ def test_cost_with_its_constant_is_the_objective() -> None:
     program = _program()
     task = _task(across=0.5)
     plan = program.solve(task)
-    free, gain = program.build(task)
-    steering = free[2] + gain[2] @ plan.inputs[:N]
+    built = program.build(task)
+    steering = built.free[2] + built.gain[2] @ plan.inputs[:N]
     w = SteeringWeights()
     of_angle = w.steering + w.lateral_acceleration * (10.0**2 / BODY.wheelbase) ** 2
     terms = w.across * plan.across**2 + w.heading * plan.heading_error**2 + of_angle * steering**2
     terms += w.rate * plan.inputs[:N] ** 2
-    assert plan.cost + program.constant_cost(free, task) == pytest.approx(float(DT @ terms), rel=1e-3)
+    assert plan.cost + built.cost == pytest.approx(float(DT @ terms), rel=1e-3)
 
 
 def test_another_solver_finds_the_same_plan() -> None:
