@@ -12,6 +12,7 @@ from typing import Any
 from analysis.recording import SCHEMA_VERSION
 from cosim import compose, loop, output, provenance
 from cosim.compose import Composition
+from cosim.drivers import Departures
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.loop import LoopTimes
 from cosim.recorder import Recorder, write_json
@@ -100,7 +101,8 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
 
 def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
     world, end = composition.world, composition.end_time
-    record = recorder if composition.window is None else Records(recorder, composition.window)
+    window = () if composition.window is None else (composition.window,)
+    record = Records(recorder, Departures(composition.drivers), *window)
     try:
         loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
     except BaseException:
