@@ -7,12 +7,15 @@ pass (it goes *behind* them) and goes *ahead* of the rest.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind, Pedestrians, Perception
+from controllers.numerics import passing_classes
+from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Forecast
 
 FloatArray = NDArray[np.float64]
@@ -59,10 +62,11 @@ class Watch:
         passed = min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
-        for i, name in enumerate(people.names):
-            if abs(people.across_speed[i]) > assume.standing_below:
-                self.heading[name] = float(np.sign(people.across_speed[i]))
-            if np.hypot(people.along_speed[i], people.across_speed[i]) <= assume.standing_below:
+        speeds = zip(people.along_speed.tolist(), people.across_speed.tolist(), strict=True)
+        for name, (along, across) in zip(people.names, speeds, strict=True):
+            if abs(across) > assume.standing_below:
+                self.heading[name] = math.copysign(1.0, across)
+            if math.hypot(along, across) <= assume.standing_below:
                 waits = passed if ego.speed < assume.waiting_below else 0.0
                 waited[name] = self.waited.get(name, 0.0) + waits
         self.waited = waited
@@ -73,7 +77,7 @@ class Watch:
         at = [
             float(people.along[i])
             for i, name in enumerate(people.names)
-            if (people.on_crossing[i] or people.waiting[i]) and self.lets_go_first(name, assume)
+            if self.lets_go_first(name, assume) and (people.on_crossing[i] or people.waiting[i])
         ]
         return np.array(at, dtype=np.float64)
 
@@ -127,6 +131,7 @@ def find(
     horizon: float,
     assume: PedestrianAssumptions,
     forecast: Forecast | None = None,
+    compiled: bool = False,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -147,6 +152,8 @@ def find(
     forecast
         Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
         assumed of somebody whose velocity does not say what he will do goes before it.
+    compiled
+        Whether the arithmetic is compiled.
     """
     people = perception.pedestrians
     road = perception.road
@@ -158,7 +165,7 @@ def find(
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
     if forecast is None:
-        enter, leave = _overlap(people.across, across_speed, low, high)
+        enter, leave = code_of(passing_classes, compiled).overlap(people.across, across_speed, low, high)
     else:
         forecast = _with_assumptions(forecast, people, across_speed, assumed)
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
@@ -193,19 +200,20 @@ def _expected_motion(
     """Return the expected speed across the path, who has to be considered, and whose speed is assumed."""
     people = perception.pedestrians
     road = perception.road
-    speed = people.across_speed.copy()
-    considered = np.ones(len(people), dtype=bool)
-    assumed = np.zeros(len(people), dtype=bool)
-    for i, name in enumerate(people.names):
-        crossing = road.crossings[people.crossing[i]] if people.crossing[i] >= 0 else None
-        if people.on_crossing[i]:
+    speed = people.across_speed.tolist()
+    along_speed, across = people.along_speed.tolist(), people.across.tolist()
+    waiting, on_crossing = people.waiting.tolist(), people.on_crossing.tolist()
+    considered, assumed = [True] * len(people), [False] * len(people)
+    for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
+        crossing = road.crossings[at] if at >= 0 else None
+        if on_crossing[i]:
             stands = abs(speed[i]) < assume.standing_below
             if stands and name in watch.heading and not watch.lets_go_first(name, assume):
                 speed[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True
-        elif people.waiting[i] and crossing is not None:
+        elif waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
-            pace = float(np.hypot(people.along_speed[i], people.across_speed[i]))
+            pace = math.hypot(along_speed[i], speed[i])
             stays = pace < assume.standing_below and (
                 not assume.yield_to_standing or watch.lets_go_first(name, assume)
             )
@@ -213,12 +221,12 @@ def _expected_motion(
                 considered[i] = False
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.
-                speed[i] = -np.sign(people.across[i]) * max(pace, assume.resume_speed)
+                speed[i] = math.copysign(max(pace, assume.resume_speed), -across[i])
                 assumed[i] = True
         else:
-            outside = people.across[i] > road.left_edge + KERB or people.across[i] < road.right_edge - KERB
+            outside = across[i] > road.left_edge + KERB or across[i] < road.right_edge - KERB
             considered[i] = not (outside and abs(speed[i]) < 0.5)
-    return speed, considered, assumed
+    return np.array(speed), np.array(considered), np.array(assumed)
 
 
 def _with_assumptions(
@@ -268,22 +276,6 @@ def _speed_at(forecast: Forecast, times: FloatArray) -> FloatArray:
     return np.asarray(moved / (forecast.times[interval] - forecast.times[interval - 1]))
 
 
-def _overlap(
-    across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return when a point that moves at constant speed enters and leaves [low, high]; inf for never."""
-    moving = np.abs(speed) > 1e-6
-    safe = np.where(moving, speed, 1.0)
-    first = (np.where(safe > 0.0, low, high) - across) / safe
-    last = (np.where(safe > 0.0, high, low) - across) / safe
-    inside = (across >= low) & (across <= high)
-    enter = np.where(
-        moving, np.where(last < 0.0, np.inf, np.maximum(first, 0.0)), np.where(inside, 0.0, np.inf)
-    )
-    leave = np.where(moving, np.where(last < 0.0, np.inf, last), np.inf)
-    return enter, leave
-
-
 def _empty() -> Conflicts:
     none = np.zeros(0)
     return Conflicts((), np.zeros(0, dtype=np.int64), none, none, none, none, none, none, none, none)
@@ -321,6 +313,7 @@ def class_bounds(
     rear: float,
     margin_along: float,
     speed: FloatArray,
+    compiled: bool = False,
 ) -> ClassBounds:
     """Return the bounds of all passing classes.
 
@@ -337,29 +330,21 @@ def class_bounds(
     speed
         Expected speed at each time: carries a bound from the instant it holds to the next grid time,
         shape (N,) [m/s].
+    compiled
+        Whether it is worked out by compiled code.
     """
-    n, count = len(conflicts), len(times)
-    upper = np.full((n + 1, count), np.inf)
-    lower = np.full((n + 1, count), -np.inf)
-    freeze = np.full((n + 1, count), np.inf)
-    if n == 0:
-        return ClassBounds(upper, lower, freeze)
-    previous = np.concatenate(([0.0], times[:-1]))
-    following = np.concatenate((times[1:], [np.inf]))
-    enter, leave = conflicts.enter[:, None], conflicts.leave[:, None]
-    line = conflicts.stop_line[:, None]
-    x = conflicts.along_at(times)
-    reach = (conflicts.radius + margin_along)[:, None] + conflicts.reach_at(times)
-    # Once the bumper is past the stop line only the pedestrian counts.
-    limit = np.where(front <= line + 0.3, np.minimum(x - reach, np.maximum(line, front)), x - reach)
-    active = previous < leave
-    late = np.where(active, speed * np.maximum(times - leave, 0.0), 0.0)
-    upper[1:] = np.where(active, limit - front + late, np.inf)
-    freeze[1:] = np.where(active & (following > enter), limit - 0.25 - front, np.inf)
-    late = speed * np.where(previous < enter, times - enter, 0.0)
-    lower[:-1] = np.where((times >= enter) & active, x + reach + rear + late, -np.inf)
+    reach = np.empty((len(conflicts), len(times)))
+    reach[:] = (conflicts.radius + margin_along)[:, None] + conflicts.reach_at(times)
     return ClassBounds(
-        np.minimum.accumulate(upper, axis=0),
-        np.maximum.accumulate(lower[::-1], axis=0)[::-1],
-        np.minimum.accumulate(freeze, axis=0),
+        *code_of(passing_classes, compiled).class_bounds(
+            conflicts.enter,
+            conflicts.leave,
+            conflicts.stop_line,
+            conflicts.along_at(times),
+            reach,
+            times,
+            speed,
+            front,
+            rear,
+        )
     )

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Command, EgoState
+from controllers.numerics import last_plan
+from controllers.numerics.compiling import code_of
 
 FloatArray = NDArray[np.float64]
 
@@ -28,6 +30,8 @@ class PlanMemory:
     speed: FloatArray | None = None
     shift: FloatArray | None = None
     """Planned movement across the road from where the ego was, left positive [m]."""
+    compiled: bool = False
+    """Whether the arithmetic is compiled."""
 
     def keep(
         self, time: float, command: Command, position: FloatArray, speed: FloatArray, shift: FloatArray
@@ -52,12 +56,9 @@ class PlanMemory:
         age = self.age(ego.time)
         if self.position is None or self.speed is None or age > FORGOTTEN_AFTER:
             return ego.speed * self.times, np.full(len(self.times), ego.speed)
-        at = self.times + age
-        knots = np.concatenate(([0.0], self.times))
-        travelled = np.interp(age, knots, np.concatenate(([0.0], self.position)))
-        beyond = np.maximum(at - self.times[-1], 0.0) * self.speed[-1]
-        moved = np.interp(at, self.times, self.position) + beyond - travelled
-        return moved, np.interp(at, self.times, self.speed)
+        code = code_of(last_plan, self.compiled)
+        moved, speed = code.moved(self.times, self.position, self.speed, age)
+        return moved, speed
 
     def commanded(self, ego: EgoState) -> tuple[float, float]:
         """Return acceleration and steering that are commanded at this instant."""
@@ -85,9 +86,22 @@ def _entry(command: Command, age: float) -> int:
 
 
 def sampled_command(
-    times: FloatArray, acceleration: FloatArray, steering: FloatArray, duration: float
+    times: FloatArray,
+    now: tuple[float, float],
+    acceleration: FloatArray,
+    steering: FloatArray,
+    duration: float,
+    compiled: bool = False,
 ) -> Command:
-    """Return the command that follows two profiles, linear between ``times``, for ``duration`` [s]."""
-    starts = np.arange(0.0, duration, COMMAND_SPACING)
-    middle = starts + 0.5 * COMMAND_SPACING
-    return Command(starts, np.interp(middle, times, acceleration), np.interp(middle, times, steering))
+    """Return the command that follows two profiles for a time.
+
+    Parameters
+    ----------
+    times : horizon, shape (N,) [s]
+    now : both commands at this instant
+    acceleration, steering : at ``times``, linear in between
+    duration : [s]
+    compiled : whether the arithmetic is compiled
+    """
+    code = code_of(last_plan, compiled)
+    return Command(*code.sampled(times, now[0], acceleration, now[1], steering, COMMAND_SPACING, duration))

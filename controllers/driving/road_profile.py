@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Perception
+from controllers.numerics import road_speeds
+from controllers.numerics.compiling import code_of
 
 FloatArray = NDArray[np.float64]
 
@@ -33,40 +35,22 @@ def reference_speed(
     braking
         With which the ego slows down for what it sees [m/s^2].
     """
-    return reference_speeds(perception, positions, ((lateral_acceleration, braking),))[0]
+    wanted: FloatArray = reference_speeds(perception, positions, ((lateral_acceleration, braking),))[0]
+    return wanted
 
 
 def reference_speeds(
-    perception: Perception, positions: FloatArray, demands: Sequence[tuple[float, float]]
-) -> list[FloatArray]:
-    """Return :func:`reference_speed` for several pairs of lateral acceleration and braking [m/s^2]."""
-    road = perception.road
-    along = np.arange(len(road.curvature)) * road.curvature_step
-    bend = np.maximum(np.abs(road.curvature), 1e-4)
-    if len(road.limit) and road.limit_along[0] <= 0.0:
-        # A limit holds everywhere: of the road's many points only bends slower than that matter.
-        slow = bend * road.limit.max() ** 2 > min(lateral for lateral, _ in demands)
-        along, bend = along[slow], bend[slow]
-    points = np.concatenate((along, road.limit_along))
-    if len(points) == 0:
-        return [np.full(len(positions), np.inf) for _ in demands]
-    ahead = points - positions[:, None]
-    # A bend counts until the instant before has left it behind, or one between two instants would be
-    # missed; a limit counts until the next one begins.
-    since = np.concatenate(([0.0], positions[:-1]))
-    gone = points < np.minimum(since, positions)[:, None]
-    gone[:, len(along) :] = False
-    if len(road.limit_along) > 1:
-        gone[:, len(along) : -1] = road.limit_along[1:] <= positions[:, None]
-    distance = np.where(gone, np.inf, np.maximum(ahead, 0.0))
-    return [
-        np.sqrt(
-            np.minimum(
-                (np.concatenate((lateral / bend, road.limit**2)) + 2.0 * braking * distance).min(axis=1), 1e4
-            )
-        )
-        for lateral, braking in demands
-    ]
+    perception: Perception,
+    positions: FloatArray,
+    demands: Sequence[tuple[float, float]],
+    compiled: bool = False,
+) -> FloatArray:
+    """Return :func:`reference_speed` for pairs of lateral acceleration and braking, one row for each."""
+    road, (lateral, braking) = perception.road, np.array(demands).T.copy()
+    speeds: FloatArray = code_of(road_speeds, compiled).reference_speeds(
+        positions, road.curvature, road.curvature_step, road.limit_along, road.limit, lateral, braking
+    )
+    return speeds
 
 
 def keep_clear_line(

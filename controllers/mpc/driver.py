@@ -36,6 +36,8 @@ from controllers.mpc.cone_program import ConeProgram
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
 from controllers.mpc.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across, with_margins
+from controllers.numerics import last_plan
+from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Predictor
 
 FloatArray = NDArray[np.float64]
@@ -93,7 +95,7 @@ class VelocityObstacleMpc:
         self.settings = settings
         self._predictor = predictor
         self._times = np.cumsum(settings.dt)
-        self._memory = PlanMemory(self._times)
+        self._memory = PlanMemory(self._times, compiled=settings.compiled)
         self._lanes = LaneManoeuvre(settings.change_duration)
         self._decision = LaneDecision(settings.change, self._lanes)
         self._blocked = BlockedLanes()
@@ -176,9 +178,9 @@ class VelocityObstacleMpc:
         """Return the task of steering into a lane; one that is not the target is taken as reached already."""
         ego, road, target = perception.ego, perception.road, self._lanes.lane(perception)
         there = lane is not None and (target is None or lane.number != target.number)
-        grid = np.arange(len(road.curvature)) * road.curvature_step
-        middle = 0.5 * (speed.position + np.concatenate(([0.0], speed.position[:-1])))
-        mean = 0.5 * (speed.speed + np.concatenate(([ego.speed], speed.speed[:-1])))
+        mean, curvature = code_of(last_plan, self.settings.compiled).in_intervals(
+            speed.position, ego.speed, speed.speed, road.curvature, road.curvature_step
+        )
         half = 0.5 * ego.body.width
         lanes = [one for one in (road.lane(road.reference), target, lane) if one is not None]
         right = min((lane.offset - 0.5 * lane.width for lane in lanes), default=-2.0) + half
@@ -193,7 +195,7 @@ class VelocityObstacleMpc:
             command=self._memory.commanded(ego)[1],
             # Standing wheels do not steer; the program needs some motion to know where they lead.
             speed=np.maximum(mean, 0.5),
-            curvature=np.interp(middle, grid, road.curvature) if len(grid) else np.zeros(n),
+            curvature=curvature,
             target=self._lanes.offsets(perception, self._times),
             right=np.full(n, right),
             left=np.full(n, left),
@@ -204,13 +206,13 @@ class VelocityObstacleMpc:
 
     def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
         ego = perception.ego
-        acceleration, angle = self._memory.commanded(ego)
-        knots = np.concatenate(([0.0], self._times))
         command = sampled_command(
-            knots,
-            np.concatenate(([acceleration], speed.command)),
-            np.concatenate(([angle], steering.command)),
+            self._times,
+            self._memory.commanded(ego),
+            speed.command,
+            steering.command,
             ego.plan_interval + FRESH,
+            self.settings.compiled,
         )
         if ego.speed < 0.05 and float(speed.speed.max()) < 0.3:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.

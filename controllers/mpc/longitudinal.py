@@ -144,6 +144,7 @@ class LongitudinalProgram:
         self._gain = self.horizon.gain.reshape(4 * n, n)
         self._tracking = np.array([weights.speed, weights.acceleration])
         self._no_ceiling = np.full(n, np.inf)
+        self.compiled = compiled
         self._code = code_of(speed_program, compiled)
 
     def build(self, task: SpeedTask) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,6 +16,8 @@ from controllers.driving.right_of_way import RightOfWay, StopPlace
 from controllers.interface import Lane, Perception
 from controllers.mpc.lateral import SteeringPlan
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.numerics import passing_classes
+from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Forecast, Predictor
 
 FloatArray = NDArray[np.float64]
@@ -88,6 +91,10 @@ class SpeedPlanner:
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
 
+    @property
+    def _compiled(self) -> bool:
+        return self.program.compiled
+
     def look(self, perception: Perception, waiting_place: float = np.inf) -> None:
         """Take note of signals, of vehicles with priority, and of where people will be; once per plan.
 
@@ -136,16 +143,18 @@ class SpeedPlanner:
             float(times[-1]),
             s.assume,
             self._forecast,
+            self._compiled,
         )
         task, because = self._task(perception, lane, leaving_for)
         best: Chosen | None = None
         best_cost = np.inf
-        for behind in self._candidates(perception, conflicts, task):
+        flips = self._flips(conflicts)
+        for behind in self._candidates(perception, conflicts, task, flips):
             if best is not None and self._least_cost(perception, task, conflicts, behind) > best_cost:
                 continue
             plan, steering = self._solve_class(perception, lane, task, conflicts, behind)
             # A change of mind has to be worth it.
-            cost = plan.cost / (s.hysteresis if self._flips(conflicts, behind) else 1.0)
+            cost = plan.cost / (s.hysteresis if flips[behind] else 1.0)
             if plan.found and (best is None or cost < best_cost):
                 who = because or (conflicts.names[0] if len(conflicts) else "")
                 best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
@@ -173,22 +182,21 @@ class SpeedPlanner:
             plan = self.program.solve(task, warm=plan.inputs, kind=behind)
         return plan
 
-    def _candidates(self, perception: Perception, conflicts: passing.Conflicts, task: SpeedTask) -> list[int]:
+    def _candidates(
+        self, perception: Perception, conflicts: passing.Conflicts, task: SpeedTask, flips: Sequence[int]
+    ) -> list[int]:
         """Return the passing classes to solve: the present one and those that come nearest to reachable."""
         s, n = self.settings, len(conflicts)
         if n == 0:
             return [0]
         fastest, slowest = self._reach(perception.ego.speed, task)
         bounds = self._class_bounds(perception, task, conflicts)
-        short = np.maximum(bounds.lower - fastest, 0.0).max(axis=1)
-        short += np.maximum(slowest - bounds.upper, 0.0).max(axis=1)
-        scored = [
-            (bool(short[behind] > 0.5), self._flips(conflicts, behind), -behind, behind)
-            for behind in range(n + 1)
-        ]
+        code = code_of(passing_classes, self._compiled)
+        short = code.shortfalls(bounds.lower, bounds.upper, fastest, slowest)
+        scored = [(far, flips[behind], -behind, behind) for behind, far in enumerate((short > 0.5).tolist())]
         chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
         if self._locked(perception, conflicts) or not self._due(perception):
-            kept = [behind for behind in range(n + 1) if self._flips(conflicts, behind) == 0]
+            kept = [behind for behind in range(n + 1) if flips[behind] == 0]
             reachable = {behind for far, *_, behind in scored if not far}
             same = [behind for behind in kept if behind in reachable][: s.max_classes]
             if same and all(name in self._ahead for name in conflicts.names):
@@ -232,13 +240,13 @@ class SpeedPlanner:
         room = float(np.min(conflicts.along[known])) - perception.ego.body.front
         return room / perception.ego.speed < self.settings.lock
 
-    def _flips(self, conflicts: passing.Conflicts, behind: int) -> int:
-        """Return for how many pedestrians a class differs from the one that is being followed."""
-        return sum(
-            self._ahead[name] != (i >= behind)
-            for i, name in enumerate(conflicts.names)
-            if name in self._ahead
-        )
+    def _flips(self, conflicts: passing.Conflicts) -> list[int]:
+        """Return, for each class, for how many pedestrians it differs from the one that is being followed."""
+        ahead = [self._ahead.get(name) for name in conflicts.names]
+        flips = [ahead.count(False)]
+        for one in ahead:  # who is passed behind in the next class
+            flips.append(flips[-1] + (one is not None) * (1 if one else -1))
+        return flips
 
     def _task(self, perception: Perception, lane: Lane | None, leaving_for: float) -> tuple[SpeedTask, str]:
         """Return the speed task without pedestrians, and who bounds the position apart from them."""
@@ -255,6 +263,7 @@ class SpeedPlanner:
                 (s.bend_acceleration, SLOWING_FOR_THE_ROAD),
                 (CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING),
             ),
+            self._compiled,
         )
         ceiling += CEILING_MARGIN
         for along in self._watch.carefully_past(perception, s.assume):
@@ -286,12 +295,12 @@ class SpeedPlanner:
         ego, times = perception.ego, self.memory.times
         reach = 0.5 * ego.body.width + SIDE_CLEARANCE
         offset = lane.offset if lane is not None else 0.0
-        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
+        then = traffic.blockade(perception, (offset - reach, offset + reach), times, self._compiled)
         if abs(offset - ego.across) < 0.3:
             return then
         # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
         body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
-        now = traffic.blockade(perception, (at - body, at + body), times)
+        now = traffic.blockade(perception, (at - body, at + body), times, self._compiled)
         left = times > leaving_for
         return traffic.Blockade(
             np.minimum(np.where(left, np.inf, now.rear), then.rear),
@@ -340,6 +349,7 @@ class SpeedPlanner:
                 body.rear_overhang,
                 self.settings.margin_along,
                 task.expected,
+                self._compiled,
             )
             known = self._bounds = (conflicts, task, bounds)
         return known[2]

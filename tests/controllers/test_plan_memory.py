@@ -84,8 +84,7 @@ def test_a_planned_movement_across_tells_when_it_gets_there() -> None:
 
 
 def test_a_sampled_command_follows_the_profiles_in_steps_of_a_twentieth_second() -> None:
-    knots = np.array([0.0, 1.0])
-    command = sampled_command(knots, np.array([0.0, 2.0]), np.array([0.1, 0.0]), 0.6)
+    command = sampled_command(np.array([1.0]), (0.0, 0.1), np.array([2.0]), np.array([0.0]), 0.6)
     assert command.times == pytest.approx(np.arange(12) * 0.05)
     assert command.acceleration == pytest.approx(2.0 * (command.times + 0.025))
     assert command.steering == pytest.approx(0.1 - 0.1 * (command.times + 0.025))

@@ -1,0 +1,68 @@
+"""The last plan moved to the present, and profiles between a plan's instants."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def moved(
+    times: FloatArray, position: FloatArray, speed: FloatArray, age: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return positions from now and speeds of a plan made ``age`` ago, shape (N,) each [m, m/s].
+
+    Parameters
+    ----------
+    times : horizon, shape (N,) [s]
+    position, speed : planned for them when it was made, shape (N,)
+    age : [s]
+    """
+    at = times + age
+    travelled = np.interp(np.array([age]), np.append(0.0, times), np.append(0.0, position))
+    beyond = np.maximum(at - times[-1], 0.0) * speed[-1]
+    return np.interp(at, times, position) + beyond - travelled, np.interp(at, times, speed)
+
+
+def sampled(
+    times: FloatArray,
+    acceleration_now: float,
+    acceleration: FloatArray,
+    steering_now: float,
+    steering: FloatArray,
+    spacing: float,
+    duration: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return instants from now on, and in the middle after each two profiles that are linear in between.
+
+    Parameters
+    ----------
+    times : horizon, shape (N,) [s]
+    acceleration_now, steering_now : of the profiles at 0
+    acceleration, steering : of the profiles at ``times``, shape (N,)
+    spacing, duration : of the instants [s]
+    """
+    starts = np.arange(0.0, duration, spacing)
+    middle = starts + 0.5 * spacing
+    knots = np.append(0.0, times)
+    accelerations = np.interp(middle, knots, np.append(acceleration_now, acceleration))
+    return starts, accelerations, np.interp(middle, knots, np.append(steering_now, steering))
+
+
+def in_intervals(
+    position: FloatArray, speed_now: float, speed: FloatArray, curvature: FloatArray, curvature_step: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean speed and the road's curvature in the middle of each interval, shape (N,) each.
+
+    Parameters
+    ----------
+    position, speed : at the end of each interval, shape (N,) [m, m/s]
+    speed_now : at the beginning of the first
+    curvature, curvature_step : as in ``RoadAhead``; without any the road is straight
+    """
+    middle = 0.5 * (position + np.append(0.0, position[:-1]))
+    mean = 0.5 * (speed + np.append(speed_now, speed[:-1]))
+    if len(curvature) == 0:
+        return mean, np.zeros(len(middle))
+    return mean, np.interp(middle, np.arange(len(curvature)) * curvature_step, curvature)

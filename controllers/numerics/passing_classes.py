@@ -1,0 +1,96 @@
+"""Who is in the way when, and what passing classes ask; see :mod:`controllers.conflicts.passing`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def overlap(
+    across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return when points that move at constant speed enter and leave [low, high]; inf for never."""
+    moving = np.abs(speed) > 1e-6
+    safe = np.where(moving, speed, 1.0)
+    first = (np.where(safe > 0.0, low, high) - across) / safe
+    last = (np.where(safe > 0.0, high, low) - across) / safe
+    inside = (across >= low) & (across <= high)
+    past = last < 0.0
+    stands = np.where(inside, 0.0, np.inf)
+    enter = np.where(moving, np.where(past, np.inf, np.maximum(first, 0.0)), stands)
+    leave = np.where(moving & ~past, last, np.inf)
+    return enter, leave
+
+
+def class_bounds(
+    enter: FloatArray,
+    leave: FloatArray,
+    stop_line: FloatArray,
+    x: FloatArray,
+    reach: FloatArray,
+    times: FloatArray,
+    speed: FloatArray,
+    front: float,
+    rear: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the bounds of all passing classes: upper, lower and freeze, shape (n + 1, N) each.
+
+    Parameters
+    ----------
+    enter, leave, stop_line
+        As in ``Conflicts``, shape (n,).
+    x, reach
+        Where each pedestrian is along the road, and how far to keep from there, shape (n, N) [m].
+    times, speed
+        Horizon and expected speed, shape (N,).
+    front, rear
+        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+    """
+    n, count = len(enter), len(times)
+    upper = np.full((n + 1, count), np.inf)
+    lower = np.full((n + 1, count), -np.inf)
+    freeze = np.full((n + 1, count), np.inf)
+    previous = np.append(0.0, times[:-1])
+    following = np.append(times[1:], np.inf)
+    enters, leaves, line = enter.reshape(-1, 1), leave.reshape(-1, 1), stop_line.reshape(-1, 1)
+    # Once the bumper is past the stop line only the pedestrian counts.
+    before = x - reach
+    limit = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
+    active = previous < leaves
+    late = np.where(active, speed * np.maximum(times - leaves, 0.0), 0.0)
+    upper[1:] = np.where(active, limit - front + late, np.inf)
+    freeze[1:] = np.where(active & (following > enters), limit - 0.25 - front, np.inf)
+    late = np.where(previous < enters, speed * np.maximum(times - enters, 0.0), 0.0)
+    lower[:-1] = np.where((times >= enters) & active, x + reach + rear + late, -np.inf)
+    for j in range(1, n + 1):
+        upper[j] = np.minimum(upper[j], upper[j - 1])
+        freeze[j] = np.minimum(freeze[j], freeze[j - 1])
+        lower[n - j] = np.maximum(lower[n - j], lower[n - j + 1])
+    return upper, lower, freeze
+
+
+def shortfalls(lower: FloatArray, upper: FloatArray, farthest: FloatArray, nearest: FloatArray) -> FloatArray:
+    """Return by how far each class cannot be reached between two motions, shape (n + 1,) [m].
+
+    Parameters
+    ----------
+    lower, upper : of the classes, shape (n + 1, N)
+    farthest, nearest : positions within reach, shape (N,)
+    """
+    late, soon = highest_in_rows(lower - farthest), highest_in_rows(nearest - upper)
+    return np.maximum(late, 0.0) + np.maximum(soon, 0.0)
+
+
+def highest_in_rows(rows: FloatArray) -> FloatArray:
+    """Return the largest value of each row."""
+    return np.asarray(rows.max(axis=1))
+
+
+def highest_in_rows_in_loops(rows: FloatArray) -> FloatArray:
+    """Do the same; Numba has no maximum along an axis."""
+    largest = np.empty(len(rows))
+    for i in range(len(rows)):
+        largest[i] = rows[i].max()
+    return largest
