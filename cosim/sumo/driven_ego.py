@@ -10,8 +10,8 @@ import numpy as np
 from controllers.interface import Command, constant_command
 from cosim.plant import Plant
 from cosim.sumo.actuation import Executed
-from cosim.sumo.sensing import Frame
 from cosim.sumo.track import Track
+from cosim.sumo.view import Frame
 from cosim.world import EgoTruth
 
 COAST = constant_command(0.0, 0.0)

@@ -18,8 +18,7 @@ from scipy.spatial.distance import cdist
 from controllers.interface import JunctionFoe
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.network import Connection, Network
-from cosim.sumo.sensing import View
-from cosim.sumo.surroundings import Surroundings
+from cosim.sumo.surroundings import Cars
 
 FloatArray = NDArray[np.float64]
 
@@ -57,46 +56,53 @@ class FoeFinder:
     def __init__(self, sumo: Any, network: Network) -> None:
         self._sumo = sumo
         self._network = network
-        self._conflicts: dict[str, tuple[Conflict, ...]] = {}
+        self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
         self._ways: dict[str, tuple[str, tuple[tuple[str, float], ...]]] = {}
 
-    def find(self, view: View, surroundings: Surroundings, lights: Mapping[str, str]) -> list[JunctionFoe]:
+    def find(
+        self,
+        origin: float,
+        junctions: Sequence[PathJunction],
+        near: Sequence[int],
+        cars: Cars,
+        lights: Mapping[str, str],
+    ) -> list[JunctionFoe]:
         """Return the foes of one ego, nearest conflict first.
 
         Parameters
         ----------
-        view : the ego's
-        surroundings : everything near any ego
-        lights : states of the traffic lights of the junctions in `near`, by name
+        origin : place of the ego's rear axle on its path [m]
+        junctions : that the ego is in or comes to soon
+        near : rows of the vehicles near it
+        cars : everybody's
+        lights : states of the traffic lights of the junctions, by name
         """
         found: list[JunctionFoe] = []
-        for junction in near(view):
-            conflicts: dict[str, list[Conflict]] = {}
-            for conflict in self._conflicts_of(junction.connection):
-                conflicts.setdefault(conflict.foe.via[-1], []).append(conflict)
+        for junction in junctions:
+            conflicts = self._conflicts_of(junction.connection)
             if conflicts:
-                found += self._coming(view, surroundings, junction, conflicts, lights)
+                found += self._coming(origin, junction, conflicts, near, cars, lights)
         return sorted(found, key=lambda foe: (foe.entry, foe.name))
 
     def _coming(
         self,
-        view: View,
-        surroundings: Surroundings,
+        origin: float,
         junction: PathJunction,
         conflicts: Mapping[str, Sequence[Conflict]],
+        near: Sequence[int],
+        cars: Cars,
         lights: Mapping[str, str],
     ) -> list[JunctionFoe]:
-        cars = surroundings.cars
-        start = junction.start - view.frame.origin
+        start = junction.start - origin
         own = junction.connection
         has_priority = bool(own.signal) and lights[own.signal][own.signal_index] == "G"
         found = []
-        for row in view.cars.tolist():
-            position, length = float(cars.lane_position[row]), float(cars.length[row])
+        for row in near:
             for way, offset in self._ways_of(cars.names[row], cars.lane[row]):
                 for conflict in conflicts.get(way, ()):
-                    before = offset - position
-                    foe_entry, foe_exit = before + conflict.foe_entry, before + conflict.foe_exit + length
+                    before = offset - float(cars.lane_position[row])
+                    foe_entry = before + conflict.foe_entry
+                    foe_exit = before + conflict.foe_exit + float(cars.length[row])
                     gone = foe_exit < 0.0
                     if gone or foe_entry > FOE_RANGE or (before > 0.0 and _stopped(conflict.foe, lights)):
                         continue
@@ -164,13 +170,16 @@ class FoeFinder:
         ]
         return min(found, key=lambda c: abs(network.lanes[c.source].index - index), default=None)
 
-    def _conflicts_of(self, connection: Connection) -> tuple[Conflict, ...]:
+    def _conflicts_of(self, connection: Connection) -> Mapping[str, Sequence[Conflict]]:
+        """Return where other ways meet this one, by the last internal lane of the other."""
         key = connection.via[-1]
         if key not in self._conflicts:
-            found = [
-                self._conflict(connection, foe, yields) for foe, yields in self._network.foes(connection)
-            ]
-            self._conflicts[key] = tuple(conflict for conflict in found if conflict is not None)
+            by_way: dict[str, list[Conflict]] = {}
+            for foe, yields in self._network.foes(connection):
+                conflict = self._conflict(connection, foe, yields)
+                if conflict is not None:
+                    by_way.setdefault(foe.via[-1], []).append(conflict)
+            self._conflicts[key] = by_way
         return self._conflicts[key]
 
     def _conflict(self, connection: Connection, foe: Connection, must_yield: bool) -> Conflict | None:
@@ -194,13 +203,6 @@ class FoeFinder:
         stations = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
         grid = np.arange(0.0, stations[-1] + SAMPLE, SAMPLE)
         return np.column_stack([np.interp(grid, stations, line[:, axis]) for axis in (0, 1)])
-
-
-def near(view: View) -> list[PathJunction]:
-    """Return the junctions that the ego is in or comes to soon."""
-    frame = view.frame
-    low, high = frame.origin + frame.back, frame.origin + frame.front + NEAR
-    return [junction for junction in frame.path.junctions if junction.end > low and junction.start < high]
 
 
 def _stopped(connection: Connection, lights: Mapping[str, str]) -> bool:

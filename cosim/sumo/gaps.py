@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,12 +44,14 @@ class LaneLine:
     """Along coordinates [m]; ``None`` for the reference lane itself."""
     centre: FloatArray | None = None
     """Across coordinates of the lane's centre there; nan where the lane is not [m]."""
+    origin: float = 0.0
+    """What ``along`` counts from, in the route frame's opposite direction: subtracted from it [m]."""
 
     def centre_at(self, along: FloatArray) -> FloatArray:
         """Return the across coordinate of the lane's centre [m]; nan where the lane is not."""
         if self.along is None or self.centre is None:
             return np.zeros_like(along)
-        return np.interp(along, self.along, self.centre, left=np.nan, right=np.nan)
+        return np.interp(along, self.along - self.origin, self.centre, left=np.nan, right=np.nan)
 
 
 def extents(vehicles: Vehicles, back_along: FloatArray, back_across: FloatArray) -> Extents:
@@ -75,9 +77,13 @@ def extents(vehicles: Vehicles, back_along: FloatArray, back_across: FloatArray)
 
 
 def neighbour_gaps(
-    vehicles: Vehicles, covered: Extents, lanes: Mapping[int, LaneLine], ego: tuple[float, float]
-) -> NeighbourGaps:
-    """Return the nearest vehicles ahead and behind in the ego's lane and beside it.
+    vehicles: Vehicles,
+    covered: Extents,
+    starts: Sequence[int],
+    lanes: Sequence[Mapping[int, LaneLine]],
+    egos: Sequence[tuple[float, float]],
+) -> list[NeighbourGaps]:
+    """Return the nearest vehicles ahead of and behind each ego, in its lane and beside it.
 
     A vehicle counts where its body reaches into the lane, so one on a lane line counts in both lanes. It
     is ahead if its middle is ahead of the ego's middle; the gap is between bumpers, and negative while
@@ -85,34 +91,60 @@ def neighbour_gaps(
 
     Parameters
     ----------
-    vehicles, covered
-    lanes : 0 for the ego's lane, 1 for the one left of it, −1 for the one right of it
-    ego : along coordinates of the ego's rear and front bumper [m]
+    vehicles, covered : those near the first ego, then those near the second one, and so on
+    starts : where those of each ego begin, and where the last ones end
+    lanes : of each ego: 0 for its lane, 1 for the one left of it, −1 for the one right of it
+    egos : along coordinates of each ego's rear and front bumper [m]
     """
+    found = [NeighbourGaps()] * len(egos)
     if not len(vehicles):
-        return NeighbourGaps()
+        return found
+    counts = np.diff(starts)
+    back, front = np.repeat(np.array(egos), counts, axis=0).T
     middle = 0.5 * (covered.rear + covered.front)
-    is_ahead = middle > 0.5 * (ego[0] + ego[1])
-    to_ahead, to_behind = covered.rear - ego[1], ego[0] - covered.front
-    found: dict[int, tuple[Neighbour | None, Neighbour | None]] = {}
-    for side, lane in lanes.items():
-        centre = lane.centre_at(middle)
-        reach = np.minimum(covered.left, centre + 0.5 * lane.width)
-        reach -= np.maximum(covered.right, centre - 0.5 * lane.width)
+    is_ahead = middle > 0.5 * (back + front)
+    to_ahead, to_behind = covered.rear - front, back - covered.front
+    gaps = np.empty((2 * len(_SIDES), len(vehicles)))
+    for number, side in enumerate(_SIDES):
+        centre, half = _centres(side, middle, starts, lanes)
+        reach = np.minimum(covered.left, centre + half)
+        reach -= np.maximum(covered.right, centre - half)
         inside = (reach > TOLERANCE) & (covered.usable if side == 0 else covered.aligned)
-        found[side] = (
-            _nearest(vehicles, np.where(inside & is_ahead, to_ahead, np.inf)),
-            _nearest(vehicles, np.where(inside & ~is_ahead & covered.aligned, to_behind, np.inf)),
+        gaps[2 * number] = np.where(inside & is_ahead, to_ahead, np.inf)
+        gaps[2 * number + 1] = np.where(inside & ~is_ahead & covered.aligned, to_behind, np.inf)
+    some = np.flatnonzero(counts)
+    smallest = np.minimum.reduceat(gaps, np.asarray(starts)[some], axis=1)
+    for ego, least in zip(some.tolist(), smallest.T.tolist(), strict=True):
+        first, last = starts[ego], starts[ego + 1]
+        found[ego] = NeighbourGaps(
+            *(
+                _neighbour(vehicles, first + int(gaps[row, first:last].argmin()), gap)
+                if math.isfinite(gap)
+                else None
+                for row, gap in enumerate(least)
+            )
         )
-    nobody = (None, None)
-    return NeighbourGaps(*found.get(0, nobody), *found.get(1, nobody), *found.get(-1, nobody))
+    return found
 
 
-def _nearest(vehicles: Vehicles, gaps: FloatArray) -> Neighbour | None:
-    row = int(gaps.argmin())
-    gap = float(gaps[row])
-    if not math.isfinite(gap):
-        return None
+_SIDES = (0, 1, -1)
+"""In the order of the fields of `NeighbourGaps`."""
+
+
+def _centres(
+    side: int, middle: FloatArray, starts: Sequence[int], lanes: Sequence[Mapping[int, LaneLine]]
+) -> tuple[FloatArray, FloatArray]:
+    """Return at each vehicle the centre of its ego's lane on that side, nan for none, and half the width."""
+    centre, width = np.full_like(middle, np.nan), np.zeros_like(middle)
+    for ego, lines in enumerate(lanes):
+        part = slice(starts[ego], starts[ego + 1])
+        if part.start < part.stop and (line := lines.get(side)) is not None:
+            centre[part] = line.centre_at(middle[part])
+            width[part] = line.width
+    return centre, 0.5 * width
+
+
+def _neighbour(vehicles: Vehicles, row: int, gap: float) -> Neighbour:
     speed = float(vehicles.along_speed[row])
     if abs(float(vehicles.heading_error[row])) > CROSSWISE:
         # Whoever crosses does not come nearer along the path, even if the path bends towards it.

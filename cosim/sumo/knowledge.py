@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -73,13 +74,25 @@ class Knowledge:
             self._eyesight[body] = eyesight_of(self._sensing, self._site, body)
         return self._eyesight[body]
 
-    def believed(self, ego: str, plant: Plant, time: float, surroundings: Surroundings) -> Surroundings:
-        """Return the surroundings as one ego knows them; of its pedestrians only."""
+    def believed(self, egos: Mapping[str, Plant], time: float, surroundings: Surroundings) -> Surroundings:
+        """Return the surroundings as the egos know them: of each pedestrian, what each of them believes."""
         if self._senses is None:
             return surroundings
+        told = [self._believed(self._senses, name, plant, time, surroundings) for name, plant in egos.items()]
+        ends = np.cumsum([len(one.names) for one in told])
+        rows = {
+            name: np.arange(end - len(one.names), end)
+            for name, one, end in zip(egos, told, ends.tolist(), strict=True)
+        }
+        return replace(surroundings, persons=_one_after_the_other(told), persons_near=rows)
+
+    def _believed(
+        self, senses: Senses, ego: str, plant: Plant, time: float, surroundings: Surroundings
+    ) -> Persons:
+        """Return the pedestrians that one ego knows of, as it knows them."""
         persons, rows = surroundings.persons, surroundings.persons_near[ego]
         cars, near = surroundings.cars, surroundings.cars_near[ego]
-        belief = self._senses.look(
+        belief = senses.look(
             Scene(
                 ego,
                 time,
@@ -100,7 +113,7 @@ class Knowledge:
         )
         told = rows[belief.told]
         some = told.tolist()
-        known = Persons(
+        return Persons(
             _chosen(persons.names, some),
             belief.position[belief.told],
             belief.velocity[belief.told],
@@ -111,7 +124,24 @@ class Knowledge:
             _chosen(persons.kind, some),
             belief.uncertainty[belief.told],
         )
-        return replace(surroundings, persons=known, persons_near={ego: np.arange(len(told))})
+
+
+def _one_after_the_other(persons: Sequence[Persons]) -> Persons:
+    return Persons(
+        tuple(chain.from_iterable(one.names for one in persons)),
+        np.concatenate([np.zeros((0, 2)), *(one.position for one in persons)]),
+        np.concatenate([np.zeros((0, 2)), *(one.velocity for one in persons)]),
+        tuple(chain.from_iterable(one.edge for one in persons)),
+        tuple(chain.from_iterable(one.crossing for one in persons)),
+        np.concatenate([np.zeros(0, dtype=np.bool_), *(one.on_crossing for one in persons)]),
+        tuple(chain.from_iterable(one.phase for one in persons)),
+        tuple(chain.from_iterable(one.kind for one in persons)),
+        np.concatenate([np.zeros(0), *(_uncertainty(one) for one in persons)]),
+    )
+
+
+def _uncertainty(persons: Persons) -> FloatArray:
+    return np.zeros(len(persons.names)) if persons.uncertainty is None else persons.uncertainty
 
 
 def site_of(sumo: Any, network: Network) -> Site:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 SPACING = 0.5
 """Distance between samples [m]."""
 SMOOTHING = 5
 """Samples averaged, twice: a corner of SUMO's polyline becomes a bend of about 4 m; a bend of 6 m radius is
 cut by less than 0.1 m."""
+SEGMENT_COLUMNS = 12
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
 
@@ -77,35 +81,7 @@ class Path:
         ----------
         points : (n, 2) [m]
         """
-        if not len(points):
-            empty = np.zeros(0)
-            return empty, empty, empty
-        x, y = points[:, 0], points[:, 1]
-        last = len(self.points) - 2
-        segment = np.minimum(self._tree.query(points)[1], last)
-        rows = self._segments[segment]
-        # A point nearer to a sample may belong to the segment before it.
-        before = (x - rows[:, 0]) * rows[:, 4] + (y - rows[:, 1]) * rows[:, 5] < 0.0
-        if before.any():
-            segment = np.maximum(segment - before, 0)
-            rows = self._segments[segment]
-        px, py, cx, cy, tx, ty, turn_x, turn_y, along, length, heading, bend = rows.T
-        # The tangent turns evenly along a segment: where the rest is square to it, a quadratic is zero.
-        east, north = x - px, y - py
-        constant = east * tx + north * ty
-        linear = east * turn_x + north * turn_y - cx * tx - cy * ty
-        quadratic = -(cx * turn_x + cy * turn_y)
-        root = np.sqrt(np.maximum(linear * linear - 4.0 * quadratic * constant, 0.0))
-        share = 2.0 * constant / np.maximum(root - linear, 1e-3 * length)
-        inner = np.minimum(np.maximum(share, 0.0), 1.0)
-        # The first and the last segment are straight, and go on beyond the curve's ends.
-        share = np.where(
-            segment == 0, np.minimum(share, 1.0), np.where(segment == last, np.maximum(share, 0.0), inner)
-        )
-        tangent_x, tangent_y = tx + inner * turn_x, ty + inner * turn_y
-        across = (north - share * cy) * tangent_x - (east - share * cx) * tangent_y
-        across /= np.sqrt(tangent_x * tangent_x + tangent_y * tangent_y)
-        return along + share * length, across, heading + inner * bend
+        return project_all([self], points, [len(points)])
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""
@@ -151,7 +127,87 @@ class Path:
 
     def heading_at(self, along: float) -> float:
         """Return the curve's heading [rad]."""
-        return float(np.interp(along, self.along, self.heading))
+        return interpolated(along, self.along, self.heading)
+
+    def nearest_samples(self, points: FloatArray) -> IntArray:
+        """Return the number of the sample nearest to each point (n, 2)."""
+        return np.asarray(self._tree.query(points)[1], dtype=np.int64)
+
+    @property
+    def segments(self) -> FloatArray:
+        """One row for each segment: what `project` and `at` need of it."""
+        return self._segments
+
+
+def project_all(
+    paths: Sequence[Path], points: FloatArray, counts: Sequence[int]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what `Path.project` returns, for points of several paths.
+
+    Parameters
+    ----------
+    paths
+    points : (n, 2), those of the first path first [m]
+    counts : how many of them belong to each path
+    """
+    if not len(points):
+        empty = np.zeros(0)
+        return empty, empty, empty
+    x, y = points[:, 0], points[:, 1]
+    ends = list(accumulate(counts))
+    parts = [
+        (path, slice(end - count, end)) for path, count, end in zip(paths, counts, ends, strict=True) if count
+    ]
+    last = np.repeat([len(path.points) - 2 for path in paths], counts)
+    segment = np.minimum(np.concatenate([path.nearest_samples(points[part]) for path, part in parts]), last)
+    rows = _rows_of(parts, segment)
+    # A point nearer to a sample may belong to the segment before it.
+    before = (x - rows[:, 0]) * rows[:, 4] + (y - rows[:, 1]) * rows[:, 5] < 0.0
+    if before.any():
+        segment = np.maximum(segment - before, 0)
+        rows = _rows_of(parts, segment)
+    px, py, cx, cy, tx, ty, turn_x, turn_y, along, length, heading, bend = rows.T
+    # The tangent turns evenly along a segment: where the rest is square to it, a quadratic is zero.
+    east, north = x - px, y - py
+    constant = east * tx + north * ty
+    linear = east * turn_x + north * turn_y - cx * tx - cy * ty
+    quadratic = -(cx * turn_x + cy * turn_y)
+    root = np.sqrt(np.maximum(linear * linear - 4.0 * quadratic * constant, 0.0))
+    share = 2.0 * constant / np.maximum(root - linear, 1e-3 * length)
+    inner = np.minimum(np.maximum(share, 0.0), 1.0)
+    # The first and the last segment are straight, and go on beyond the curve's ends.
+    share = np.where(
+        segment == 0, np.minimum(share, 1.0), np.where(segment == last, np.maximum(share, 0.0), inner)
+    )
+    tangent_x, tangent_y = tx + inner * turn_x, ty + inner * turn_y
+    across = (north - share * cy) * tangent_x - (east - share * cx) * tangent_y
+    across /= np.sqrt(tangent_x * tangent_x + tangent_y * tangent_y)
+    return along + share * length, across, heading + inner * bend
+
+
+def _rows_of(parts: Sequence[tuple[Path, slice]], segment: IntArray) -> FloatArray:
+    rows = np.empty((len(segment), SEGMENT_COLUMNS))
+    for path, part in parts:
+        path.segments.take(segment[part], axis=0, out=rows[part], mode="clip")
+    return rows
+
+
+def interpolated(at: float, places: FloatArray, values: FloatArray) -> float:
+    """Return what ``np.interp`` returns for one number, to the last bit and in less time.
+
+    >>> interpolated(1.5, np.array([0.0, 1.0, 2.0]), np.array([0.0, 10.0, 30.0]))
+    20.0
+    """
+    number = int(places.searchsorted(at, "right")) - 1
+    if number < 0:
+        return float(values[0])
+    if number >= len(places) - 1:
+        return float(values[-1])
+    low, below, above = float(places[number]), float(values[number]), float(values[number + 1])
+    if low == at:
+        return below
+    slope = (above - below) / (float(places[number + 1]) - low)
+    return slope * (at - low) + below
 
 
 def arc_lengths(polyline: FloatArray) -> FloatArray:

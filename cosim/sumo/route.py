@@ -44,6 +44,7 @@ class Route:
         check_route(network, self.edges, vehicle_class)
         self._reach = self._reaches()
         self._paths: dict[tuple[int, int], LanePath] = {}
+        self._beside: dict[tuple[int, int], tuple[tuple[tuple[int, LanePath], ...], ...]] = {}
 
     def lane(self, step: int, index: int) -> NetLane:
         """Return a lane of the route's edge number ``step``."""
@@ -64,6 +65,22 @@ class Route:
         if key not in self._paths:
             self._paths[key] = self._path(step, index)
         return self._paths[key]
+
+    def beside(self, step: int, index: int) -> tuple[tuple[tuple[int, LanePath], ...], ...]:
+        """Return the usable lanes to the right of a lane, then those to its left, nearest first; with paths.
+
+        Found on first use: neither the network nor the route changes.
+        """
+        key = (step, index)
+        if key not in self._beside:
+            self._beside[key] = (self._usable(step, index, -1), self._usable(step, index, 1))
+        return self._beside[key]
+
+    def _usable(self, step: int, index: int, direction: int) -> tuple[tuple[int, LanePath], ...]:
+        found = []
+        while self.usable(step, index := index + direction):
+            found.append((index, self.path(step, index)))
+        return tuple(found)
 
     def next_lane(self, step: int, index: int) -> int | None:
         """Return the index of the lane on the next edge that continues this one best."""

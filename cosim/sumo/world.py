@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import Command, Drive, EgoState, Perception
+from controllers.interface import Command, Drive, Perception
 from cosim.errors import InputError, SimulationError
 from cosim.frames import heading_of, rear_axle_of
 from cosim.plant import Plant, body_of
@@ -19,13 +18,12 @@ from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, let_go, own_limit
 from cosim.sumo.egos import EgoSources
-from cosim.sumo.foes import FoeFinder, near
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
-from cosim.sumo.sensing import look, perceive, visible_crossings, visible_signals
+from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
@@ -93,9 +91,11 @@ class SumoWorld:
             self._steps = 0
             self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
-            self._foes = FoeFinder(self._sumo, self._network)
             self._scripted.join(self._sumo, self.step)
             self._knowledge = self._known_by(sensing or Perfect(), seed)
+            self._perceiver = Perceiver(
+                self._sumo, self._network, self._plan_every * self.step, self._knowledge.eyesight
+            )
             self._surroundings: Surroundings = self._observer.read((), {})
         except BaseException:
             self._connection.close()
@@ -114,8 +114,9 @@ class SumoWorld:
         if self._steps % self._plan_every:
             return ()
         with self._connection.reporting(f"sensing at {self._time:.2f} s"):
-            lights: dict[str, str] = {}
-            return [self._perceive(ego, lights) for ego in self._egos.values()]
+            plants = {ego.name: ego.plant for ego in self._egos.values()}
+            known = self._knowledge.believed(plants, self._time, self._surroundings)
+            return self._perceiver.perceive(list(self._egos.values()), self._time, known)
 
     def act(self, name: str, command: Command) -> None:
         """Set what the ego tries to do from now on."""
@@ -351,33 +352,3 @@ class SumoWorld:
             return Knowledge(sensing, self._sumo, self._network, seed, self.step)
         except ValueError as error:
             raise InputError(f"sensing: {error}") from error
-
-    def _perceive(self, ego: DrivenEgo, lights: dict[str, str]) -> Perception:
-        plant = ego.plant
-        known = self._knowledge.believed(ego.name, plant, self._time, self._surroundings)
-        view = look(ego.name, plant, ego.track, known)
-        frame = ego.frame = view.frame
-        names = {signal.name for signal in visible_signals(frame)}
-        names |= {c.source.signal for c in visible_crossings(frame) if c.source.signal}
-        names |= {junction.connection.signal for junction in near(view) if junction.connection.signal}
-        for name in names - lights.keys():
-            lights[name] = self._sumo.trafficlight.getRedYellowGreenState(name)
-        state = EgoState(
-            ego.name,
-            self._time,
-            plant.x,
-            plant.y,
-            plant.heading,
-            frame.across,
-            frame.heading_error,
-            plant.speed,
-            plant.acceleration,
-            plant.steering,
-            plant.body,
-            plant.drive,
-            self._plan_every * self.step,
-        )
-        foes = self._foes.find(view, known, lights)
-        told = perceive(state, view, ego.track, known, lights, foes, ego.own_limit)
-        eyesight = self._knowledge.eyesight(plant.body)
-        return told if eyesight is None else replace(told, eyesight=eyesight)

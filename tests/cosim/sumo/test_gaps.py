@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely import LineString, Polygon
 
-from controllers.interface import Vehicles
+from controllers.interface import NeighbourGaps, Vehicles
 from cosim.sumo.gaps import Extents, LaneLine, extents, neighbour_gaps
 
 EGO = (-0.95, 3.55)
@@ -39,8 +39,13 @@ def on_road(*rows: tuple[float, float, float], length: float = 4.5) -> tuple[Veh
     return vehicles, extents(vehicles, back[:, 0], back[:, 1])
 
 
+def gaps_of(vehicles: Vehicles, covered: Extents) -> NeighbourGaps:
+    """Return the gaps of one ego alone."""
+    return neighbour_gaps(vehicles, covered, [0, len(vehicles)], [LANES], [EGO])[0]
+
+
 def test_gaps_are_between_bumpers() -> None:
-    gaps = neighbour_gaps(*on_road((30.0, 0.0, 0.0), (-10.0, 0.0, 0.0)), LANES, EGO)
+    gaps = gaps_of(*on_road((30.0, 0.0, 0.0), (-10.0, 0.0, 0.0)))
     assert gaps.ahead is not None
     assert gaps.behind is not None
     assert gaps.ahead.gap == pytest.approx(30.0 - 4.5 - 3.55)
@@ -49,32 +54,32 @@ def test_gaps_are_between_bumpers() -> None:
 
 
 def test_a_vehicle_on_a_lane_line_counts_in_both_lanes() -> None:
-    gaps = neighbour_gaps(*on_road((30.0, 1.6, 0.0)), LANES, EGO)
+    gaps = gaps_of(*on_road((30.0, 1.6, 0.0)))
     assert gaps.ahead is not None
     assert gaps.left_ahead is not None
     assert gaps.right_ahead is None
 
 
 def test_a_vehicle_beside_the_ego_has_a_negative_gap() -> None:
-    gaps = neighbour_gaps(*on_road((2.0, 3.2, 0.0)), LANES, EGO)
+    gaps = gaps_of(*on_road((2.0, 3.2, 0.0)))
     assert gaps.left_behind is not None
     assert gaps.left_behind.gap == pytest.approx(-0.95 - 2.0)
 
 
 def test_oncoming_vehicles_are_nobodys_neighbours() -> None:
-    gaps = neighbour_gaps(*on_road((30.0, 0.0, math.pi), (20.0, 3.2, math.pi)), LANES, EGO)
+    gaps = gaps_of(*on_road((30.0, 0.0, math.pi), (20.0, 3.2, math.pi)))
     assert gaps.ahead is gaps.left_ahead is None
 
 
 def test_a_vehicle_across_the_path_is_ahead_in_this_lane_only() -> None:
-    gaps = neighbour_gaps(*on_road((30.0, 2.0, math.pi / 2)), LANES, EGO)
+    gaps = gaps_of(*on_road((30.0, 2.0, math.pi / 2)))
     assert gaps.ahead is not None
     assert gaps.ahead.gap == pytest.approx(30.0 - 0.9 - 3.55)
     assert gaps.left_ahead is gaps.right_ahead is None
 
 
 def test_nobody_near_is_none() -> None:
-    gaps = neighbour_gaps(*on_road(), LANES, EGO)
+    gaps = gaps_of(*on_road())
     assert gaps.ahead is gaps.behind is None
 
 
@@ -86,7 +91,7 @@ def test_gaps_agree_with_polygons() -> None:
     for _ in range(300):
         rows = [(random.uniform(-80, 80), random.uniform(-6, 6), random.uniform(-0.3, 0.3)) for _ in range(6)]
         vehicles, covered = on_road(*rows)
-        gaps = neighbour_gaps(vehicles, covered, LANES, EGO)
+        gaps = gaps_of(vehicles, covered)
         best = math.inf
         for along, across, heading in rows:
             axis = LineString(

@@ -1,0 +1,148 @@
+"""The road that one ego is told of: its lanes, limits, crossings and signals, in its route frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Crossing, JunctionFoe, Lane, RoadAhead, Signal, SignalState
+from cosim.sumo.gaps import LaneLine
+from cosim.sumo.lane_path import PathCrossing, PathSignal
+from cosim.sumo.network import NetCrossing
+from cosim.sumo.path import interpolated
+from cosim.sumo.route import VIEW
+from cosim.sumo.track import Track
+from cosim.sumo.view import Frame
+
+FloatArray = NDArray[np.float64]
+
+CURVATURE_STEP = 1.0
+"""[m]"""
+_CURVATURE_GRID = CURVATURE_STEP * np.arange(151)
+
+_STATES = {
+    "r": SignalState.RED,
+    "u": SignalState.RED,
+    "y": SignalState.AMBER,
+    "Y": SignalState.AMBER,
+}
+"""SUMO's letters; all others let pass, if need be after yielding."""
+
+
+class Lights:
+    """States of the traffic lights at one instant, each read when the first ego needs it.
+
+    Parameters
+    ----------
+    sumo : module or connection
+    """
+
+    def __init__(self, sumo: Any) -> None:
+        self._read = sumo.trafficlight.getRedYellowGreenState
+        self._green: dict[str, bool | None] = {}
+        self.states: dict[str, str] = {}
+        """Letters of those that were read, by name."""
+
+    def need(self, name: str) -> None:
+        """Read a light's state, unless that is done or there is no such light."""
+        if name and name not in self.states:
+            self.states[name] = self._read(name)
+
+    def pedestrians_have_green(self, crossing: NetCrossing) -> bool | None:
+        """Return whether a crossing's pedestrians may go; ``None`` where no signal says so."""
+        if not crossing.signal:
+            return None
+        if crossing.name not in self._green:
+            letters = [self.states[crossing.signal][index] for index in crossing.signal_indices]
+            out_of_order = all(letter in "oO" for letter in letters)
+            self._green[crossing.name] = None if out_of_order else any(c in "gG" for c in letters)
+        return self._green[crossing.name]
+
+
+def road_ahead(
+    frame: Frame,
+    track: Track,
+    crossings: Sequence[PathCrossing],
+    signals: Sequence[PathSignal],
+    lights: Lights,
+    foes: Sequence[JunctionFoe],
+    own_limit: float,
+) -> tuple[RoadAhead, dict[int, LaneLine]]:
+    """Return the road, and the lines of its lanes: 0 for the ego's, 1 for the one left of it, −1 right.
+
+    Parameters
+    ----------
+    frame, track : the ego
+    crossings, signals : that it is told of
+    lights : those over its path have been read
+    foes : vehicles whose ways cross its own
+    own_limit : what its kind of vehicle drives at most, told as a speed limit [m/s]
+    """
+    path, origin = frame.path, frame.origin
+    route, step = track.route, track.step
+    own_width = path.piece_at(origin).lane.width
+    lanes = [Lane(track.number, 0.0, own_width, _leads(route.reach(step, track.index) - origin))]
+    lines = {0: LaneLine(own_width)}
+    right, left = -0.5 * own_width, 0.5 * own_width
+    for others in route.beside(step, track.index):
+        nearest = True
+        for index, other in others:
+            offsets = path.beside(other)
+            offset = interpolated(origin, path.curve.along, offsets)
+            if math.isnan(offset):
+                break
+            width = other.piece_at(origin).lane.width
+            right, left = min(right, offset - 0.5 * width), max(left, offset + 0.5 * width)
+            if nearest:
+                side = 1 if offset > 0.0 else -1
+                leads = _leads(route.reach(step, index) - origin)
+                lanes.append(Lane(track.number + side, offset, width, leads))
+                lines[side] = LaneLine(width, path.curve.along, offsets, origin)
+            nearest = False
+    lanes.sort(key=lambda lane: lane.number)
+    starts, limits = path.limits
+    first = max(int(starts.searchsorted(origin, "right")) - 1, 0)
+    limit_along = starts[first:] - origin
+    limit_along[0] = min(limit_along[0], 0.0)
+    road = RoadAhead(
+        lanes=tuple(lanes),
+        reference=track.number,
+        right_edge=right,
+        left_edge=left,
+        curvature=np.interp(origin + _CURVATURE_GRID, path.curve.along, path.curve.curvature),
+        curvature_step=CURVATURE_STEP,
+        limit_along=limit_along,
+        limit=np.minimum(limits[first:], own_limit),
+        crossings=tuple([_crossing(crossing, origin, lights) for crossing in crossings]),
+        signals=tuple([_signal(signal, origin, lights) for signal in signals]),
+        foes=tuple(foes),
+        route_end=path.chain_end - origin if path.leads_to_end else math.inf,
+    )
+    return road, lines
+
+
+def _leads(distance: float) -> float:
+    return distance if distance < VIEW else math.inf
+
+
+def _crossing(crossing: PathCrossing, origin: float, lights: Lights) -> Crossing:
+    source = crossing.source
+    return Crossing(
+        source.name,
+        source.kind,
+        crossing.entry - origin,
+        crossing.exit - origin,
+        crossing.stop_line - origin,
+        crossing.right,
+        crossing.left,
+        lights.pedestrians_have_green(source),
+    )
+
+
+def _signal(signal: PathSignal, origin: float, lights: Lights) -> Signal:
+    letter = lights.states[signal.name][signal.index]
+    return Signal(signal.name, signal.stop_line - origin, _STATES.get(letter, SignalState.GREEN))

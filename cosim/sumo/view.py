@@ -1,0 +1,62 @@
+"""One ego's route frame, and what of its path can be seen from there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.frames import wrapped
+from cosim.plant import Plant
+from cosim.sumo.lane_path import LanePath, PathCrossing, PathJunction, PathSignal
+from cosim.sumo.route import VIEW
+from cosim.sumo.track import Track
+
+FloatArray = NDArray[np.float64]
+
+PASSED_LINE = 2.0
+"""A stop line further behind the front bumper than this is forgotten [m]."""
+
+
+class Frame:
+    """One ego's route frame at one instant.
+
+    Parameters
+    ----------
+    plant, track : the ego
+    """
+
+    __slots__ = ("across", "back", "front", "heading_error", "origin", "path")
+
+    def __init__(self, plant: Plant, track: Track) -> None:
+        self.path: LanePath = track.path
+        curve, body, x, y = self.path.curve, plant.body, plant.x, plant.y
+        east, north = math.cos(plant.heading), math.sin(plant.heading)
+        # Found near the front bumper's last place: a path that crosses itself has two nearest points.
+        self.origin, self.across = curve.place_near(x, y, track.along - body.front)
+        """Along coordinate of the rear axle on the path, and its offset to the left [m]."""
+        self.heading_error = wrapped(plant.heading - curve.heading_at(self.origin))
+        self.front = track.along - self.origin
+        """Along coordinate of the front bumper [m]."""
+        tail_x, tail_y = x - body.rear_overhang * east, y - body.rear_overhang * north
+        self.back = curve.place_near(tail_x, tail_y, self.origin - body.rear_overhang)[0] - self.origin
+
+    def to_world(self, along: FloatArray, across: FloatArray) -> FloatArray:
+        """Return world coordinates (n, 2) [m]."""
+        return self.path.curve.at(np.asarray(along) + self.origin, np.asarray(across))
+
+    def crossings(self) -> list[PathCrossing]:
+        """Return the crossings ahead, and those that the ego's body is on."""
+        behind, ahead = self.origin + self.back, self.origin + VIEW
+        return [c for c in self.path.crossings if c.exit > behind and c.entry < ahead]
+
+    def signals(self) -> list[PathSignal]:
+        """Return the path's signals that the ego has not passed."""
+        low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
+        return [signal for signal in self.path.signals if low <= signal.stop_line < high]
+
+    def junctions(self, reach: float) -> list[PathJunction]:
+        """Return the junctions that the ego is in, or comes to within that distance [m]."""
+        low, high = self.origin + self.back, self.origin + self.front + reach
+        return [junction for junction in self.path.junctions if junction.end > low and junction.start < high]
