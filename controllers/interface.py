@@ -272,7 +272,10 @@ class RoadAhead:
 
     def lane(self, number: int) -> Lane | None:
         """Return the lane with that coordinate, or ``None``."""
-        return next((lane for lane in self.lanes if lane.number == number), None)
+        for lane in self.lanes:
+            if lane.number == number:
+                return lane
+        return None
 
 
 @dataclass(frozen=True, slots=True)

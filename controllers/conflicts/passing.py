@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,23 +165,22 @@ def find(
     across_speed, considered, assumed = _expected_motion(perception, watch, assume)
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
+    code = code_of(passing_classes, compiled)
     if forecast is None:
-        enter, leave = code_of(passing_classes, compiled).overlap(people.across, across_speed, low, high)
+        enter, leave = code.overlap(people.across, across_speed, low, high)
     else:
         forecast = _with_assumptions(forecast, people, across_speed, assumed)
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
         considered |= on_road.any(axis=1) & (people.crossing < 0)
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
-    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
-    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
-    behind = people.along + people.radius < -perception.ego.body.rear_overhang - 0.5
-    keep = considered & (enter < horizon) & ~behind
-    chosen = np.flatnonzero(keep)
-    chosen = chosen[np.lexsort((chosen, enter[chosen]))]
-    stop = np.array([road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen]])
+    rear = perception.ego.body.rear_overhang
+    chosen = code.by_entry(people.along, people.radius, considered, enter, horizon, rear)
+    if not len(chosen):
+        return _empty()
+    stop = [road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen].tolist()]
     return Conflicts(
-        tuple(people.names[i] for i in chosen),
+        tuple(people.names[i] for i in chosen.tolist()),
         chosen,
         people.along[chosen],
         people.along_speed[chosen],
@@ -189,7 +189,7 @@ def find(
         people.radius[chosen],
         enter[chosen],
         leave[chosen],
-        stop.reshape(len(chosen)),
+        np.array(stop),
         None if forecast is None else forecast.only(chosen),
     )
 
@@ -276,6 +276,7 @@ def _speed_at(forecast: Forecast, times: FloatArray) -> FloatArray:
     return np.asarray(moved / (forecast.times[interval] - forecast.times[interval - 1]))
 
 
+@cache
 def _empty() -> Conflicts:
     none = np.zeros(0)
     return Conflicts((), np.zeros(0, dtype=np.int64), none, none, none, none, none, none, none, none)

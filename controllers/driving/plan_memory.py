@@ -32,6 +32,9 @@ class PlanMemory:
     """Planned movement across the road from where the ego was, left positive [m]."""
     compiled: bool = False
     """Whether the arithmetic is compiled."""
+    _asked: tuple[float | None, float] | None = None
+    _now: tuple[float, float] = (0.0, 0.0)
+    # What was commanded for that time, of the plan made then; it is asked for several times a step.
 
     def keep(
         self, time: float, command: Command, position: FloatArray, speed: FloatArray, shift: FloatArray
@@ -64,8 +67,11 @@ class PlanMemory:
         """Return acceleration and steering that are commanded at this instant."""
         if self.command is None:
             return ego.acceleration, ego.steering
-        i = _entry(self.command, self.age(ego.time))
-        acceleration, steering = float(self.command.acceleration[i]), float(self.command.steering[i])
+        if self._asked != (self.made_at, ego.time):
+            i = _entry(self.command, self.age(ego.time))
+            self._now = float(self.command.acceleration[i]), float(self.command.steering[i])
+            self._asked = self.made_at, ego.time
+        acceleration, steering = self._now
         # A vehicle at its limits, or one that SUMO held, has left the command behind.
         return (ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration), steering
 

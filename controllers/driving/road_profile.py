@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,20 +33,22 @@ def reference_speed(
     braking
         With which the ego slows down for what it sees [m/s^2].
     """
-    wanted: FloatArray = reference_speeds(perception, positions, ((lateral_acceleration, braking),))[0]
+    wanted: FloatArray = reference_speeds(perception, positions, np.array([[lateral_acceleration, braking]]))[
+        0
+    ]
     return wanted
 
 
 def reference_speeds(
     perception: Perception,
     positions: FloatArray,
-    demands: Sequence[tuple[float, float]],
+    demands: FloatArray,
     compiled: bool = False,
 ) -> FloatArray:
-    """Return :func:`reference_speed` for pairs of lateral acceleration and braking, one row for each."""
-    road, (lateral, braking) = perception.road, np.array(demands).T.copy()
+    """Return :func:`reference_speed` for rows of lateral acceleration and braking, one row for each."""
+    road = perception.road
     speeds: FloatArray = code_of(road_speeds, compiled).reference_speeds(
-        positions, road.curvature, road.curvature_step, road.limit_along, road.limit, lateral, braking
+        positions, road.curvature, road.curvature_step, road.limit_along, road.limit, demands
     )
     return speeds
 

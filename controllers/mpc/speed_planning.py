@@ -16,7 +16,7 @@ from controllers.driving.right_of_way import RightOfWay, StopPlace
 from controllers.interface import Lane, Perception
 from controllers.mpc.lateral import SteeringPlan
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
-from controllers.numerics import passing_classes
+from controllers.numerics import passing_classes, position_bounds
 from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Forecast, Predictor
 
@@ -28,8 +28,6 @@ BESIDE = 0.1
 """The same for those in the lane that is being left: only who is really in the way counts [m]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
-BODY_GAP = 1.0
-"""Least distance to a rear bumper ahead; the time gap is on top of ``standstill_gap`` [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
 """How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
 deceleration [m/s^2], plus this [m/s]."""
@@ -90,6 +88,13 @@ class SpeedPlanner:
     _waiting_place: float = np.inf
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
+    _demands: FloatArray = field(init=False)
+    # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
+
+    def __post_init__(self) -> None:
+        lateral = self.settings.bend_acceleration
+        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
+        self._demands = np.array([wanted, ceiling])
 
     @property
     def _compiled(self) -> bool:
@@ -255,14 +260,14 @@ class SpeedPlanner:
         positions, expected = self.memory.expected(ego)
         ahead = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, ahead.rest)
-        short = front + s.standstill_gap + limits.headway * ego.speed - float(ahead.follow[0])
+        gap_now = s.standstill_gap + limits.headway * ego.speed
+        upper, stoppable, headway = code_of(position_bounds, self._compiled).position_bounds(
+            ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
+        )
         reference, ceiling = road_profile.reference_speeds(
             perception,
             positions,
-            (
-                (s.bend_acceleration, SLOWING_FOR_THE_ROAD),
-                (CEILING_SHARE * s.bend_acceleration, CEILING_BRAKING),
-            ),
+            self._demands,
             self._compiled,
         )
         ceiling += CEILING_MARGIN
@@ -281,12 +286,10 @@ class SpeedPlanner:
             reference=reference,
             expected=expected,
             ceiling=ceiling,
-            # A line that is overrun already asks for a stop here, not for going back.
-            upper=np.minimum(ahead.rear - BODY_GAP - front, max(line - 0.5 - front, 0.0)),
+            upper=upper,
             lower=np.full(len(times), -np.inf),
-            stoppable=np.minimum(ahead.rest - BODY_GAP - front, max(line - front, 0.0)),
-            # A time gap that is short already is opened over some seconds, not by braking hard.
-            headway=ahead.follow - s.standstill_gap - front + max(short, 0.0) * np.exp(-times / 4.0),
+            stoppable=stoppable,
+            headway=headway,
         )
         return task, stop or ahead.name
 

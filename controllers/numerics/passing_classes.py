@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 def overlap(
@@ -22,6 +24,28 @@ def overlap(
     enter = np.where(moving, np.where(past, np.inf, np.maximum(first, 0.0)), stands)
     leave = np.where(moving & ~past, last, np.inf)
     return enter, leave
+
+
+def by_entry(
+    along: FloatArray,
+    radius: FloatArray,
+    considered: BoolArray,
+    enter: FloatArray,
+    horizon: float,
+    rear: float,
+) -> IntArray:
+    """Return who is in conflict, in the order of entry.
+
+    Parameters
+    ----------
+    along, radius, considered, enter : of all pedestrians, shape (n,)
+    horizon : later entries do not count [s]
+    rear : from the rear axle to the rear bumper (positive) [m]
+    """
+    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
+    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
+    chosen = np.flatnonzero(considered & (enter < horizon) & (along + radius >= -rear - 0.5))
+    return chosen[np.argsort(enter[chosen], kind="mergesort")]
 
 
 def class_bounds(

@@ -19,8 +19,7 @@ def reference_speeds(
     curvature_step: float,
     limit_along: FloatArray,
     limit: FloatArray,
-    lateral: FloatArray,
-    braking: FloatArray,
+    demands: FloatArray,
 ) -> FloatArray:
     """Return the highest wanted speed at each position, for each demand, shape (demands, N).
 
@@ -28,16 +27,16 @@ def reference_speeds(
     ----------
     positions : of the rear axle, shape (N,) [m]
     curvature, curvature_step, limit_along, limit : as in ``RoadAhead``
-    lateral, braking : what each demand allows in bends, and slows down with [m/s^2]
+    demands : rows of what is allowed in bends, and slowed down with [m/s^2]
     """
     along = np.arange(len(curvature)) * curvature_step
     bend = np.maximum(np.abs(curvature), STRAIGHT)
     if len(limit) > 0 and limit_along[0] <= 0.0:
         # A limit holds everywhere: of the road's many points only bends slower than that matter.
-        slow = np.flatnonzero(bend * limit.max() ** 2 > lateral.min())
+        slow = np.flatnonzero(bend * limit.max() ** 2 > demands[:, 0].min())
         along, bend = along[slow], bend[slow]
     points = np.concatenate((along, limit_along))
-    speeds = np.full((len(lateral), len(positions)), np.inf)
+    speeds = np.full((len(demands), len(positions)), np.inf)
     if len(points) == 0:
         return speeds
     # A bend counts until the instant before has left it behind, or one between two instants would be
@@ -49,9 +48,10 @@ def reference_speeds(
     gone = left < since.reshape(-1, 1)
     gone[:, len(along) :] = ends <= positions.reshape(-1, 1)
     distance = np.where(gone, np.inf, distance)
-    for i in range(len(lateral)):
-        squares = np.concatenate((lateral[i] / bend, limit**2))
-        speeds[i] = np.sqrt(np.minimum(lowest_in_rows(squares + 2.0 * braking[i] * distance), HIGHEST**2))
+    for i in range(len(demands)):
+        lateral, braking = demands[i]
+        squares = np.concatenate((lateral / bend, limit**2))
+        speeds[i] = np.sqrt(np.minimum(lowest_in_rows(squares + 2.0 * braking * distance), HIGHEST**2))
     return speeds
 
 
