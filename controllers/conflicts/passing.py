@@ -56,6 +56,8 @@ class Watch:
     """How long both have stood [s]."""
     seen: float = -np.inf
     """When it was looked at last [s]."""
+    longest_wait: float = 0.0
+    """Of all [s]."""
 
     def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
         """Bring it up to date; looking twice at the same instant changes nothing."""
@@ -71,10 +73,13 @@ class Watch:
                 waits = passed if ego.speed < assume.waiting_below else 0.0
                 waited[name] = self.waited.get(name, 0.0) + waits
         self.waited = waited
+        self.longest_wait = max(waited.values(), default=0.0)
 
     def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
         """Return the along coordinates of those who let the ego go: it should not race past them [m]."""
         people = perception.pedestrians
+        if self.longest_wait < assume.patience:
+            return np.empty(0)
         at = [
             float(people.along[i])
             for i, name in enumerate(people.names)
@@ -118,10 +123,6 @@ class Conflicts:
         if self.forecast is not None:
             return self.forecast.at(times).along
         return self.along[:, None] + self.along_speed[:, None] * np.minimum(times, STRAIGHT_ON)
-
-    def reach_at(self, times: FloatArray) -> FloatArray | float:
-        """Return how far from there they may be, shape (n, N); 0 where nothing is known of that [m]."""
-        return 0.0 if self.forecast is None else self.forecast.at(times).reach
 
 
 def find(
@@ -334,18 +335,26 @@ def class_bounds(
     compiled
         Whether it is worked out by compiled code.
     """
-    reach = np.empty((len(conflicts), len(times)))
-    reach[:] = (conflicts.radius + margin_along)[:, None] + conflicts.reach_at(times)
-    return ClassBounds(
-        *code_of(passing_classes, compiled).class_bounds(
-            conflicts.enter,
-            conflicts.leave,
-            conflicts.stop_line,
-            conflicts.along_at(times),
+    c, code = conflicts, code_of(passing_classes, compiled)
+    reach = c.radius + margin_along
+    if c.forecast is None:
+        bounds = code.straight_class_bounds(
+            c.enter,
+            c.leave,
+            c.stop_line,
+            c.along,
+            c.along_speed,
+            STRAIGHT_ON,
             reach,
             times,
             speed,
             front,
             rear,
         )
-    )
+    else:
+        there = c.forecast.at(times)
+        kept = reach[:, None] + there.reach
+        bounds = code.class_bounds(
+            c.enter, c.leave, c.stop_line, there.along, kept, times, speed, front, rear
+        )
+    return ClassBounds(*bounds)

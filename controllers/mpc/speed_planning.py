@@ -194,10 +194,18 @@ class SpeedPlanner:
         s, n = self.settings, len(conflicts)
         if n == 0:
             return [0]
-        fastest, slowest = self._reach(perception.ego.speed, task)
         bounds = self._class_bounds(perception, task, conflicts)
-        code = code_of(passing_classes, self._compiled)
-        short = code.shortfalls(bounds.lower, bounds.upper, fastest, slowest)
+        limits, speed = self.program.limits, perception.ego.speed
+        short = code_of(passing_classes, self._compiled).shortfalls(
+            bounds.lower,
+            bounds.upper,
+            task.upper,
+            self.memory.times,
+            speed,
+            max(float(task.reference.max()), speed),
+            limits.acceleration,
+            limits.comfortable_braking,
+        )
         scored = [(far, flips[behind], -behind, behind) for behind, far in enumerate((short > 0.5).tolist())]
         chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
         if self._locked(perception, conflicts) or not self._due(perception):
@@ -208,16 +216,6 @@ class SpeedPlanner:
                 return same
         # Letting everybody pass is always worth a try.
         return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
-
-    def _reach(self, speed: float, task: SpeedTask) -> tuple[FloatArray, FloatArray]:
-        """Return the farthest and nearest positions with comfortable accelerations, shape (N,) each."""
-        limits, times = self.program.limits, self.memory.times
-        top = max(float(task.reference.max()), speed)
-        t = np.minimum(times, (top - speed) / limits.acceleration)
-        farthest = speed * t + 0.5 * limits.acceleration * t**2 + (times - t) * top
-        t = np.minimum(times, speed / limits.comfortable_braking)
-        nearest = speed * t - 0.5 * limits.comfortable_braking * t**2
-        return np.minimum(farthest, task.upper), nearest
 
     def _least_cost(
         self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
@@ -239,11 +237,11 @@ class SpeedPlanner:
 
     def _locked(self, perception: Perception, conflicts: passing.Conflicts) -> bool:
         """Return whether the class is kept because the ego is about to arrive."""
-        known = [i for i, name in enumerate(conflicts.names) if name in self._ahead]
-        if not known or perception.ego.speed < 1.0:
+        if perception.ego.speed < 1.0:
             return False
-        room = float(np.min(conflicts.along[known])) - perception.ego.body.front
-        return room / perception.ego.speed < self.settings.lock
+        places = zip(conflicts.names, conflicts.along.tolist(), strict=True)
+        nearest = min((along for name, along in places if name in self._ahead), default=np.inf)
+        return (nearest - perception.ego.body.front) / perception.ego.speed < self.settings.lock
 
     def _flips(self, conflicts: passing.Conflicts) -> list[int]:
         """Return, for each class, for how many pedestrians it differs from the one that is being followed."""

@@ -48,6 +48,15 @@ def by_entry(
     return chosen[np.argsort(enter[chosen], kind="mergesort")]
 
 
+def straight_on(
+    along: FloatArray, speed: FloatArray, reach: FloatArray, times: FloatArray, until: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return where people are who keep their speed until then, and how far to keep away, shape (n, N)."""
+    kept = np.empty((len(along), len(times)))
+    kept[:] = reach.reshape(-1, 1)
+    return along.reshape(-1, 1) + speed.reshape(-1, 1) * np.minimum(times, until), kept
+
+
 def class_bounds(
     enter: FloatArray,
     leave: FloatArray,
@@ -95,14 +104,87 @@ def class_bounds(
     return upper, lower, freeze
 
 
-def shortfalls(lower: FloatArray, upper: FloatArray, farthest: FloatArray, nearest: FloatArray) -> FloatArray:
-    """Return by how far each class cannot be reached between two motions, shape (n + 1,) [m].
+def class_bounds_in_loops(
+    enter: FloatArray,
+    leave: FloatArray,
+    stop_line: FloatArray,
+    x: FloatArray,
+    reach: FloatArray,
+    times: FloatArray,
+    speed: FloatArray,
+    front: float,
+    rear: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Do the same in one pass."""
+    n, count = len(enter), len(times)
+    upper, lower, freeze = np.empty((n + 1, count)), np.empty((n + 1, count)), np.empty((n + 1, count))
+    upper[0], freeze[0], lower[n] = np.inf, np.inf, -np.inf
+    for i in range(n):
+        upper[i + 1], freeze[i + 1], lower[i] = upper[i], freeze[i], -np.inf
+        held = front <= stop_line[i] + 0.3
+        line = max(stop_line[i], front)
+        for k in range(count):
+            previous = times[k - 1] if k > 0 else 0.0
+            if previous >= leave[i]:
+                break
+            limit = x[i, k] - reach[i, k]
+            if held:
+                limit = min(limit, line)
+            late = speed[k] * (times[k] - leave[i]) if times[k] > leave[i] else 0.0
+            upper[i + 1, k] = min(upper[i + 1, k], limit - front + late)
+            if k == count - 1 or times[k + 1] > enter[i]:
+                freeze[i + 1, k] = min(freeze[i + 1, k], limit - 0.25 - front)
+            if times[k] >= enter[i]:
+                late = speed[k] * (times[k] - enter[i]) if previous < enter[i] else 0.0
+                lower[i, k] = x[i, k] + reach[i, k] + rear + late
+    for i in range(n - 1, -1, -1):
+        for k in range(count):
+            lower[i, k] = max(lower[i, k], lower[i + 1, k])
+    return upper, lower, freeze
+
+
+def straight_class_bounds(
+    enter: FloatArray,
+    leave: FloatArray,
+    stop_line: FloatArray,
+    along: FloatArray,
+    along_speed: FloatArray,
+    until: float,
+    reach: FloatArray,
+    times: FloatArray,
+    speed: FloatArray,
+    front: float,
+    rear: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return :func:`class_bounds` for people who keep their speed along the road until a time."""
+    x, kept = straight_on(along, along_speed, reach, times, until)
+    return class_bounds(enter, leave, stop_line, x, kept, times, speed, front, rear)
+
+
+def shortfalls(
+    lower: FloatArray,
+    upper: FloatArray,
+    largest: FloatArray,
+    times: FloatArray,
+    speed: float,
+    top: float,
+    acceleration: float,
+    braking: float,
+) -> FloatArray:
+    """Return by how far each class cannot be reached, shape (n + 1,) [m].
 
     Parameters
     ----------
-    lower, upper : of the classes, shape (n + 1, N)
-    farthest, nearest : positions within reach, shape (N,)
+    lower, upper : of the classes, shape (n + 1, N) [m]
+    largest : position that anything else allows, shape (N,) [m]
+    times : horizon, shape (N,) [s]
+    speed, top : now, and at most [m/s]
+    acceleration, braking : comfortable ones [m/s^2]
     """
+    t = np.minimum(times, (top - speed) / acceleration)
+    farthest = np.minimum(speed * t + 0.5 * acceleration * t**2 + (times - t) * top, largest)
+    t = np.minimum(times, speed / braking)
+    nearest = speed * t - 0.5 * braking * t**2
     late, soon = highest_in_rows(lower - farthest), highest_in_rows(nearest - upper)
     return np.maximum(late, 0.0) + np.maximum(soon, 0.0)
 
