@@ -7,6 +7,7 @@ longitudinal motion is exact for any sub-step and the path is exact wherever the
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 
 import numpy as np
 
@@ -71,6 +72,9 @@ class Plant:
         self.speed = max(0.0, speed)
         self.acceleration = 0.0
         self.steering = 0.0
+        self._command: Command | None = None
+        self._entries: tuple[list[float], list[float], list[float]] = ([], [], [])
+        """Of the command followed last: times, accelerations, angles; read and checked when it is given."""
 
     @property
     def front(self) -> tuple[float, float]:
@@ -108,14 +112,17 @@ class Plant:
         SimulationError
             If the command has no entries, entries of different number or a value that is not finite.
         """
-        times = _checked(command)
+        if command is not self._command or elapsed == 0.0:
+            self._entries = _entries(command)
+            self._command = command
+        times, accelerations, angles = self._entries
         end = elapsed + duration
         now = elapsed
         while now < end - 1e-12:
             # 1e-9: a breakpoint that rounding put a hair later than the step's beginning is reached.
-            entry = max(0, int(np.searchsorted(times, now + 1e-9, side="right")) - 1)
-            until = end if entry + 1 >= len(times) else min(end, float(times[entry + 1]))
-            self._hold(float(command.acceleration[entry]), float(command.steering[entry]), until - now)
+            entry = max(0, bisect_right(times, now + 1e-9) - 1)
+            until = end if entry + 1 >= len(times) else min(end, times[entry + 1])
+            self._hold(accelerations[entry], angles[entry], until - now)
             now = until
 
     def _hold(self, acceleration: float, steering: float, duration: float) -> None:
@@ -224,13 +231,17 @@ def _longitudinal(
     )
 
 
-def _checked(command: Command) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _entries(command: Command) -> tuple[list[float], list[float], list[float]]:
+    """Return the times, accelerations and angles of a command; `SimulationError` if it has no sense."""
     count = len(command.times)
     if count == 0 or len(command.acceleration) != count or len(command.steering) != count:
         raise SimulationError(
             f"a command needs as many accelerations and steering angles as times, at least one; found "
             f"{len(command.acceleration)}, {len(command.steering)} and {count}"
         )
-    if not (np.isfinite(command.acceleration).all() and np.isfinite(command.steering).all()):
+    times, accelerations, angles = (
+        np.asarray(column).tolist() for column in (command.times, command.acceleration, command.steering)
+    )
+    if not all(map(math.isfinite, [*accelerations, *angles])):
         raise SimulationError("a command's accelerations and steering angles must be finite numbers")
-    return command.times
+    return times, accelerations, angles

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from controllers.interface import Command, constant_command
 from cosim.plant import Plant
@@ -43,7 +42,7 @@ class DrivenEgo:
         if len(self.command.times) > 1:
             # The part of the command that was carried out in the last step.
             began = self.elapsed - step + 1e-9
-            entry = max(0, int(np.searchsorted(self.command.times, began, side="right")) - 1)
+            entry = max(0, bisect_right(self.command.times, began) - 1)
         x, y = plant.front
         piece = track.path.piece_at(track.along)
         return EgoTruth(

@@ -110,7 +110,7 @@ class Lanes:
         self._connection = connection
         self._shapes: dict[str, LaneShape] = {}
         self._links: dict[str, tuple[LaneLink, ...]] = {}
-        self._counts: dict[str, int] = {}
+        self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -137,11 +137,14 @@ class Lanes:
 
     def beside(self, lane: LaneShape, vehicle_class: str) -> tuple[LaneShape, ...]:
         """Return all lanes of the same edge that the class may use, right to left."""
-        count = self._counts.get(lane.edge)
-        if count is None:
-            count = self._counts[lane.edge] = self._connection.edge.getLaneNumber(lane.edge)
-        names = (f"{lane.edge}_{index}" for index in range(count))
-        return tuple(self.shape(name) for name in names if self.permits(name, vehicle_class))
+        key = (lane.edge, vehicle_class)
+        found = self._beside.get(key)
+        if found is None:
+            count = self._connection.edge.getLaneNumber(lane.edge)
+            names = (f"{lane.edge}_{index}" for index in range(count))
+            found = tuple(self.shape(name) for name in names if self.permits(name, vehicle_class))
+            self._beside[key] = found
+        return found
 
     def paved(self, lane: LaneShape, vehicle_class: str, width: float, across: float) -> bool:
         """Return whether a body [m] is within this lane and the permitted ones beside it."""

@@ -98,7 +98,7 @@ class Path:
 
         The same as `project`, for one point and in less time.
         """
-        segment = int(np.searchsorted(self.along, guess)) - 1
+        segment = int(self.along.searchsorted(guess)) - 1
         last = len(self.points) - 2
         segment = min(max(segment, 0), last)
         share = across = 0.0

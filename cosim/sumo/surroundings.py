@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,8 +73,7 @@ class Surroundings:
     """By ego: rows of ``cars``, without the ego itself."""
 
 
-@dataclass(frozen=True, slots=True)
-class KnownState:
+class KnownState(NamedTuple):
     """What our plant knows of a vehicle better than SUMO does."""
 
     x: float
@@ -231,11 +230,11 @@ class Observer:
         table = np.array(rows, dtype=np.float64).reshape(-1, 6)
         front, pace, change = table[:, 0:2].copy(), table[:, 3].copy(), table[:, 4].copy()
         heading = np.radians(90.0 - table[:, 2])
-        for row, name in enumerate(names):
-            own = known.get(name)
-            if own is not None:
-                front[row] = own.x, own.y
-                heading[row], pace[row], change[row] = own.heading, own.speed, own.acceleration
+        own = [row for row, name in enumerate(names) if name in known]
+        if own:
+            states = np.array([known[names[row]] for row in own], dtype=np.float64)
+            front[own] = states[:, 0:2]
+            heading[own], pace[own], change[own] = states[:, 2], states[:, 3], states[:, 4]
         cosine, sine = np.cos(heading), np.sin(heading)
         velocity = self._moved(front, names, self._last_cars)
         ahead = np.column_stack([pace * cosine, pace * sine])

@@ -49,18 +49,18 @@ class Track:
 
     def update(self, front_x: float, front_y: float) -> None:
         """Find the front bumper [m] again after it has moved a little."""
-        self._locate(front_x, front_y, self.along)
-        while self.along >= self.path.next_start:
+        path = self._locate(front_x, front_y, self.along)
+        while self.along >= path.next_start:
             onward = self.route.next_lane(self.step, self.index)
             if onward is None:
                 break
-            guess = self.along - self.path.next_start
+            guess = self.along - path.next_start
             self.step, self.index = self.step + 1, onward
-            self._locate(front_x, front_y, guess)
+            path = self._locate(front_x, front_y, guess)
         for _ in range(len(self.route.network.edges[self.route.edges[self.step]])):
-            if not self._change(front_x, front_y):
+            if not self._change(path, front_x, front_y):
                 break
-        path = self.path
+            path = self.path
         if self.along > path.chain_end and not path.leads_to_end:
             self._rejoin(front_x, front_y)
 
@@ -72,12 +72,21 @@ class Track:
             if self.route.usable(self.step, index)
         ]
 
-    def _locate(self, x: float, y: float, guess: float) -> None:
-        self.along, self.across = self.path.curve.place_near(x, y, guess)
+    def _locate(self, x: float, y: float, guess: float) -> LanePath:
+        """Find the place on the present path, and return the path."""
+        path = self.path
+        self.along, self.across = path.curve.place_near(x, y, guess)
+        return path
 
-    def _change(self, x: float, y: float) -> bool:
-        """Take the neighbouring lane if the front bumper is in it."""
-        if abs(self.across) <= 0.5 * self.path.piece_at(self.along).lane.width + HYSTERESIS:
+    def _change(self, path: LanePath, x: float, y: float) -> bool:
+        """Take the neighbouring lane if the front bumper is in it.
+
+        Parameters
+        ----------
+        path : the present one
+        x, y : of the front bumper [m]
+        """
+        if abs(self.across) <= 0.5 * path.piece_at(self.along).lane.width + HYSTERESIS:
             return False
         for index, other in self.beside():
             along, across = other.curve.place_near(x, y, self.along)
