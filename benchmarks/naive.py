@@ -9,7 +9,7 @@ both solve the same programs; run as a script, this file shows that their optima
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from controllers.mpc.horizon import lagged_ramp
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.mpc.speed_planning import SpeedPlanner
+from controllers.numerics import speed_program
 
 FloatArray = NDArray[np.float64]
 
@@ -40,16 +41,23 @@ def solve(arrays: dict[str, Any], tolerance: float) -> FloatArray | None:
     return None if answer is None else np.asarray(answer)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PassingTask(SpeedTask):
+@dataclass(frozen=True, slots=True)
+class PassingTask:
     """A speed task that remembers who its position bounds come from."""
 
+    merged: SpeedTask
     base: SpeedTask
     """Without pedestrians."""
     conflicts: Conflicts
     behind: int
     body: Body
     margin_along: float
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.merged, name)
+
+    def _replace(self, **values: Any) -> PassingTask:
+        return replace(self, merged=self.merged._replace(**values))
 
 
 class NaiveSpeedPlanner(SpeedPlanner):
@@ -60,10 +68,8 @@ class NaiveSpeedPlanner(SpeedPlanner):
     def _bounded(
         self, perception: Perception, task: SpeedTask, conflicts: Conflicts, behind: int
     ) -> PassingTask:
-        merged = super()._bounded(perception, task, conflicts, behind)
-        values = {field.name: getattr(merged, field.name) for field in fields(SpeedTask)}
         return PassingTask(
-            **values,
+            merged=super()._bounded(perception, task, conflicts, behind),
             base=task,
             conflicts=conflicts,
             behind=behind,
@@ -81,6 +87,11 @@ class NaiveSpeedProgram:
         self.weights = like.weights
         self.limits = like.limits
         self.tolerance = like.program.tolerance
+        self.compiled = False
+
+    def worth_another_pass(self, task: PassingTask, plan: SpeedPlan) -> bool:
+        """Decide as the original does."""
+        return speed_program.departs(task.expected, plan.speed, task.stoppable)
 
     def solve(self, task: PassingTask, warm: FloatArray | None = None, kind: object = None) -> SpeedPlan:
         """Return the plan for a task; ``warm`` is not used, as nothing outlives a call."""
@@ -320,6 +331,8 @@ def twin(original: Any, perception: Perception) -> Any:
         id(original.settings): original.settings,
     }
     naive = copy.deepcopy(original, kept)
+    naive.settings = replace(original.settings, compiled=False)
+    naive._memory.compiled = False
     planner = NaiveSpeedPlanner.__new__(NaiveSpeedPlanner)
     for field in fields(naive._speed):
         setattr(planner, field.name, getattr(naive._speed, field.name))

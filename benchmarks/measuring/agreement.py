@@ -88,7 +88,7 @@ class Comparison:
                 raise SystemExit(f"{EXACT} found no optimum of a program: agreement cannot be shown")
             optimum = reference.cost
             if isinstance(exact, LateralProgram):
-                optimum += exact.constant_cost(exact.build(task)[0], task)
+                optimum += exact.build(task).cost
             first = float(reference.command[0])
             into.objective.append(abs(naive.cost(task, z) - optimum) / max(1.0, abs(optimum)))
             into.first_command.append(abs(float(z[COMMAND]) - first))

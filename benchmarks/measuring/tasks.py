@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -133,7 +133,7 @@ class Planner:
         for _ in range(FIRM_PASSES if firm else 1):
             if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > enough).any():
                 break
-            task = replace(task, expected=plan.speed)
+            task = task._replace(expected=plan.speed)
             plan = self.speed.solve(task, warm=plan.inputs, kind=step.kind)
         return plan, self.steering.solve(self.along(step, plan))
 
@@ -141,7 +141,7 @@ class Planner:
     def along(step: Step, plan: SpeedPlan) -> SteeringTask:
         """Return the steering task for a speed plan; the lane's curvature stays where it was recorded."""
         mean = 0.5 * (plan.speed + np.concatenate(([step.speed.speed], plan.speed[:-1])))
-        return replace(step.steering, speed=np.maximum(mean, 0.5))
+        return step.steering._replace(speed=np.maximum(mean, 0.5))
 
 
 def in_turn(steps: Sequence[Step], most: int) -> Iterator[list[Step]]:

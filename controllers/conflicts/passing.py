@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -290,8 +291,7 @@ def class_name(conflicts: Conflicts, behind: int) -> str:
     return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
 
 
-@dataclass(frozen=True, slots=True)
-class ClassBounds:
+class ClassBounds(NamedTuple):
     """What each passing class asks of the rear axle's position, shape (n + 1, N) each.
 
     Row j is the class that lets the first j pass. Every half-plane of this formulation bounds the position

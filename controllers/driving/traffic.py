@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ def footprints(vehicles: Vehicles) -> Footprints:
     return vehicles_ahead.footprints(_arrays(vehicles))
 
 
-@dataclass(frozen=True, slots=True)
-class Blockade:
+class Blockade(NamedTuple):
     """The rear ends ahead, as bounds for a front bumper, shape (N,); inf where nobody is."""
 
     rear: FloatArray

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ class ConePlanner(SpeedPlanner):
         joined = False
         for _ in range(self.settings.passes):
             plan = self.joint.solve(
-                replace(bounded, expected=best.speed.speed),
+                bounded._replace(expected=best.speed.speed),
                 steering_task,
                 walkers,
                 _motion(best, steering_task, perception.ego.speed),

@@ -7,7 +7,7 @@ they are and copied in blocks; below their rows stand those of the cones, linear
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,7 +126,7 @@ class ConeProgram:
         cost = solution.cost + response.steering.cost
         road = self.speed.plan(speed, response.speed_free, jerks, cost, solution.found)
         return JointPlan(
-            replace(road, slack=max(road.slack, float(slack.max(initial=0.0)))),
+            road._replace(slack=max(road.slack, float(slack.max(initial=0.0)))),
             SteeringPlan(
                 found=solution.found,
                 across=lane[ACROSS],

@@ -202,7 +202,7 @@ class VelocityObstacleMpc:
         )
         if lane is None or not there:
             return task
-        return replace(task, across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
+        return task._replace(across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
 
     def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
         ego = perception.ego

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +34,7 @@ class SteeringWeights:
     """Per metre outside the corridor."""
 
 
-@dataclass(frozen=True, slots=True)
-class SteeringTask:
+class SteeringTask(NamedTuple):
     """One steering plan to make; arrays have shape (N,)."""
 
     across: float
@@ -53,8 +53,7 @@ class SteeringTask:
     left: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class SteeringPlan:
+class SteeringPlan(NamedTuple):
     """States at the end of each interval, shape (N,) each."""
 
     found: bool
@@ -67,8 +66,7 @@ class SteeringPlan:
     inputs: FloatArray
 
 
-@dataclass(frozen=True, slots=True)
-class Response:
+class Response(NamedTuple):
     """What the inputs of a program that has been built do."""
 
     free: FloatArray

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +61,7 @@ class SpeedLimits:
     """[s]"""
 
 
-@dataclass(frozen=True, slots=True)
-class SpeedTask:
+class SpeedTask(NamedTuple):
     """One speed plan to make: bounds on the rear axle's position from now, each of shape (N,)."""
 
     speed: float
@@ -82,8 +82,7 @@ class SpeedTask:
     """Speed not to be exceeded, however late the ego is; ``None`` for the wanted speed's maximum [m/s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class SpeedPlan:
+class SpeedPlan(NamedTuple):
     """States at the end of each interval, shape (N,) each."""
 
     found: bool
@@ -173,6 +172,10 @@ class LongitudinalProgram:
         free = self.build(task)
         solution = self.program.solve(warm, kind)
         return self.plan(task, free, solution.z, solution.cost, solution.found)
+
+    def worth_another_pass(self, task: SpeedTask, plan: SpeedPlan) -> bool:
+        """Return whether a plan is far from the speeds about which its braking distance was linearised."""
+        return bool(self._code.departs(task.expected, plan.speed, task.stoppable))
 
     def plan(self, task: SpeedTask, free: FloatArray, z: FloatArray, cost: float, found: bool) -> SpeedPlan:
         """Return what inputs and slacks mean.

@@ -180,10 +180,9 @@ class SpeedPlanner:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
         plan = self.program.solve(task, kind=behind)
         for _ in range(self.settings.passes - 1):
-            bounded = np.isfinite(task.stoppable)
-            if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > 0.3).any():
+            if not plan.found or not self.program.worth_another_pass(task, plan):
                 break
-            task = replace(task, expected=plan.speed)
+            task = task._replace(expected=plan.speed)
             plan = self.program.solve(task, warm=plan.inputs, kind=behind)
         return plan
 
@@ -202,18 +201,17 @@ class SpeedPlanner:
             task.upper,
             self.memory.times,
             speed,
-            max(float(task.reference.max()), speed),
+            task.reference,
             limits.acceleration,
             limits.comfortable_braking,
         )
-        scored = [(far, flips[behind], -behind, behind) for behind, far in enumerate((short > 0.5).tolist())]
-        chosen = [behind for *_, behind in sorted(scored)][: s.max_classes]
-        if self._locked(perception, conflicts) or not self._due(perception):
-            kept = [behind for behind in range(n + 1) if flips[behind] == 0]
-            reachable = {behind for far, *_, behind in scored if not far}
-            same = [behind for behind in kept if behind in reachable][: s.max_classes]
+        far = (short > 0.5).tolist()
+        if not self._due(perception) or self._locked(perception, conflicts):
+            same = [behind for behind in range(n + 1) if flips[behind] == 0 and not far[behind]]
             if same and all(name in self._ahead for name in conflicts.names):
-                return same
+                return same[: s.max_classes]
+        scored = sorted((far[behind], flips[behind], -behind, behind) for behind in range(n + 1))
+        chosen = [behind for *_, behind in scored][: s.max_classes]
         # Letting everybody pass is always worth a try.
         return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
 
@@ -329,8 +327,7 @@ class SpeedPlanner:
         if not len(conflicts):
             return task
         bounds = self._class_bounds(perception, task, conflicts)
-        return replace(
-            task,
+        return task._replace(
             upper=np.minimum(task.upper, bounds.upper[behind]),
             lower=np.maximum(task.lower, bounds.lower[behind]),
             stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),

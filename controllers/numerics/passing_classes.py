@@ -167,7 +167,7 @@ def shortfalls(
     largest: FloatArray,
     times: FloatArray,
     speed: float,
-    top: float,
+    reference: FloatArray,
     acceleration: float,
     braking: float,
 ) -> FloatArray:
@@ -178,9 +178,11 @@ def shortfalls(
     lower, upper : of the classes, shape (n + 1, N) [m]
     largest : position that anything else allows, shape (N,) [m]
     times : horizon, shape (N,) [s]
-    speed, top : now, and at most [m/s]
+    speed : now [m/s]
+    reference : wanted speeds, shape (N,) [m/s]
     acceleration, braking : comfortable ones [m/s^2]
     """
+    top = max(reference.max(), speed)
     t = np.minimum(times, (top - speed) / acceleration)
     farthest = np.minimum(speed * t + 0.5 * acceleration * t**2 + (times - t) * top, largest)
     t = np.minimum(times, speed / braking)

@@ -13,6 +13,8 @@ UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE = range(7)
 """Blocks of rows whose bounds change, in their order."""
 POSITION, SPEED, ACCELERATION, COMMAND = range(4)
 """Rows of the longitudinal states."""
+NEAR = 0.3
+"""The braking distance holds well enough this near to the speed it is linearised about [m/s]."""
 
 
 class Layout(NamedTuple):
@@ -125,3 +127,8 @@ def states(
     reached[SPEED] = np.maximum(reached[SPEED], 0.0)
     errors = weights[0] * (free[SPEED] - reference) ** 2 + weights[1] * free[ACCELERATION] ** 2
     return reached, float(dt @ errors)
+
+
+def departs(expected: FloatArray, speed: FloatArray, stoppable: FloatArray) -> bool:
+    """Return whether speeds are not near the expected ones where the ego must be able to stop."""
+    return bool(((np.abs(speed - expected) > NEAR) & np.isfinite(stoppable)).any())

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import qpsolvers
@@ -43,8 +44,7 @@ ACTIVE = 1e-7
 _NO_ROWS = np.empty(0, dtype=np.int64)
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+class Solution(NamedTuple):
     """A solution and its certificate."""
 
     z: FloatArray

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -93,7 +91,7 @@ def test_the_rows_of_the_program_are_the_linearised_cones(kind: Cone) -> None:
 def test_all_values_lie_in_the_pattern_whatever_is_built() -> None:
     program = _program(Cone.HYBRID)
     for count in (3, 0, 1):
-        program.build(SPEED, replace(STEERING, curvature=np.full(N, 0.01)), _walkers(count), _nominal())
+        program.build(SPEED, STEERING._replace(curvature=np.full(N, 0.01)), _walkers(count), _nominal())
         # Rounding of what is an identity leaves 1e-17 beside the speed program's diagonals.
         assert np.abs(program.program.G[~program.program.row_pattern]).max() < 1e-12
         assert not program.program.P[~program.program.cost_pattern].any()
@@ -104,7 +102,7 @@ def test_a_plan_meets_the_cones_about_itself() -> None:
     pytest.importorskip("daqp")
     program = _program(solver="daqp")
     walkers, nominal = _walkers(1), _nominal()
-    task = replace(SPEED, speed=8.0, expected=np.full(N, 8.0))
+    task = SPEED._replace(speed=8.0, expected=np.full(N, 8.0))
     for _ in range(8):
         plan = program.solve(task, STEERING, walkers, nominal)
         assert plan.speed.found

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import qpsolvers
@@ -79,7 +77,7 @@ def test_a_slow_ego_speeds_up_within_its_limits_and_does_not_overshoot() -> None
 def test_it_stops_before_a_bound_with_comfortable_braking_where_that_is_enough() -> None:
     task = _task(10.0, upper=np.full(N, 30.0), stoppable=np.full(N, 30.0))
     plan = _program().solve(task)
-    plan = _program().solve(replace(task, expected=plan.speed))
+    plan = _program().solve(task._replace(expected=plan.speed))
     _assert_within_limits(plan, task)
     # Whatever speed is left at the end of the horizon, the way left is enough to stop.
     ways_to_stop = plan.speed**2 / (2.0 * LIMITS.freeze_braking)
@@ -129,7 +127,7 @@ def test_it_can_stop_before_a_place_that_may_become_occupied() -> None:
     task = _task(13.0, stoppable=np.full(N, 40.0))
     plan = program.solve(task)
     for _ in range(5):  # the braking distance is linearised about the plan before
-        plan = program.solve(replace(task, expected=plan.speed))
+        plan = program.solve(task._replace(expected=plan.speed))
     assert (plan.position + plan.speed**2 / (2.0 * LIMITS.freeze_braking)).max() < 40.0 + 0.1
 
 
