@@ -7,10 +7,12 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
-Column = Sequence[Any]
+Column = Sequence[Any] | NDArray[np.float64]
 
 
 class ParquetSink:
@@ -50,7 +52,8 @@ class ParquetSink:
             return
         self._add_pieces()
         for pieces, column in zip(self._pieces, columns, strict=True):
-            pieces.append(column)
+            # An array may be filled anew before it is written.
+            pieces.append(column.copy() if isinstance(column, np.ndarray) else column)
         self._count(count)
 
     def close(self) -> None:
@@ -85,8 +88,16 @@ class ParquetSink:
         self._add_pieces()
         pieces, self._pieces = self._pieces, [[] for _ in self._schema]
         self._waiting = 0
-        arrays = [
-            pa.array(list(chain.from_iterable(column)), type=field.type)
-            for column, field in zip(pieces, self._schema, strict=True)
-        ]
+        arrays = [_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)]
         self._writer.write_table(pa.Table.from_arrays(arrays, schema=self._schema))
+
+
+def _array(pieces: Sequence[Column], kind: pa.DataType) -> pa.Array:
+    """Return one column of its pieces; numbers in arrays are not made Python's one by one."""
+    arrays = [piece for piece in pieces if isinstance(piece, np.ndarray)]
+    if len(arrays) == len(pieces):
+        return pa.array(np.concatenate(arrays), type=kind)
+    if len(pieces) == 1:
+        return pa.array(pieces[0], type=kind)
+    lists = [piece.tolist() if isinstance(piece, np.ndarray) else piece for piece in pieces]
+    return pa.array(list(chain.from_iterable(lists)), type=kind)

@@ -22,6 +22,7 @@ PLANS_PER_SECOND = 2.0
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 """Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
 
+_OVERLAY = json.JSONEncoder(sort_keys=True, allow_nan=False)
 _UNPLANNED = (None,) * (len(recording.EGOS) - recording.EGOS.get_field_index("rule"))
 
 
@@ -190,7 +191,7 @@ def _plan_row(perception: Perception, plan: Plan, to_world: ToWorld) -> tuple[An
         points[:, 0].tolist(),
         points[:, 1].tolist(),
         plan.speed.tolist(),
-        json.dumps(overlay, sort_keys=True, allow_nan=False),
+        _OVERLAY.encode(overlay),
     )
 
 
@@ -203,17 +204,17 @@ def _person_columns(snapshot: Snapshot) -> list[Any]:
         for u, v in zip(persons.x_speed.tolist(), persons.y_speed.tolist(), strict=True)
     ]
     return [
-        [snapshot.time] * count,
+        np.full(count, snapshot.time),
         persons.names,
         ["pedestrian"] * count,
         persons.kind,
-        persons.x.tolist(),
-        persons.y.tolist(),
+        persons.x,
+        persons.y,
         heading,
-        persons.x_speed.tolist(),
-        persons.y_speed.tolist(),
-        diameter.tolist(),
-        diameter.tolist(),
+        persons.x_speed,
+        persons.y_speed,
+        diameter,
+        diameter,
         persons.edge,
         [crossing or None for crossing in persons.crossing],
         persons.phase,
@@ -224,17 +225,17 @@ def _vehicle_columns(snapshot: Snapshot) -> list[Any]:
     vehicles = snapshot.vehicles
     count = len(vehicles.names)
     return [
-        [snapshot.time] * count,
+        np.full(count, snapshot.time),
         vehicles.names,
         ["vehicle"] * count,
         vehicles.kind,
-        vehicles.x.tolist(),
-        vehicles.y.tolist(),
-        vehicles.heading.tolist(),
-        (vehicles.speed * np.cos(vehicles.heading)).tolist(),
-        (vehicles.speed * np.sin(vehicles.heading)).tolist(),
-        vehicles.length.tolist(),
-        vehicles.width.tolist(),
+        vehicles.x,
+        vehicles.y,
+        vehicles.heading,
+        vehicles.speed * np.cos(vehicles.heading),
+        vehicles.speed * np.sin(vehicles.heading),
+        vehicles.length,
+        vehicles.width,
         vehicles.lane,
         [None] * count,
         [None] * count,
