@@ -23,7 +23,7 @@ from measuring.city import FILLED_S, City
 from measuring.command import options
 from measuring.control_parts import PARTS as CONTROL_PARTS
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, Drive, alone, drive
-from measuring.solvers import solvers
+from measuring.solvers import FAST, settings, solvers
 
 from cosim.request import RunRequest
 
@@ -34,7 +34,7 @@ CITIES = ((50, 20), (200, 200), (1000, 200))
 """Vehicles and persons."""
 REPEATS = {50: 5, 200: 5, 1000: 3}
 BARRED = (200, 200)
-MOST = {"osqp": 1.0, "daqp": 0.4}
+MOST = {"osqp": 1.0, FAST: 0.4}
 OF_THE_LOOP = (SENSE, CONTROL, ACT, ADVANCE, SUMO, SNAPSHOT, RECORD)
 
 
@@ -65,8 +65,8 @@ def measure(vehicles: int, persons: int, repeats: int, driven_s: float) -> dict[
 
 
 def _request(configuration: Path, solver: str) -> RunRequest:
-    settings = {"solver": solver, "steps": str(HORIZON)}
-    return RunRequest(str(configuration), ego_vehicle=EGO, settings=settings, actuation="hybrid")
+    given = {name: str(value) for name, value in {**settings(solver), "steps": HORIZON}.items()}
+    return RunRequest(str(configuration), ego_vehicle=EGO, settings=given, actuation="hybrid")
 
 
 def _summary(drives: Sequence[Drive], without: Sequence[float], split: Drive) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.control_parts import PARTS, Programs, observed
 from measuring.perceptions import CASES, Approach, Case
-from measuring.solvers import solvers
+from measuring.solvers import FAST, solvers
 from measuring.stopwatch import OTHER, Stopwatch
 from numpy.typing import NDArray
 
@@ -36,9 +36,9 @@ NAIVE = "naive"
 NAIVE_STEPS = 20
 """Control steps per repetition that the naive controller repeats; it is the slow one."""
 BARRED = (Case(30, 5), Case(30, 20))
-LEAST_RATIO = {"osqp": (8.0, 8.0), "daqp": (24.0, 38.0)}
+LEAST_RATIO = {"osqp": (8.0, 8.0), FAST: (24.0, 38.0)}
 """Naive over ours at the median control step, for each of these cases."""
-MOST_SPREAD = {"osqp": 9.0, "daqp": 3.0}
+MOST_SPREAD = {"osqp": 9.0, FAST: 3.0}
 """99th percentile over median of the speed program's solve."""
 
 
@@ -56,30 +56,42 @@ QUICK = Effort(1, 60, (Case(30, 5),))
 
 
 def repetition(case: Case, approaches: Sequence[Approach]) -> dict[str, dict[str, FloatArray]]:
-    """Return the times of each control step of one pass over all approaches [s], by controller."""
-    names = (*solvers(), NAIVE)
+    """Return the times of each control step of one pass over all approaches [s], by controller.
+
+    They take turns approach by approach: step by step each would find the caches full of the others' data.
+    """
+    names = [*solvers(), NAIVE]
     times: dict[str, list[float]] = {name: [] for name in names}
     compared: dict[str, list[float]] = {name: [] for name in names}
     every = max(1, sum(len(approach) - 1 for approach in approaches) // NAIVE_STEPS)
-    count = 0
-    for approach in approaches:
-        drivers = {name: perceptions.controller(case, name) for name in solvers()}
-        for i, perception in enumerate(approach):
-            count += 1
-            turn: dict[str, Any] = dict(drivers)
-            with_naive = i > 0 and count % every == 0
-            if with_naive:
-                turn[NAIVE] = naive.twin(drivers["osqp"], perception)
-            order = list(turn) if count // every % 2 else list(reversed(turn))
-            gc.collect(0)
-            for name in order:
-                took = _timed(turn[name], perception)
-                # The first step of an approach builds the programs.
-                if i:
-                    times[name].append(took)
-                    if with_naive:
-                        compared[name].append(took)
+    for number, approach in enumerate(approaches):
+        for name in names if number % 2 else reversed(names):
+            took = _naive(case, approach, every) if name == NAIVE else _ours(case, approach, name)
+            times[name] += took
+            compared[name] += took if name == NAIVE else took[::every]
     return {name: {"times": np.array(times[name]), "compared": np.array(compared[name])} for name in names}
+
+
+def _ours(case: Case, approach: Approach, name: str) -> list[float]:
+    """Return what each step but the first takes, which builds the programs [s]."""
+    driver = perceptions.controller(case, name)
+    _timed(driver, approach[0])
+    gc.collect(0)
+    return [_timed(driver, perception) for perception in approach[1:]]
+
+
+def _naive(case: Case, approach: Approach, every: int) -> list[float]:
+    """Return what the naive controller takes for every so many of these steps [s]."""
+    driver = perceptions.controller(case, "osqp")
+    _timed(driver, approach[0])
+    found = []
+    for i, perception in enumerate(approach[1:]):
+        if i % every == 0:
+            twin = naive.twin(driver, perception)
+            gc.collect(0)
+            found.append(_timed(twin, perception))
+        _timed(driver, perception)
+    return found
 
 
 def _timed(driver: Any, perception: Perception) -> float:
@@ -220,6 +232,8 @@ def main() -> None:
     given = options(__doc__)
     effort = QUICK if given.quick else Effort()
     warnings.simplefilter("ignore")  # OSQP's hint that a naive program was given up
+    for solver in solvers():
+        perceptions.warm_up(Case(30, 5), solver)
     gc.disable()
     cases = {}
     for case in effort.cases:

@@ -26,6 +26,8 @@ PASSES = 3
 
 def measure(cases: tuple[Case, ...], passes: int) -> dict[str, dict[str, dict[str, float]]]:
     """Return median and mean of the control step [ms], by case and solver; the cases take turns."""
+    for solver in solvers():
+        perceptions.warm_up(Case(30, 5), solver)
     recorded = {case: perceptions.record(case) for case in cases}
     times: dict[tuple[Case, str], list[float]] = {(case, s): [] for case in cases for s in solvers()}
     for _ in range(passes):

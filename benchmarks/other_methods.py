@@ -23,7 +23,7 @@ from measuring import results, tasks
 from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.perceptions import Case
-from measuring.solvers import solvers
+from measuring.solvers import FAST, solvers
 from measuring.tasks import Planner, Step
 
 from controllers.mpc.lateral import SteeringPlan
@@ -32,7 +32,7 @@ from controllers.mpc.longitudinal import SpeedPlan
 CASE = Case(30, 5)
 CASADI, PYMOO = "CasADi/IPOPT", "pymoo GA"
 PACKAGES = {CASADI: "casadi", PYMOO: "pymoo"}
-LEAST = {CASADI: {"osqp": 10.0, "daqp": 40.0}, PYMOO: {"osqp": 100.0, "daqp": 600.0}}
+LEAST = {CASADI: {"osqp": 10.0, FAST: 40.0}, PYMOO: {"osqp": 100.0, FAST: 600.0}}
 SPEED_TOLERANCE, STEERING_TOLERANCE = 0.01, 1e-4
 """Largest difference of a planned speed [m/s] and of a steering angle [rad] from IPOPT's optimum."""
 
@@ -84,26 +84,28 @@ class Contest:
         self.iterations: list[int] = []
 
     def repetition(self) -> dict[str, list[float]]:
-        """Return what each step took [s]; the steps are the same for all, but fewer for the slowest."""
-        times: dict[str, list[float]] = {}
-        count = 0
-        for run in self.runs:
+        """Return what each step took [s]; the steps are the same for all, but fewer for the slowest.
+
+        They take turns run by run: step by step each would find the caches full of the others' data.
+        """
+        turn: dict[str, Callable[[Step], Any]] = {name: one.plan for name, one in self.ours.items()}
+        if self.non_linear:
+            turn[CASADI] = self._ipopt
+        if self.genetic:
+            turn[PYMOO] = self.genetic.plan
+        times: dict[str, list[float]] = {name: [] for name in turn}
+        for number, run in enumerate(self.runs):
             if self.non_linear:
                 self.non_linear.forget()
-            for i, step in enumerate(run):
-                turn: dict[str, Callable[[Step], Any]] = {name: one.plan for name, one in self.ours.items()}
-                if self.non_linear:
-                    turn[CASADI] = self._ipopt
-                # The first step of a run has nothing to begin with, for nobody.
-                count += i > 0
-                if self.genetic and i and count % self.effort.genetic_every == 0:
-                    turn[PYMOO] = self.genetic.plan
+            for name in turn if number % 2 else reversed(turn):
                 gc.collect(0)
-                for name in turn if count % 2 else reversed(turn):
+                # The first step of a run has nothing to begin with, for nobody.
+                turn[name](run[0])
+                every = self.effort.genetic_every if name == PYMOO else 1
+                for step in run[1::every]:
                     began = perf_counter()
                     turn[name](step)
-                    if i:
-                        times.setdefault(name, []).append(perf_counter() - began)
+                    times[name].append(perf_counter() - began)
         return times
 
     def _ipopt(self, step: Step) -> None:
@@ -145,8 +147,7 @@ class Contest:
     def _cost(self, step: Step, speed: SpeedPlan, steering: SteeringPlan) -> float:
         """Return the objective of a plan, constants included."""
         task = Planner.along(step, speed)
-        free, _ = self.exact.steering.build(task)
-        return speed.cost + steering.cost + self.exact.steering.constant_cost(free, task)
+        return speed.cost + steering.cost + self.exact.steering.build(task).cost
 
 
 def ratios(repeats: list[dict[str, list[float]]], method: str, solver: str) -> dict[str, float]:

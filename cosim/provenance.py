@@ -16,7 +16,7 @@ from typing import Any
 
 PERFECT = "perfect"
 """Sensing that tells egos the truth."""
-_DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp")
+_DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "numba")
 """What may change a run's numbers, besides this tool; absent ones are left out."""
 
 

@@ -26,6 +26,7 @@ LOOKS = 10
 
 def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
     """Return what is still held after so many control steps, and the peaks of single steps."""
+    perceptions.warm_up(case, solver)
     approaches = perceptions.record(case)
     seen = _endless(approaches)
     driver = perceptions.controller(case, solver)

@@ -10,6 +10,7 @@ import numpy as np
 from controllers import catalog
 from controllers.interface import Controller, Perception
 from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from measuring.solvers import settings
 
 STEP = 0.1
 """Of the simulation [s]."""
@@ -41,7 +42,15 @@ CASES = tuple(Case(steps, people) for steps in (20, 30) for people in (0, 1, 5, 
 
 def controller(case: Case, solver: str) -> Controller:
     """Return a fresh ``vo_mpc``."""
-    return catalog.build("vo_mpc", seed=1, steps=case.steps, solver=solver)
+    return catalog.build("vo_mpc", seed=1, steps=case.steps, **settings(solver))
+
+
+def warm_up(case: Case, solver: str) -> None:
+    """Plan every kind of step once, so that nothing is compiled while the clock runs."""
+    for approach in record(case):
+        driver = controller(case, solver)
+        for perception in approach:
+            driver.plan(perception, driver.decide(perception))
 
 
 def record(case: Case, approaches: int = APPROACHES) -> list[Approach]:

@@ -17,7 +17,7 @@ from measuring.markdown import table
 FOLDER = Path(__file__).resolve().parent.parent
 BUSY = 1.5
 """Load average above which somebody else was at work: one benchmark at a time runs, on one core."""
-PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "libsumo", "casadi", "pymoo")
+PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "numba", "libsumo", "casadi", "pymoo")
 SECTIONS = (
     "control_step",
     "agreement",

@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
-import qpsolvers
+import importlib.util
+from typing import Any
+
+FAST = "fast"
+"""What the extra ``[fast]`` brings: DAQP, and arithmetic compiled by Numba."""
 
 
 def solvers() -> tuple[str, ...]:
-    """Return OSQP, which every installation has, and DAQP where it is installed."""
-    return ("osqp", *(name for name in ("daqp",) if name in qpsolvers.available_solvers))
+    """Return OSQP, which every installation has, and the fast path where it is installed."""
+    installed = all(importlib.util.find_spec(name) for name in ("daqp", "numba"))
+    return ("osqp", FAST) if installed else ("osqp",)
+
+
+def settings(name: str) -> dict[str, Any]:
+    """Return the parameters of ``vo_mpc`` that stand for one of them.
+
+    >>> settings("osqp")
+    {'solver': 'osqp'}
+    """
+    return {"solver": "daqp", "compiled": True} if name == FAST else {"solver": name}

@@ -14,6 +14,7 @@ from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from measuring import perceptions
 from measuring.perceptions import Case
+from measuring.solvers import settings
 from measuring.stopwatch import replaced
 
 FIRM_PASSES = 8
@@ -109,8 +110,12 @@ class Planner:
         """Return fresh programs of the same layout."""
         speed, steering, drive = layout.speed, layout.steering, layout.drive
         precision = speed.program.tolerance if tolerance is None else tolerance
+        how = settings(solver)
+        compiled = how.get("compiled", False)
         return cls(
-            LongitudinalProgram(speed.dt, drive.drive_lag, speed.weights, speed.limits, solver, precision),
+            LongitudinalProgram(
+                speed.dt, drive.drive_lag, speed.weights, speed.limits, how["solver"], precision, compiled
+            ),
             LateralProgram(
                 steering.dt,
                 drive.steering_lag,
@@ -119,8 +124,9 @@ class Planner:
                 drive.max_steering,
                 drive.max_steering_rate,
                 steering.weights,
-                solver,
+                how["solver"],
                 precision,
+                compiled,
             ),
         )
 
