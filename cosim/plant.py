@@ -136,10 +136,12 @@ class Plant:
     def _substep(self, target: float, angle: float, duration: float) -> None:
         """Hold both targets for a short time; where the vehicle stops within it, stop exactly there."""
         slowest = self._slowest_time(target, duration)
-        speed, acceleration, _ = _longitudinal(
-            self.speed, self.acceleration, target, self.drive.drive_lag, slowest
-        )
+        motion = _longitudinal(self.speed, self.acceleration, target, self.drive.drive_lag, slowest)
+        speed, acceleration, _ = motion
         stops = speed < 0.0 or (speed == 0.0 and acceleration <= 0.0 and target <= 0.0)
+        if not stops and slowest == duration:
+            self._roll(target, angle, duration, motion)
+            return
         moving = self._stopping_time(target, slowest) if stops else duration
         if moving > 0.0:
             self._roll(target, angle, moving)
@@ -154,11 +156,18 @@ class Plant:
         else:
             self.steering = self._steering_after(angle, standing)
 
-    def _roll(self, target: float, angle: float, duration: float) -> None:
-        """Advance by the closed forms; the speed stays non-negative for that long."""
+    def _roll(
+        self, target: float, angle: float, duration: float, motion: tuple[float, float, float] | None = None
+    ) -> None:
+        """Advance by the closed forms; the speed stays non-negative for that long.
+
+        ``motion`` is what `_longitudinal` returns for it, where that is known.
+        """
         lag = self.drive.drive_lag
         middle_speed, _, _ = _longitudinal(self.speed, self.acceleration, target, lag, 0.5 * duration)
-        speed, acceleration, distance = _longitudinal(self.speed, self.acceleration, target, lag, duration)
+        if motion is None:
+            motion = _longitudinal(self.speed, self.acceleration, target, lag, duration)
+        speed, acceleration, distance = motion
         middle = self._steering_after(angle, 0.5 * duration)
         steering = self._steering_after(angle, duration)
         bend = [math.tan(value) / self.body.wheelbase for value in (self.steering, middle, steering)]

@@ -238,7 +238,7 @@ class Actuation:
             here, ego.vehicle_class, ego.width, place.across
         ):
             return False
-        target = self._lanes.counted(here, ego.vehicle_class, *aim)
+        target = self._lanes.counted(here, place, ego.vehicle_class, *aim)
         if target is None:
             return False
         position, across = target

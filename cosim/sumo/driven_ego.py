@@ -26,6 +26,8 @@ class DrivenEgo:
     executed: Executed
     own_limit: float
     """What this kind of vehicle drives at most [m/s]."""
+    front: tuple[float, float]
+    """Centre of the front bumper after the last step [m]."""
     command: Command = COAST
     elapsed: float = 0.0
     """Since the command was given [s]."""
@@ -43,7 +45,7 @@ class DrivenEgo:
             # The part of the command that was carried out in the last step.
             began = self.elapsed - step + 1e-9
             entry = max(0, bisect_right(self.command.times, began) - 1)
-        x, y = plant.front
+        x, y = self.front
         piece = track.path.piece_at(track.along)
         return EgoTruth(
             self.name,

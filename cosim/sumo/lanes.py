@@ -110,6 +110,7 @@ class Lanes:
         self._connection = connection
         self._shapes: dict[str, LaneShape] = {}
         self._links: dict[str, tuple[LaneLink, ...]] = {}
+        self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
@@ -148,22 +149,34 @@ class Lanes:
 
     def paved(self, lane: LaneShape, vehicle_class: str, width: float, across: float) -> bool:
         """Return whether a body [m] is within this lane and the permitted ones beside it."""
-        right = left = 0.5 * lane.width
-        for other in self.beside(lane, vehicle_class):
-            if other.index == lane.index - 1:
-                right += other.width
-            elif other.index == lane.index + 1:
-                left += other.width
-        return 0.5 * width - right <= across <= left - 0.5 * width
+        key = (lane.name, vehicle_class)
+        sides = self._paved.get(key)
+        if sides is None:
+            right = left = 0.5 * lane.width
+            for other in self.beside(lane, vehicle_class):
+                if other.index == lane.index - 1:
+                    right += other.width
+                elif other.index == lane.index + 1:
+                    left += other.width
+            sides = self._paved[key] = right, left
+        return 0.5 * width - sides[0] <= across <= sides[1] - 0.5 * width
 
-    def counted(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> tuple[float, float] | None:
+    def counted(
+        self, lane: LaneShape, place: Place, vehicle_class: str, x: float, y: float
+    ) -> tuple[float, float] | None:
         """Return SUMO's lane position and lateral position [m] that bring a vehicle of that lane to a point.
 
         Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
         point of the road; so the point is then seen from the next lane. ``None`` if the two lanes disagree
         on whether the edge is passed.
+
+        Parameters
+        ----------
+        lane : the vehicle's
+        place : of the point, seen from that lane
+        vehicle_class : SUMO's name of it
+        x, y : the point [m]
         """
-        place = lane.place(x, y)
         if abs(place.across) <= 0.5 * lane.width:
             return place.along * lane.scale, place.across
         side = 1 if place.across > 0.0 else -1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -19,6 +19,7 @@ SMOOTHING = 5
 """Samples averaged, twice: a corner of SUMO's polyline becomes a bend of about 4 m; a bend of 6 m radius is
 cut by less than 0.1 m."""
 SEGMENT_COLUMNS = 12
+_NOTHING = (np.zeros(0), np.zeros(0), np.zeros(0))
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
 
@@ -81,7 +82,10 @@ class Path:
         ----------
         points : (n, 2) [m]
         """
-        return project_all([self], points, [len(points)])
+        if not len(points):
+            return _NOTHING
+        last = len(self.points) - 2
+        return _projected(points, np.minimum(self.nearest_samples(points), last), last, self.segments)
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""
@@ -133,10 +137,9 @@ class Path:
         """Return the number of the sample nearest to each point (n, 2)."""
         return np.asarray(self._tree.query(points)[1], dtype=np.int64)
 
-    @property
-    def segments(self) -> FloatArray:
-        """One row for each segment: what `project` and `at` need of it."""
-        return self._segments
+    def segments(self, numbers: IntArray, out: FloatArray | None = None) -> FloatArray:
+        """Return one row for each of these segments: what `project` needs of it."""
+        return self._segments.take(numbers, axis=0, out=out, mode="clip")
 
 
 def project_all(
@@ -151,21 +154,45 @@ def project_all(
     counts : how many of them belong to each path
     """
     if not len(points):
-        empty = np.zeros(0)
-        return empty, empty, empty
-    x, y = points[:, 0], points[:, 1]
+        return _NOTHING
     ends = list(accumulate(counts))
     parts = [
         (path, slice(end - count, end)) for path, count, end in zip(paths, counts, ends, strict=True) if count
     ]
     last = np.repeat([len(path.points) - 2 for path in paths], counts)
     segment = np.minimum(np.concatenate([path.nearest_samples(points[part]) for path, part in parts]), last)
-    rows = _rows_of(parts, segment)
+
+    def rows_of(numbers: IntArray) -> FloatArray:
+        rows = np.empty((len(numbers), SEGMENT_COLUMNS))
+        for path, part in parts:
+            path.segments(numbers[part], rows[part])
+        return rows
+
+    return _projected(points, segment, last, rows_of)
+
+
+def _projected(
+    points: FloatArray,
+    segment: IntArray,
+    last: int | IntArray,
+    rows_of: Callable[[IntArray], FloatArray],
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return arc length, offset and heading of points, each near a segment.
+
+    Parameters
+    ----------
+    points : (n, 2) [m]
+    segment : number of the segment that begins at the sample nearest to each
+    last : number of the last segment of the path of each
+    rows_of : returns what is known of each one's segment
+    """
+    x, y = points[:, 0], points[:, 1]
+    rows = rows_of(segment)
     # A point nearer to a sample may belong to the segment before it.
     before = (x - rows[:, 0]) * rows[:, 4] + (y - rows[:, 1]) * rows[:, 5] < 0.0
     if before.any():
         segment = np.maximum(segment - before, 0)
-        rows = _rows_of(parts, segment)
+        rows = rows_of(segment)
     px, py, cx, cy, tx, ty, turn_x, turn_y, along, length, heading, bend = rows.T
     # The tangent turns evenly along a segment: where the rest is square to it, a quadratic is zero.
     east, north = x - px, y - py
@@ -183,13 +210,6 @@ def project_all(
     across = (north - share * cy) * tangent_x - (east - share * cx) * tangent_y
     across /= np.sqrt(tangent_x * tangent_x + tangent_y * tangent_y)
     return along + share * length, across, heading + inner * bend
-
-
-def _rows_of(parts: Sequence[tuple[Path, slice]], segment: IntArray) -> FloatArray:
-    rows = np.empty((len(segment), SEGMENT_COLUMNS))
-    for path, part in parts:
-        path.segments.take(segment[part], axis=0, out=rows[part], mode="clip")
-    return rows
 
 
 def interpolated(at: float, places: FloatArray, values: FloatArray) -> float:

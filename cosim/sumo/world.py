@@ -285,7 +285,8 @@ class SumoWorld:
             slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
             ego.intervention = off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
             ego.travelled += plant.speed * self.step
-        ego.track.update(*plant.front)
+        ego.front = plant.front if ego.handed_back else before
+        ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _seen(self, name: str) -> Executed:
@@ -333,16 +334,16 @@ class SumoWorld:
         let_go(self._sumo, name)
         self._actuation.take_over(name)
         self._observer.follow(name)
-        self._egos[name] = DrivenEgo(name, plant, track, seen, own_limit(self._sumo, name))
+        self._egos[name] = DrivenEgo(name, plant, track, seen, own_limit(self._sumo, name), plant.front)
         self._any_ego = True
 
     def _observe(self) -> None:
         known = {
-            ego.name: KnownState(*ego.plant.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
+            ego.name: KnownState(*ego.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
             for ego in self._egos.values()
         }
         surroundings = self._observer.read(tuple(self._egos), known)
-        places = {name: (own.x, own.y) for name, own in known.items()}
+        places = {name: ego.front for name, ego in self._egos.items()}
         self._surroundings = self._scripted.among(surroundings, places, self._time)
 
     # Sensing ------------------------------------------------------------------------------------------
