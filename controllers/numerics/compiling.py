@@ -14,6 +14,7 @@ from __future__ import annotations
 import importlib.util
 from functools import cache
 from types import FunctionType, ModuleType
+from typing import Any
 
 IN_LOOPS = "_in_loops"
 """Ends the name of a function that takes another's place when compiled."""
@@ -34,8 +35,6 @@ def code_of(module: ModuleType, compiled: bool) -> ModuleType:
     if not compiled:
         return module
     check_compiler()
-    import numba  # costs a third of a second, which only those pay who ask for it
-
     code = ModuleType(module.__name__)
     code.__dict__.update(module.__dict__)
     own = {
@@ -48,8 +47,17 @@ def code_of(module: ModuleType, compiled: bool) -> ModuleType:
             text = own.get(name + IN_LOOPS, function)
             # Its globals are the copy's: compiled functions call compiled ones.
             copied = FunctionType(text.__code__, code.__dict__, text.__name__, text.__defaults__)
-            code.__dict__[name] = numba.njit(copied, cache=True, error_model="numpy")
+            code.__dict__[name] = _compiled(copied)
     return code
+
+
+def _compiled(function: FunctionType) -> Any:
+    import numba  # costs a third of a second, which only those pay who ask for it
+
+    try:
+        return numba.njit(function, cache=True, error_model="numpy")
+    except RuntimeError:  # there is no place for its machine code
+        return numba.njit(function, error_model="numpy")
 
 
 def check_compiler() -> None:
