@@ -93,8 +93,8 @@ class NaiveSpeedProgram:
         """Decide as the original does."""
         return speed_program.departs(task.expected, plan.speed, task.stoppable)
 
-    def solve(self, task: PassingTask, warm: FloatArray | None = None, kind: object = None) -> SpeedPlan:
-        """Return the plan for a task; ``warm`` is not used, as nothing outlives a call."""
+    def solve(self, task: PassingTask, **_: Any) -> SpeedPlan:
+        """Return the plan for a task; nothing outlives a call, so whatever else is given is not used."""
         n = len(self.dt)
         z = solve(self.build(task), self.tolerance)
         if z is None:
@@ -245,8 +245,8 @@ class NaiveSteeringProgram:
         self.weights = like.weights
         self.tolerance = like.program.tolerance
 
-    def solve(self, task: SteeringTask, warm: FloatArray | None = None) -> SteeringPlan:
-        """Return the plan for a task; ``warm`` is not used, as nothing outlives a call."""
+    def solve(self, task: SteeringTask, **_: Any) -> SteeringPlan:
+        """Return the plan for a task; nothing outlives a call, so whatever else is given is not used."""
         n = len(self.dt)
         z = solve(self.build(task), self.tolerance)
         if z is None:

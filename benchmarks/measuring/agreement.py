@@ -78,7 +78,7 @@ class Comparison:
         osqp: LongitudinalProgram | LateralProgram,
         into: Differences,
     ) -> Any:
-        def solve(task: Any, warm: FloatArray | None = None, kind: object = None) -> Any:
+        def solve(task: Any, **_: Any) -> Any:
             arrays = naive.build(task)
             dense = {name: value.toarray() if name in "PGA" else value for name, value in arrays.items()}
             # Positions cost nothing, so the naive form needs DAQP's proximal term, which vanishes at the end.

@@ -80,8 +80,8 @@ def collect(case: Case) -> tuple[Layout, list[Step]]:
 def _noting_speed(into: list[tuple[SpeedTask, object, SpeedPlan]]) -> Any:
     solve = LongitudinalProgram.solve
 
-    def noted(self: Any, task: SpeedTask, warm: Any = None, kind: Any = None) -> SpeedPlan:
-        plan = solve(self, task, warm, kind)
+    def noted(self: Any, task: SpeedTask, warm: Any = None, kind: Any = None, **rest: Any) -> SpeedPlan:
+        plan = solve(self, task, warm, kind, **rest)
         into.append((task, kind, plan))
         return plan
 

@@ -15,6 +15,7 @@ from controllers.mpc.cone_program import ConeProgram, JointPlan
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import SpeedPlan, SpeedTask
 from controllers.mpc.speed_planning import SpeedPlanner
+from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +33,7 @@ class ConePlanner(SpeedPlanner):
     steering: LateralProgram
     steering_of: SteeringOf
     joint: ConeProgram
+    steering_memory: Memory
 
     def _solve_class(
         self,
@@ -51,7 +53,7 @@ class ConePlanner(SpeedPlanner):
         bounded = self._bounded(perception, task, _only(conflicts, far), int(np.count_nonzero(far < behind)))
         walkers = self._walkers(conflicts, near, behind)
         steering_task = self.steering_of(perception, speed, lane)
-        best = JointPlan(speed, self.steering.solve(steering_task))
+        best = JointPlan(speed, self.steering.solve(steering_task, memory=self.steering_memory))
         if not best.steering.found:
             return speed, nothing
         joined = False

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +41,7 @@ from controllers.mpc.speed_planning import Chosen, PassingSettings, SpeedPlanner
 from controllers.numerics import last_plan
 from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Predictor
+from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -103,6 +106,7 @@ class VelocityObstacleMpc:
         self._kept: Chosen | None = None
         self._speed: SpeedPlanner | None = None
         self._steering: LateralProgram | None = None
+        self._steering_memory = Memory()
 
     def decide(self, perception: Perception) -> Decision:
         """Apply the decision rules on the neighbour gaps; see :mod:`controllers.driving.lane_decision`."""
@@ -132,7 +136,7 @@ class VelocityObstacleMpc:
         steering = chosen.steering
         if steering is None and chosen.plan.found:
             steering = self._steering_program(perception).solve(
-                self._steering_task(perception, chosen.plan, lane)
+                self._steering_task(perception, chosen.plan, lane), memory=self._steering_memory
             )
         if steering is None or not steering.found:
             return self._fallback(perception, chosen)
@@ -248,8 +252,8 @@ class VelocityObstacleMpc:
                 emergency_braking=min(s.limits.emergency_braking, drive.max_deceleration),
                 comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
             )
-            program = LongitudinalProgram(
-                s.dt, drive.drive_lag, s.weights, limits, s.solver, s.tolerance, s.compiled
+            program = _speed_program(
+                tuple(s.dt), drive.drive_lag, s.weights, limits, s.solver, s.tolerance, s.compiled
             )
             right_of_way = RightOfWay(limits.acceleration)
             if s.cone.kind is Cone.STEP:
@@ -264,6 +268,7 @@ class VelocityObstacleMpc:
                     self._predictor,
                     steering=steering,
                     steering_of=self._steering_task,
+                    steering_memory=self._steering_memory,
                     joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance, s.compiled),
                 )
         return self._speed
@@ -282,8 +287,8 @@ class VelocityObstacleMpc:
     def _steering_program(self, perception: Perception) -> LateralProgram:
         if self._steering is None:
             s, drive, body = self.settings, perception.ego.drive, perception.ego.body
-            self._steering = LateralProgram(
-                s.dt,
+            self._steering = _steering_program(
+                tuple(s.dt),
                 drive.steering_lag,
                 body.wheelbase,
                 body.front,
@@ -295,6 +300,17 @@ class VelocityObstacleMpc:
                 s.compiled,
             )
         return self._steering
+
+
+# Egos of one kind share their programs, over runs too: only what is written anew for each solve is in them.
+@lru_cache(maxsize=32)
+def _speed_program(dt: tuple[float, ...], *arguments: Any) -> LongitudinalProgram:
+    return LongitudinalProgram(np.array(dt), *arguments)
+
+
+@lru_cache(maxsize=32)
+def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
+    return LateralProgram(np.array(dt), *arguments)
 
 
 def _overlay(conflicts: passing.Conflicts, horizon: float) -> dict[str, FloatArray]:

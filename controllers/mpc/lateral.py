@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from controllers.mpc.horizon import ACROSS, HEADING, STEERING_COMMAND, LateralHorizon
 from controllers.numerics import steering_program
 from controllers.numerics.compiling import code_of
-from controllers.programs.qp import Program
+from controllers.programs.qp import Memory, Program
 
 FloatArray = NDArray[np.float64]
 
@@ -162,10 +162,15 @@ class LateralProgram:
         )
         return Response(free, self.horizon.gain, cost)
 
-    def solve(self, task: SteeringTask, warm: FloatArray | None = None) -> SteeringPlan:
-        """Return the plan for a task; ``found`` is False when the solver gave none."""
+    def solve(
+        self, task: SteeringTask, warm: FloatArray | None = None, memory: Memory | None = None
+    ) -> SteeringPlan:
+        """Return the plan for a task; ``found`` is False when the solver gave none.
+
+        ``warm`` and ``memory`` as for :meth:`controllers.programs.qp.Program.solve`.
+        """
         response = self.build(task)
-        solution = self.program.solve(warm)
+        solution = self.program.solve(warm, memory=memory)
         n = self.steps
         states = response.free + (self._written.gain @ solution.z[:n]).reshape(4, n)
         return SteeringPlan(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from controllers.mpc.horizon import ACCELERATION, COMMAND, POSITION, SPEED, LongitudinalHorizon
 from controllers.numerics import speed_program
 from controllers.numerics.compiling import code_of
-from controllers.programs.qp import Program
+from controllers.programs.qp import Memory, Program
 
 FloatArray = NDArray[np.float64]
 
@@ -164,13 +164,19 @@ class LongitudinalProgram:
         )
         return free
 
-    def solve(self, task: SpeedTask, warm: FloatArray | None = None, kind: Hashable = None) -> SpeedPlan:
+    def solve(
+        self,
+        task: SpeedTask,
+        warm: FloatArray | None = None,
+        kind: Hashable = None,
+        memory: Memory | None = None,
+    ) -> SpeedPlan:
         """Return the plan for a task; ``found`` is False when the solver gave none.
 
-        ``warm`` and ``kind`` as for :meth:`controllers.programs.qp.Program.solve`.
+        ``warm``, ``kind`` and ``memory`` as for :meth:`controllers.programs.qp.Program.solve`.
         """
         free = self.build(task)
-        solution = self.program.solve(warm, kind)
+        solution = self.program.solve(warm, kind, memory)
         return self.plan(task, free, solution.z, solution.cost, solution.found)
 
     def worth_another_pass(self, task: SpeedTask, plan: SpeedPlan) -> bool:

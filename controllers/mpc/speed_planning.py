@@ -19,6 +19,7 @@ from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTa
 from controllers.numerics import passing_classes, position_bounds
 from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Forecast, Predictor
+from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -80,6 +81,7 @@ class SpeedPlanner:
     right_of_way: RightOfWay
     predictor: Predictor | None = None
     """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
+    _memory: Memory = field(default_factory=Memory)
     _forecast: Forecast | None = None
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
@@ -178,12 +180,12 @@ class SpeedPlanner:
 
     def _solve(self, task: SpeedTask, behind: int) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
-        plan = self.program.solve(task, kind=behind)
+        plan = self.program.solve(task, kind=behind, memory=self._memory)
         for _ in range(self.settings.passes - 1):
             if not plan.found or not self.program.worth_another_pass(task, plan):
                 break
             task = task._replace(expected=plan.speed)
-            plan = self.program.solve(task, warm=plan.inputs, kind=behind)
+            plan = self.program.solve(task, warm=plan.inputs, kind=behind, memory=self._memory)
         return plan
 
     def _candidates(

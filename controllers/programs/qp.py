@@ -83,8 +83,29 @@ class Solution(NamedTuple):
 
 
 @dataclass(slots=True)
+class Memory:
+    """What one ego's solves leave for the next: all that must not be shared."""
+
+    active: dict[Hashable, IntArray] = field(default_factory=dict)
+    """Rows that bound the last program of each kind."""
+    workspaces: dict[int, OsqpWorkspace] = field(default_factory=dict)
+    """By the rows that they take."""
+    last: FloatArray | None = None
+    """Where the last solve ended."""
+
+    def forget(self) -> None:
+        """Begin anew, after a program without solution."""
+        self.active.clear()
+        self.workspaces.clear()
+        self.last = None
+
+
+@dataclass(slots=True)
 class Program:
     """A quadratic program whose values change and whose layout does not.
+
+    Between two solves it holds nothing that matters: all egos of one kind may write their tasks into the
+    same, each with a :class:`Memory` of its own. That keeps a hundred of them within the processor's caches.
 
     Parameters
     ----------
@@ -124,9 +145,7 @@ class Program:
     """All rows: ``G``, then the bounds as rows."""
     _bounds: FloatArray = field(init=False)
     _near: ActiveSet = field(init=False)
-    _active: dict[Hashable, IntArray] = field(init=False, default_factory=dict)
-    _workspaces: dict[int, OsqpWorkspace] = field(init=False, default_factory=dict)
-    _last: FloatArray | None = field(init=False, default=None)
+    _memory: Memory = field(init=False)
 
     def __post_init__(self) -> None:
         m, n = self.row_pattern.shape
@@ -139,6 +158,7 @@ class Program:
         self.lower = np.full(n, -np.inf)
         check_solver(self.solver)
         self._near = ActiveSet(self.compiled)
+        self._memory = Memory()
         if self.changes is None:
             self.changes = COMPILED_CHANGES if self.compiled else CHANGES.get(self.solver, FEWEST_CHANGES)
 
@@ -146,28 +166,32 @@ class Program:
         """Return the built problem, to be looked at without being solved; rows without bound are left out."""
         return self._problem(np.flatnonzero(np.isfinite(self.h)))
 
-    def solve(self, warm: FloatArray | None = None, kind: Hashable = None) -> Solution:
+    def solve(
+        self, warm: FloatArray | None = None, kind: Hashable = None, memory: Memory | None = None
+    ) -> Solution:
         """Solve the program as it stands; never raises, ``found`` says whether the result may be used.
 
         Parameters
         ----------
         warm : where the solver begins, shape (n,)
         kind : problems of one kind tend to be bound by the same rows
+        memory : of whoever asks, where several share the program
         """
-        near = self._near_the_last(kind)
+        memory = self._memory if memory is None else memory
+        near = self._near_the_last(kind, memory)
         if near is not None:
             return near
         if not self._is_number():
-            return self._nothing()
-        start = warm if warm is not None else self._last
+            return self._nothing(memory)
+        start = warm if warm is not None else memory.last
         z = np.zeros(len(self.q)) if start is None else start
         room = self.h - self.G @ z
         order = np.argsort(room, kind="stable")[:FIRST_ROWS]
         rows = order[np.isfinite(room[order])]
         while True:
-            answer = self._solve_rows(rows, start)
+            answer = self._solve_rows(rows, start, memory)
             if not answer.found or answer.x is None or not np.isfinite(answer.x).all():
-                return self._nothing()
+                return self._nothing(memory)
             z = np.asarray(answer.x, dtype=np.float64)
             over = self.G @ z - self.h
             over[rows] = -np.inf
@@ -176,29 +200,29 @@ class Program:
             if not len(added):
                 break
             rows, start = np.concatenate((rows, added)), z
-        self._last = z
+        memory.last = z
         multipliers = np.zeros(len(self._bounds))
         if answer.z is not None and len(rows):
             multipliers[rows] = np.asarray(answer.z)
         if answer.z_box is not None and len(answer.z_box):
             box = np.asarray(answer.z_box)
             multipliers[len(self.h) :] = np.maximum(np.concatenate((box, -box)), 0.0)
-        self._active[kind] = np.flatnonzero(multipliers > ACTIVE)
+        memory.active[kind] = np.flatnonzero(multipliers > ACTIVE)
         bound = np.flatnonzero(multipliers)
         return Solution(z, True, self.cost(z), self.violation(z), bound, multipliers[bound], len(self.h))
 
-    def _near_the_last(self, kind: Hashable) -> Solution | None:
+    def _near_the_last(self, kind: Hashable, memory: Memory) -> Solution | None:
         """Return the optimum where the rows that bound the last one lead to it; ``None`` otherwise."""
         if self.changes is None or self.changes < 0:
             return None
         m, n = self.row_pattern.shape
         np.negative(self.lower, out=self._bounds[m + n :])
-        guess = self._active.get(kind, _NO_ROWS)
+        guess = memory.active.get(kind, _NO_ROWS)
         found = self._near.resume(self.P, self.q, self._rows, self._bounds, guess, self.changes)
         if found is None:
             return None
-        self._active[kind] = found.active
-        self._last = found.z
+        memory.active[kind] = found.active
+        memory.last = found.z
         return Solution(found.z, True, found.cost, KEPT, found.active, found.multipliers, m)
 
     def cost(self, z: FloatArray) -> float:
@@ -214,17 +238,17 @@ class Program:
         G, h = (self.G[rows], self.h[rows]) if len(rows) else (None, None)
         return qpsolvers.Problem(self.P, self.q, G, h, lb=self.lower, ub=self.upper)
 
-    def _solve_rows(self, rows: IntArray, start: FloatArray | None) -> qpsolvers.Solution:
+    def _solve_rows(self, rows: IntArray, start: FloatArray | None, memory: Memory) -> qpsolvers.Solution:
         problem = self._problem(rows)
         if self.solver != "osqp":
             return qpsolvers.solve_problem(problem, solver=self.solver, initvals=start)
         slots = SLOTS
         while slots < len(rows):
             slots *= 2
-        if slots not in self._workspaces:
-            self._workspaces[slots] = OsqpWorkspace(self.cost_pattern, slots, self.tolerance)
+        if slots not in memory.workspaces:
+            memory.workspaces[slots] = OsqpWorkspace(self.cost_pattern, slots, self.tolerance)
         return qpsolvers.solve_problem(
-            problem, solver=PERSISTENT_OSQP, initvals=start, workspace=self._workspaces[slots]
+            problem, solver=PERSISTENT_OSQP, initvals=start, workspace=memory.workspaces[slots]
         )
 
     def _is_number(self) -> bool:
@@ -234,10 +258,8 @@ class Program:
             return False
         return bool(np.isfinite(self.P.sum() + self.q.sum() + self.G.sum()))
 
-    def _nothing(self) -> Solution:
-        self._workspaces.clear()
-        self._active.clear()
-        self._last = None
+    def _nothing(self, memory: Memory) -> Solution:
+        memory.forget()
         none = np.zeros(len(self.q))
         return Solution(none, False, np.inf, np.inf, _NO_ROWS, np.empty(0), len(self.h))
 

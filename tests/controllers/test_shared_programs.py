@@ -1,0 +1,64 @@
+"""Egos of one kind share their programs, and none of them notices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from controllers import catalog
+from controllers.interface import FloatArray, Perception
+from controllers.programs import qp
+from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyWorld, walk
+
+
+def _approach(people: int, speed: float) -> list[Perception]:
+    """Return what an ego is told on its way to a crossing, driven by a controller of its own."""
+    crossing = ToyCrossing(45.0)
+    walkers = [
+        ToyPedestrian(f"p{i}", walk(46.0 + 0.5 * i, -7.0 + 2.0 * i, 0.0, (-1.0) ** i * 1.3))
+        for i in range(people)
+    ]
+    world = ToyWorld(ToyRoad(crossings=(crossing,)), walkers, speed=speed, duration=4.0)
+    driver = catalog.build("vo_mpc", seed=1)
+    seen: list[Perception] = []
+    while (perceptions := world.sense()) is not None:
+        (perception,) = perceptions
+        seen.append(perception)
+        world.act(perception.ego.name, driver.plan(perception, driver.decide(perception)).command)
+        world.advance()
+    return seen
+
+
+def _planned(driver: Any, perception: Perception) -> FloatArray:
+    command = driver.plan(perception, driver.decide(perception)).command
+    return np.concatenate((command.acceleration, command.steering))
+
+
+def _settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    if name == "osqp alone":
+        # A tolerance of its own: a program that is always handed to OSQP must not be kept for other tests.
+        monkeypatch.setitem(qp.CHANGES, "osqp", -1)
+        return {"tolerance": 1.7e-4}
+    if name == "compiled":
+        pytest.importorskip("numba")
+        return {"compiled": True}
+    return {}
+
+
+@pytest.mark.parametrize("name", ["osqp", "osqp alone", "compiled"])
+def test_who_else_drives_changes_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = _settings(name, monkeypatch)
+    approaches = _approach(4, 12.0), _approach(2, 9.0)
+    alone = []
+    for approach in approaches:
+        driver = catalog.build("vo_mpc", seed=1, **settings)
+        alone.append([_planned(driver, perception) for perception in approach])
+    drivers = [catalog.build("vo_mpc", seed=1, **settings) for _ in approaches]
+    pairs = list(zip(*approaches, strict=True))
+    assert len(pairs) > 20
+    together = [[_planned(*one) for one in zip(drivers, pair, strict=True)] for pair in pairs]
+    for number, expected in enumerate(alone):
+        for step, commands in zip(together, expected, strict=True):
+            np.testing.assert_array_equal(step[number], commands)
