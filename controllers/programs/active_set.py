@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv
 
 from controllers.numerics import active_rows
 from controllers.numerics.active_rows import KEPT as KEPT
@@ -39,8 +38,7 @@ class ActiveSet:
     """
 
     compiled: bool = False
-    _cost: FloatArray = field(default_factory=lambda: np.empty(0))
-    _inverse: FloatArray | None = None
+    _memory: FloatArray = field(default_factory=lambda: np.empty((3, 0, 0)))
 
     def resume(
         self, P: FloatArray, q: FloatArray, A: FloatArray, b: FloatArray, guess: IntArray, most: int
@@ -65,13 +63,8 @@ class ActiveSet:
         >>> found.z.tolist(), found.active.tolist(), found.multipliers.tolist()
         ([1.0, 1.0], [0], [1.0])
         """
-        if P.shape != self._cost.shape or not np.array_equal(P, self._cost):
-            _, inverse, failed = dposv(P, np.eye(len(P)))
-            # In rows, as everything it is multiplied with.
-            self._inverse = None if failed else np.ascontiguousarray(inverse)
-            self._cost = P.copy()
-        if self._inverse is None:
-            return None
+        if self._memory.shape[1:] != P.shape:
+            self._memory = np.full((3, *P.shape), np.nan)
         code = code_of(active_rows, self.compiled)
-        found, z, active, multipliers, cost = code.search(P, q, self._inverse, A, b, guess, most)
+        found, z, active, multipliers, cost = code.search(P, q, A, b, guess, most, self._memory)
         return Optimum(z, active, multipliers, cost) if found else None
