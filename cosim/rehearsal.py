@@ -1,4 +1,4 @@
-"""One plan on a road without SUMO: what a controller cannot work with is found before a run begins."""
+"""Two plans on a road without SUMO: what a controller cannot work with is found before a run begins."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, Toy
 
 
 def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> None:
-    """Let a controller plan once, behind a slower car and towards somebody on a zebra.
+    """Let a controller plan twice, behind a slower car and towards somebody on a zebra.
 
     Parameters are checked by value when a controller is built; that a solver is not installed, or that
-    a tolerance is none, shows only where it is used.
+    a tolerance is none, shows only where it is used. Arithmetic that is compiled when first used is compiled
+    here, before the run's clock starts.
 
     Parameters
     ----------
@@ -33,10 +34,11 @@ def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> 
         vehicles=(ToyVehicle("leader", walk(30.0, 0.0, 8.0, 0.0)),),
     )
     try:
-        for perception in world.sense() or ():
-            plan = controller.plan(perception, controller.decide(perception))
-            world.act(perception.ego.name, plan.command)
-        world.advance()
+        for _ in range(2):
+            for perception in world.sense() or ():
+                plan = controller.plan(perception, controller.decide(perception))
+                world.act(perception.ego.name, plan.command)
+            world.advance()
     except Exception as error:  # a plug-in may raise anything; re-raised as what it is to the user
         text = " ".join(str(error).split())
         if isinstance(error, ValueError):
