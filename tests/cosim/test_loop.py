@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 
@@ -85,3 +86,17 @@ def test_a_command_that_is_not_a_number_ends_the_run() -> None:
 def test_importing_the_step_loads_no_simulator() -> None:
     code = "import sys, cosim.loop, cosim.recorder; sys.exit(bool({'libsumo', 'traci'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_looking_for_garbage_is_as_before_after_a_run_also_after_one_that_failed() -> None:
+    before = gc.get_threshold(), gc.get_freeze_count()
+    during: list[int] = []
+    world = TinyWorld(("a",), steps=2, step=0.5)
+    loop.run(
+        world, {"a": SteadyDriver()}, Diary(), after_step=lambda time: during.append(gc.get_freeze_count())
+    )
+    assert min(during) > before[1]
+    assert (gc.get_threshold(), gc.get_freeze_count()) == before
+    with pytest.raises(SimulationError):
+        loop.run(TinyWorld(("a",), steps=2, step=0.5), {}, Diary())
+    assert (gc.get_threshold(), gc.get_freeze_count()) == before

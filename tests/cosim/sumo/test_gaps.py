@@ -83,6 +83,19 @@ def test_nobody_near_is_none() -> None:
     assert gaps.ahead is gaps.behind is None
 
 
+def test_the_gaps_of_several_egos_are_those_of_each_alone() -> None:
+    some = (30.0, 0.0, 0.0), (-10.0, 3.2, 0.0), (12.0, 3.0, 0.1)
+    everybody, covered = on_road(*some, (9.0, 0.2, 0.0))
+    own_lane = {0: LANES[0]}
+    found = neighbour_gaps(everybody, covered, [0, 3, 3, 4], [LANES, LANES, own_lane], [EGO] * 3)
+    assert found[0] == gaps_of(*on_road(*some))
+    assert found[1] == NeighbourGaps()
+    assert found[2].ahead is not None
+    assert found[2].ahead.name == "v3"
+    assert found[2].ahead.gap == pytest.approx(9.0 - 4.5 - EGO[1])
+    assert found[2].left_ahead is None
+
+
 def test_gaps_agree_with_polygons() -> None:
     """Another program as judge: distances between shapely's rectangles, cut by the lane."""
     random = np.random.default_rng(4)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.sumo.path import Path, crossing_point
+from cosim.sumo.path import Path, crossing_point, interpolated, project_all
 
 BEND = np.array([[-60.0, 0.0], [0.0, 0.0], [6.0, 1.0], [10.0, 5.0], [11.0, 11.0], [11.0, 80.0]])
 
@@ -43,6 +43,28 @@ def test_a_guess_gives_the_same_place_as_a_search(along: float, across: float, e
     path = Path(BEND, origin=-60.0)
     (x, y), *_ = path.at(np.array([along]), np.array([across]))
     assert path.place_near(x, y, along + error) == pytest.approx((along, across), abs=1e-6)
+
+
+def test_points_of_several_paths_are_found_as_those_of_each_path() -> None:
+    """To the last bit: a recording is the same whoever else drives beside an ego."""
+    random = np.random.default_rng(1)
+    paths = [Path(BEND, origin=-60.0), Path(BEND + 3.0), Path(BEND[::-1])]
+    counts = [7, 0, 40]
+    points = random.uniform(-80.0, 90.0, (sum(counts), 2))
+    together = project_all(paths, points, counts)
+    alone = [paths[0].project(points[:7]), paths[1].project(points[7:7]), paths[2].project(points[7:])]
+    for values, parts in zip(together, zip(*alone, strict=True), strict=True):
+        assert values.tobytes() == np.concatenate(parts).tobytes()
+
+
+@given(
+    st.floats(-3.0, 12.0) | st.integers(-3, 12).map(float),
+    st.lists(st.floats(-50.0, 50.0) | st.just(math.nan), min_size=10, max_size=10),
+)
+def test_one_number_is_interpolated_as_numpy_does(at: float, values: list[float]) -> None:
+    places = np.cumsum([0.0, 0.1, 0.7, 1.3, 1.0 / 3.0, 0.5, 2.0, 0.1, 1.1, 1.0])
+    found, expected = interpolated(at, places, np.array(values)), float(np.interp(at, places, values))
+    assert found == expected or (math.isnan(found) and math.isnan(expected))
 
 
 def test_corners_are_cut_by_little() -> None:
