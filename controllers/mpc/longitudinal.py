@@ -137,7 +137,12 @@ class LongitudinalProgram:
         self.horizon = LongitudinalHorizon(dt, lag)
         self._scale: dict[int, FloatArray] = {}
         self.program = Program(
-            self._cost_pattern(n), self._row_pattern(n), solver, tolerance, compiled=compiled
+            self._cost_pattern(n),
+            self._row_pattern(n),
+            solver,
+            tolerance,
+            compiled=compiled,
+            constant_cost=True,
         )
         self._layout, self._written = self._fill_constant_parts()
         self._gain = self.horizon.gain.reshape(4 * n, n)

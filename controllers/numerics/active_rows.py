@@ -38,7 +38,8 @@ def search(
     A, b : shapes (m, n) and (m,); rows without bound have ``b = inf``
     guess : rows that may be active
     most : rows that may enter before the search is given up
-    memory : written by the last search, NaN before the first one, shape (3, n, n)
+    memory : written by the last search, NaN before the first one, shape (3, n, n); compiled, shape (2, n, n)
+        saves the inverse where the matrix is another one each time
 
     Returns
     -------
@@ -222,7 +223,7 @@ def remembered(P: FloatArray, memory: FloatArray) -> bool:
 
 
 def remembered_in_loops(P: FloatArray, memory: FloatArray) -> bool:
-    """Do the same; the inverse pays from the second program with a matrix, until then its factor serves."""
+    """Do the same; without room for the inverse, the factor serves."""
     n, same = len(P), True
     for i in range(n):
         for j in range(n):
@@ -231,20 +232,17 @@ def remembered_in_loops(P: FloatArray, memory: FloatArray) -> bool:
             break
     if not same:
         memory[COST] = P
-        memory[INVERSE, 0, 0] = np.nan
         for i in range(n):
             if not factor_row(P, memory[FACTOR], i, 0.0):
                 memory[FACTOR, 0, 0] = np.nan
-                break
-    possible = np.isfinite(memory[FACTOR, 0, 0])
-    if same and possible and not np.isfinite(memory[INVERSE, 0, 0]):
-        inverse = np.empty((n, n))
-        for i in range(n):
+                return False
+        if len(memory) > INVERSE:
             unit = np.zeros(n)
-            unit[i] = 1.0
-            pulled(memory, unit, inverse[i])
-        memory[INVERSE] = inverse
-    return possible
+            for i in range(n):
+                unit[i] = 1.0
+                by_factor(memory[FACTOR], unit, memory[INVERSE, i])
+                unit[i] = 0.0
+    return bool(np.isfinite(memory[FACTOR, 0, 0]))
 
 
 def with_rows(
@@ -380,35 +378,34 @@ def solve_back(factor: FloatArray, right: FloatArray, x: FloatArray, count: int)
         negative |= x[i] < 0.0
         for j in range(i):
             x[j] -= x[i] * factor[i, j]
-    return negative
+    return bool(negative)
 
 
 def pulled(memory: FloatArray, normal: FloatArray, pull: FloatArray) -> None:
-    """Write the inverse of the cost matrix times a vector, by its factor where only that is known."""
-    n, inverse, factor = len(normal), memory[INVERSE], memory[FACTOR]
-    if np.isfinite(inverse[0, 0]):
-        for i in range(n):
-            pull[i] = 0.0
-        for j in range(n):
-            # Bounds and slacks have few coefficients.
-            if normal[j] != 0.0:
-                for i in range(n):
-                    pull[i] += normal[j] * inverse[j, i]
-    else:
-        for i in range(n):
-            pull[i] = (normal[i] - dot(factor[i], pull, i)) * factor[i, i]
-        solve_back(factor, pull, pull, n)
+    """Write the inverse of the cost matrix times a vector."""
+    n = len(normal)
+    if len(memory) == INVERSE:
+        by_factor(memory[FACTOR], normal, pull)
+        return
+    for i in range(n):
+        pull[i] = 0.0
+    for j in range(n):
+        # Bounds and slacks have few coefficients.
+        if normal[j] != 0.0:
+            for i in range(n):
+                pull[i] += normal[j] * memory[INVERSE, j, i]
+
+
+def by_factor(factor: FloatArray, normal: FloatArray, pull: FloatArray) -> None:
+    """Do the same with the factor."""
+    for i in range(len(normal)):
+        pull[i] = (normal[i] - dot(factor[i], pull, i)) * factor[i, i]
+    solve_back(factor, pull, pull, len(normal))
 
 
 def dot(first: FloatArray, second: FloatArray, count: int) -> float:
-    """Return the product of two vectors' heads; four sums side by side need not wait for each other."""
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    whole = count - count % 4
-    for i in range(0, whole, 4):
-        a += first[i] * second[i]
-        b += first[i + 1] * second[i + 1]
-        c += first[i + 2] * second[i + 2]
-        d += first[i + 3] * second[i + 3]
-    for i in range(whole, count):
-        a += first[i] * second[i]
-    return (a + b) + (c + d)
+    """Return the product of two vectors' heads."""
+    total = 0.0
+    for i in range(count):
+        total += first[i] * second[i]
+    return total

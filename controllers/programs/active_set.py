@@ -30,15 +30,17 @@ class Optimum:
 
 @dataclass(slots=True)
 class ActiveSet:
-    """Searches from guessed active rows; remembers the inverse of the cost matrix.
+    """Searches from guessed active rows; remembers the cost matrix's inverse or factor.
 
     Parameters
     ----------
     compiled : whether the search is compiled
+    constant : whether the cost matrix stays the same; only the effort depends on it
     """
 
     compiled: bool = False
-    _memory: FloatArray = field(default_factory=lambda: np.empty((3, 0, 0)))
+    constant: bool = False
+    _memory: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)))
 
     def resume(
         self, P: FloatArray, q: FloatArray, A: FloatArray, b: FloatArray, guess: IntArray, most: int
@@ -64,7 +66,8 @@ class ActiveSet:
         ([1.0, 1.0], [0], [1.0])
         """
         if self._memory.shape[1:] != P.shape:
-            self._memory = np.full((3, *P.shape), np.nan)
+            matrices = 3 if self.constant or not self.compiled else 2
+            self._memory = np.full((matrices, *P.shape), np.nan)
         code = code_of(active_rows, self.compiled)
         found, z, active, multipliers, cost = code.search(P, q, A, b, guess, most, self._memory)
         return Optimum(z, active, multipliers, cost) if found else None

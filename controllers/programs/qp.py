@@ -122,6 +122,8 @@ class Program:
         what pays with the solver.
     compiled
         Whether the search near the last active rows is compiled.
+    constant_cost
+        Whether ``P`` stays the same; only the effort depends on it.
 
     Raises
     ------
@@ -135,6 +137,7 @@ class Program:
     tolerance: float = 1e-4
     changes: int | None = None
     compiled: bool = False
+    constant_cost: bool = False
     P: FloatArray = field(init=False)
     q: FloatArray = field(init=False)
     G: FloatArray = field(init=False)
@@ -157,7 +160,7 @@ class Program:
         self.G, self.h, self.upper = self._rows[:m], self._bounds[:m], self._bounds[m : m + n]
         self.lower = np.full(n, -np.inf)
         check_solver(self.solver)
-        self._near = ActiveSet(self.compiled)
+        self._near = ActiveSet(self.compiled, self.constant_cost)
         self._memory = Memory()
         if self.changes is None:
             self.changes = COMPILED_CHANGES if self.compiled else CHANGES.get(self.solver, FEWEST_CHANGES)
