@@ -22,6 +22,7 @@ SECTIONS = (
     "control_step",
     "agreement",
     "other_methods",
+    "compiling",
     "growth",
     "control_over_sumo",
     "many_egos",
