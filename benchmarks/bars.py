@@ -13,8 +13,11 @@ def main() -> None:
     bars = all_bars(json.loads((FOLDER / "results.json").read_text(encoding="utf-8")))
     for bar in bars:
         print(line(bar))
-    missed = sum(bar["verdict"] != "met" for bar in bars)
-    print(f"{len(bars)} bars, {missed} missed; all numbers are in {FOLDER.name}/results.md")
+    missed = sum(bar["verdict"].startswith("MISSED") for bar in bars)
+    undecided = sum(bar["verdict"] != "met" for bar in bars) - missed
+    print(
+        f"{len(bars)} bars, {missed} missed, {undecided} undecided; numbers are in {FOLDER.name}/results.md"
+    )
 
 
 if __name__ == "__main__":

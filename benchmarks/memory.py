@@ -1,4 +1,7 @@
-"""Whether memory grows in a long run: resident memory over a simulated hour, in a process of its own."""
+"""Whether memory grows in a long run: resident memory over a simulated hour, in a process of its own.
+
+SUMO alone on the same road, in another process, shows what of it is SUMO's.
+"""
 
 from __future__ import annotations
 
@@ -10,22 +13,24 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import libsumo
 import numpy as np
 import psutil
 from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
-from measuring.solvers import solvers
+from measuring.solvers import settings, solvers
 
 from cosim.request import RunRequest
 from cosim.run import run
+from sumo_scenarios import library
 
-SCENARIO, CONTROLLER = "midblock_zebra", "vo_mpc"
+SCENARIO, CONTROLLER, SEED = "midblock_zebra", "vo_mpc", 1
 HOUR_S = 3600.0
 SETTINGS = {"step_s": "0.5", "warmup_s": "120", "vehicles_per_hour": "400", "pedestrians_per_hour": "200"}
 """A long step and thin traffic: an hour in about a minute."""
@@ -36,26 +41,65 @@ SETTLED_S = 900.0
 MOST_MB_PER_HOUR = 20.0
 
 
+class Looks:
+    """Resident memory of this process, looked at now and then."""
+
+    def __init__(self) -> None:
+        self._process = psutil.Process()
+        self.found: dict[str, list[float]] = {"time_s": [], "resident_mb": []}
+
+    def look(self, now: float) -> None:
+        """Look, if the last time is long enough ago in simulated time [s]."""
+        times = self.found["time_s"]
+        if not times or now - times[-1] >= EVERY_S - 1e-6:
+            times.append(now)
+            self.found["resident_mb"].append(self._process.memory_info().rss / 1e6)
+
+
 def watched(duration_s: float, solver: str) -> dict[str, list[float]]:
     """Run, and return resident memory [MB] over simulated time [s]."""
-    process = psutil.Process()
-    found: dict[str, list[float]] = {"time_s": [], "resident_mb": []}
-
-    def look(now: float, end: float) -> None:
-        if not found["time_s"] or now - found["time_s"][-1] >= EVERY_S - 1e-6:
-            found["time_s"].append(now)
-            found["resident_mb"].append(process.memory_info().rss / 1e6)
-
-    settings = {**SETTINGS, "solver": solver}
+    looks = Looks()
+    given = {**SETTINGS, **{name: str(value) for name, value in settings(solver).items()}}
     with TemporaryDirectory() as folder:
         out = Path(folder) / "run"
         run(
             RunRequest(
-                SCENARIO, CONTROLLER, 1, settings, duration_s=duration_s, ego_share=EGO_SHARE, out=out
+                SCENARIO, CONTROLLER, SEED, given, duration_s=duration_s, ego_share=EGO_SHARE, out=out
             ),
-            look,
+            lambda now, end: looks.look(now),
         )
-    return found
+    return looks.found
+
+
+def watched_alone(duration_s: float) -> dict[str, list[float]]:
+    """Let SUMO step by itself through the same demand, and return the same."""
+    looks = Looks()
+    scenario, _ = library.with_parameters(library.load(SCENARIO), {**SETTINGS, "duration_s": f"{duration_s}"})
+    with TemporaryDirectory() as folder:
+        libsumo.start(["sumo", *library.prepare(scenario, SEED, Path(folder)).options])
+        try:
+            while (now := libsumo.simulation.getTime()) < duration_s:
+                libsumo.simulationStep()
+                if now >= scenario.warmup_s:
+                    looks.look(now)
+        finally:
+            libsumo.close()
+    return looks.found
+
+
+def in_process(*arguments: str) -> dict[str, list[float]]:
+    """Return what this script sees in a process of its own."""
+    done = subprocess.run([sys.executable, __file__, *arguments], stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        raise SystemExit(f"{arguments[0]} ended with {done.returncode}")
+    seen: dict[str, list[float]] = json.loads(done.stdout.splitlines()[-1])
+    return seen
+
+
+def settled(seen: Mapping[str, Sequence[float]], settled_s: float) -> tuple[list[float], list[float]]:
+    """Return times [s] and sizes [MB] from a time on."""
+    rows = [row for row in zip(seen["time_s"], seen["resident_mb"], strict=True) if row[0] >= settled_s]
+    return [time for time, _ in rows], [size for _, size in rows]
 
 
 def slope(times_s: Sequence[float], sizes_mb: Sequence[float]) -> float:
@@ -68,17 +112,17 @@ def main() -> None:
     if sys.argv[1:2] == ["--watch"]:
         print(json.dumps(watched(float(sys.argv[2]), sys.argv[3])))
         return
+    if sys.argv[1:2] == ["--watch-alone"]:
+        print(json.dumps(watched_alone(float(sys.argv[2]))))
+        return
     given = options(__doc__)
     duration_s, settled_s = (300.0, 150.0) if given.quick else (HOUR_S, SETTLED_S)
     solver = solvers()[-1]
     began = time.perf_counter()
-    command = [sys.executable, __file__, "--watch", str(duration_s), solver]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    if done.returncode:
-        raise SystemExit(f"the run ended with {done.returncode}")
-    seen = json.loads(done.stdout.splitlines()[-1])
-    later = [i for i, now in enumerate(seen["time_s"]) if now >= settled_s]
-    times, sizes = ([seen[key][i] for i in later] for key in ("time_s", "resident_mb"))
+    seen = in_process("--watch", f"{duration_s}", solver)
+    took_s = time.perf_counter() - began
+    times, sizes = settled(seen, settled_s)
+    alone = settled(in_process("--watch-alone", f"{duration_s}"), settled_s)
     found: dict[str, Any] = {
         "scenario": SCENARIO,
         "controller": CONTROLLER,
@@ -86,10 +130,12 @@ def main() -> None:
         "settings": SETTINGS,
         "simulated_s": duration_s,
         "settled_s": settled_s,
-        "took_s": time.perf_counter() - began,
+        "took_s": took_s,
         "mb_per_hour": slope(times, sizes),
         "settled_mb": sizes[0],
         "end_mb": sizes[-1],
+        "alone_mb_per_hour": slope(*alone),
+        "alone_end_mb": alone[1][-1],
         **seen,
     }
     print(
@@ -102,6 +148,7 @@ def main() -> None:
             measured=found["mb_per_hour"],
             at_most=MOST_MB_PER_HOUR,
             unit="MB/h",
+            note=f"{found['alone_mb_per_hour']:+.1f} MB/h is SUMO alone on the same road",
         )
     ]
     show(bars)

@@ -18,6 +18,8 @@ class Bar:
     at_most: float | None = None
     unit: str = "x"
     note: str = ""
+    undecided: str = ""
+    """Why the number says nothing, where it does not; the bar is then neither met nor missed."""
 
     @property
     def met(self) -> bool:
@@ -30,13 +32,16 @@ class Bar:
 
         >>> Bar(what="speed", measured=9.04, at_least=8.0).entry()["verdict"]
         'met'
+        >>> Bar(what="speed", measured=9.04, at_least=8.0, undecided="too few runs").entry()["verdict"]
+        'too few runs'
         """
         sign, bound = self._bound()
+        verdict = "met" if self.met else f"MISSED by {_short(abs(self.measured - bound))}"
         return {
             "what": self.what,
             "bar": f"{sign} {bound:g} {self.unit}".rstrip(),
             "measured": f"{_short(self.measured)} {self.unit}".rstrip(),
-            "verdict": "met" if self.met else f"MISSED by {_short(abs(self.measured - bound))}",
+            "verdict": self.undecided or verdict,
             "note": self.note,
         }
 

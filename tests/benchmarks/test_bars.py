@@ -16,6 +16,7 @@ show([
     Bar(what="b", measured=7.5, at_least=8.0),
     Bar(what="c", measured=2.0, at_most=2.0, unit="s"),
     Bar(what="d", measured=float("nan"), at_most=2.0, note="nothing"),
+    Bar(what="e", measured=0.0, at_most=2.0, undecided="too few pairs"),
 ])
 """
 
@@ -29,4 +30,29 @@ def test_both_kinds_of_bounds_are_judged() -> None:
         "bar: b: ≥ 8 x; measured 7.5 x: MISSED by 0.5",
         "bar: c: ≤ 2 s; measured 2 s: met",
         "bar: d: ≤ 2 x; measured nan x (nothing): MISSED by nan",
+        "bar: e: ≤ 2 x; measured 0 x: too few pairs",
+    ]
+
+
+def test_a_measure_with_too_few_pairs_is_neither_met_nor_missed() -> None:
+    code = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "import screening\n"
+        "def pairs(n):\n"
+        "    row = {'min_ttc_s': '2.5', 'min_pet_s': '', 'ego_delay_mean_s': '1.0'}\n"
+        "    return [({'row': row}, {'row': row})] * n\n"
+        "for n in (9, 10):\n"
+        "    for key, one in screening.compared(pairs(n)).items():\n"
+        "        print(key, screening.judged('zebra', key, one).entry()['verdict'])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(FOLDER)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines() == [
+        "min_ttc_s too few pairs, 10 expected",
+        "min_pet_s too few pairs, 10 expected",
+        "ego_delay_mean_s too few pairs, 10 expected",
+        "min_ttc_s met",
+        "min_pet_s too few pairs, 10 expected",
+        "ego_delay_mean_s met",
     ]

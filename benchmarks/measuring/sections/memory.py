@@ -22,6 +22,7 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"`{found['scenario']}` with `{found['controller']}` ({found['solver']}) for a fifth of the cars, "
         f"{found['simulated_s']:g} simulated seconds in {found['took_s']:.0f} s ({settings}). After the "
         f"first {found['settled_s']:g} s memory grows by {found['mb_per_hour']:+.1f} MB per simulated hour, "
-        "the recording included.",
+        f"the recording included. SUMO alone, stepping through the same demand, grows by "
+        f"{found['alone_mb_per_hour']:+.1f} MB per hour and ends at {found['alone_end_mb']:.0f} MB.",
         table(rows),
     ]
