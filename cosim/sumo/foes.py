@@ -17,6 +17,7 @@ from scipy.spatial.distance import cdist
 
 from controllers.interface import JunctionFoe
 from cosim.sumo.lane_path import PathJunction
+from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.surroundings import Cars
 
@@ -65,7 +66,7 @@ class FoeFinder:
         junctions: Sequence[PathJunction],
         near: Sequence[int],
         cars: Cars,
-        lights: Mapping[str, str],
+        lights: Lights,
     ) -> list[JunctionFoe]:
         """Return the foes of one ego, nearest conflict first.
 
@@ -75,7 +76,7 @@ class FoeFinder:
         junctions : that the ego is in or comes to soon
         near : rows of the vehicles near it
         cars : everybody's
-        lights : states of the traffic lights of the junctions, by name
+        lights : of this instant
         """
         found: list[JunctionFoe] = []
         for junction in junctions:
@@ -91,11 +92,11 @@ class FoeFinder:
         conflicts: Mapping[str, Sequence[Conflict]],
         near: Sequence[int],
         cars: Cars,
-        lights: Mapping[str, str],
+        lights: Lights,
     ) -> list[JunctionFoe]:
         start = junction.start - origin
         own = junction.connection
-        has_priority = bool(own.signal) and lights[own.signal][own.signal_index] == "G"
+        has_priority = lights.letter(own.signal, own.signal_index) == "G"
         found = []
         for row in near:
             for way, offset in self._ways_of(cars.names[row], cars.lane[row]):
@@ -205,7 +206,7 @@ class FoeFinder:
         return np.column_stack([np.interp(grid, stations, line[:, axis]) for axis in (0, 1)])
 
 
-def _stopped(connection: Connection, lights: Mapping[str, str]) -> bool:
+def _stopped(connection: Connection, lights: Lights) -> bool:
     """Return whether a red light holds back whoever comes along that way."""
-    light = lights.get(connection.signal, "") if connection.signal else ""
-    return bool(light) and light[connection.signal_index] in "ru"
+    letter = lights.letter(connection.signal, connection.signal_index)
+    return letter != "" and letter in "ru"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from controllers.interface import Crossing, JunctionFoe, Lane, RoadAhead, Signal, SignalState
 from cosim.sumo.gaps import LaneLine
 from cosim.sumo.lane_path import PathCrossing, PathSignal
-from cosim.sumo.network import NetCrossing
+from cosim.sumo.lights import Lights
 from cosim.sumo.path import interpolated
 from cosim.sumo.route import VIEW
 from cosim.sumo.track import Track
@@ -33,36 +32,6 @@ _STATES = {
 """SUMO's letters; all others let pass, if need be after yielding."""
 
 
-class Lights:
-    """States of the traffic lights at one instant, each read when the first ego needs it.
-
-    Parameters
-    ----------
-    sumo : module or connection
-    """
-
-    def __init__(self, sumo: Any) -> None:
-        self._read = sumo.trafficlight.getRedYellowGreenState
-        self._green: dict[str, bool | None] = {}
-        self.states: dict[str, str] = {}
-        """Letters of those that were read, by name."""
-
-    def need(self, name: str) -> None:
-        """Read a light's state, unless that is done or there is no such light."""
-        if name and name not in self.states:
-            self.states[name] = self._read(name)
-
-    def pedestrians_have_green(self, crossing: NetCrossing) -> bool | None:
-        """Return whether a crossing's pedestrians may go; ``None`` where no signal says so."""
-        if not crossing.signal:
-            return None
-        if crossing.name not in self._green:
-            letters = [self.states[crossing.signal][index] for index in crossing.signal_indices]
-            out_of_order = all(letter in "oO" for letter in letters)
-            self._green[crossing.name] = None if out_of_order else any(c in "gG" for c in letters)
-        return self._green[crossing.name]
-
-
 def road_ahead(
     frame: Frame,
     track: Track,
@@ -78,7 +47,7 @@ def road_ahead(
     ----------
     frame, track : the ego
     crossings, signals : that it is told of
-    lights : those over its path have been read
+    lights : of this instant
     foes : vehicles whose ways cross its own
     own_limit : what its kind of vehicle drives at most, told as a speed limit [m/s]
     """
@@ -144,5 +113,5 @@ def _crossing(crossing: PathCrossing, origin: float, lights: Lights) -> Crossing
 
 
 def _signal(signal: PathSignal, origin: float, lights: Lights) -> Signal:
-    letter = lights.states[signal.name][signal.index]
+    letter = lights.letter(signal.name, signal.index)
     return Signal(signal.name, signal.stop_line - origin, _STATES.get(letter, SignalState.GREEN))

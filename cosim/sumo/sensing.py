@@ -10,9 +10,10 @@ from cosim.sumo.driven_ego import DrivenEgo
 from cosim.sumo.foes import NEAR, FoeFinder
 from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
 from cosim.sumo.lane_path import PathCrossing
+from cosim.sumo.lights import Lights
 from cosim.sumo.near_egos import NearEgos
 from cosim.sumo.network import Network
-from cosim.sumo.road import Lights, road_ahead
+from cosim.sumo.road import road_ahead
 from cosim.sumo.surroundings import Surroundings
 from cosim.sumo.view import Frame
 
@@ -90,15 +91,9 @@ class Perceiver:
         lights: Lights,
     ) -> tuple[RoadAhead, dict[int, LaneLine]]:
         signals, junctions = frame.signals(), frame.junctions(NEAR)
-        for signal in signals:
-            lights.need(signal.name)
-        for crossing in crossings:
-            lights.need(crossing.source.signal)
-        for junction in junctions:
-            lights.need(junction.connection.signal)
         foes: list[JunctionFoe] = []
         if junctions and cars:
-            foes = self._foes.find(frame.origin, junctions, cars, known.cars, lights.states)
+            foes = self._foes.find(frame.origin, junctions, cars, known.cars, lights)
         return road_ahead(frame, ego.track, crossings, signals, lights, foes, ego.own_limit)
 
     def _state(self, ego: DrivenEgo, frame: Frame, time: float) -> EgoState:
