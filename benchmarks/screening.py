@@ -31,7 +31,7 @@ from cosim.execution import execute
 from cosim.request import RunRequest
 
 CONTROLLER = "vo_mpc"
-SCENARIOS = {"midblock_zebra": 14, "jaywalk_arterial": 16}
+SCENARIOS = {"midblock_zebra": 18, "jaywalk_arterial": 17}
 """Numbers of seeds. Not `midblock_unmarked`: there pedestrians wait until the ego has passed, so that a time
 to collision hardly ever arises."""
 LEAST_PAIRS = 10
