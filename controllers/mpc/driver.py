@@ -222,7 +222,8 @@ class VelocityObstacleMpc:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
             return replace(command, acceleration=np.full(len(command.times), -0.5))
         planner = self._planner(perception)
-        if float(speed.position.max()) + ego.body.front > planner.right_of_way.red_line:
+        red_line = planner.right_of_way.red_line
+        if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:
             # The plan, smooth as it is, ends beyond a red light's line. Who stands there is in the junction
             # for everybody else: all the brakes for as long as that is so.
             hardest = -planner.program.limits.emergency_braking

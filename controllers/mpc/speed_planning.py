@@ -90,6 +90,7 @@ class SpeedPlanner:
     _waiting_place: float = np.inf
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
+    _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
     # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
 
@@ -97,6 +98,7 @@ class SpeedPlanner:
         lateral = self.settings.bend_acceleration
         wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
         self._demands = np.array([wanted, ceiling])
+        self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
 
     @property
     def _compiled(self) -> bool:
@@ -285,7 +287,7 @@ class SpeedPlanner:
             expected=expected,
             ceiling=ceiling,
             upper=upper,
-            lower=np.full(len(times), -np.inf),
+            lower=self._no_lower_bound,
             stoppable=stoppable,
             headway=headway,
         )
