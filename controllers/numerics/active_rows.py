@@ -97,9 +97,9 @@ def search(
             grown = with_rows(A, b, free, inverse, active, room, pulls, gram, entering)
             wanted, failed = solved(grown[3], grown[1])
         active, room, pulls, gram = grown
-        multipliers = np.concatenate((multipliers, np.zeros(len(entering))))
-        multipliers[-1] += gained
         changes += len(entering)
+        before, multipliers = multipliers, np.zeros(len(active))
+        multipliers[: len(before)], multipliers[-1] = before, gained
         while wanted.min() < 0.0:
             # As far as all stay non-negative; who would not leaves.
             pulling = wanted < 0.0
@@ -175,7 +175,7 @@ def search_in_loops(
             while True:
                 active[count], multipliers[count] = row, gained
                 room[count] = dot(A[row], free, n) - b[row]
-                if tried(memory, A[row], count, pulls, gram, factor, room, forward):
+                if tried(memory, A[row], count, pulls, gram, factor, room, forward) and count < n:
                     break
                 solve_back(factor, factor[count], wanted, count)
                 step, leaving = np.inf, -1
@@ -217,7 +217,7 @@ def remembered(P: FloatArray, memory: FloatArray) -> bool:
         half = dpotri(factor)[0]
         np.add(half, half.T, out=memory[INVERSE])
         memory[INVERSE].flat[:: len(P) + 1] *= 0.5
-        if failed:
+        if failed or not np.isfinite(P.trace()):
             memory[INVERSE] = np.nan
     return bool(np.isfinite(memory[INVERSE, 0, 0]))
 
@@ -231,17 +231,19 @@ def remembered_in_loops(P: FloatArray, memory: FloatArray) -> bool:
         if not same:
             break
     if not same:
-        memory[COST] = P
+        for i in range(n):
+            for j in range(n):
+                memory[COST, i, j] = P[i, j]
         for i in range(n):
             if not factor_row(P, memory[FACTOR], i, 0.0):
                 memory[FACTOR, 0, 0] = np.nan
                 return False
         if len(memory) > INVERSE:
-            unit = np.zeros(n)
+            unit = np.empty(n)
             for i in range(n):
-                unit[i] = 1.0
+                for j in range(n):
+                    unit[j] = 1.0 if i == j else 0.0
                 by_factor(memory[FACTOR], unit, memory[INVERSE, i])
-                unit[i] = 0.0
     return bool(np.isfinite(memory[FACTOR, 0, 0]))
 
 
@@ -273,16 +275,17 @@ def with_rows(
 
 def broken(over: FloatArray) -> IntArray:
     """Return the rows that are broken more than their neighbours, most broken ones first."""
-    peak = over > KEPT
-    rising = over[1:] >= over[:-1]
-    peak[1:] &= rising
-    peak[:-1] &= ~rising
-    rows = np.flatnonzero(peak)
-    return rows[np.argsort(-over[rows], kind="stable")[:AT_ONCE]]
+    rows = np.flatnonzero(over > KEPT)
+    if len(rows) > 1:
+        edged = np.concatenate((over, (-np.inf,)))  # its end stands before the first row, too
+        here = over[rows]
+        rows = rows[(here >= edged[rows - 1]) & (here > edged[rows + 1])]
+        rows = rows[np.argsort(-over[rows], kind="stable")[:AT_ONCE]]
+    return rows
 
 
 def solved(matrix: FloatArray, right: FloatArray) -> tuple[FloatArray, bool]:
-    """Return ``x`` with ``matrix x = right``, and whether the matrix is not clearly positive definite."""
+    """Return ``x`` with ``matrix x = right``, and whether rows of the matrix depend on each other."""
     if len(right) == 0:
         return right, False
     factor, x, failed = dposv(matrix, right)
@@ -344,7 +347,8 @@ def without(
             continue
         if kept < i:
             active[kept], room[kept], multipliers[kept] = active[i], room[i], multipliers[i]
-            pulls[kept] = pulls[i]
+            for j in range(pulls.shape[1]):
+                pulls[kept, j] = pulls[i, j]
             column = 0
             for j in range(i + 1):
                 if not wanted[j] < 0.0:
@@ -364,8 +368,9 @@ def factor_row(matrix: FloatArray, factor: FloatArray, k: int, least: float) -> 
         value = (matrix[k, j] - dot(factor[k], factor[j], j)) * factor[j, j]
         factor[k, j] = value
         rest -= value * value
-    factor[k, k] = 1.0 / np.sqrt(rest) if rest > least else np.nan
-    return bool(rest > least)
+    possible = least < rest < np.inf
+    factor[k, k] = 1.0 / np.sqrt(rest) if possible else np.nan
+    return bool(possible)
 
 
 def solve_back(factor: FloatArray, right: FloatArray, x: FloatArray, count: int) -> bool:
