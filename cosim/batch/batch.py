@@ -108,6 +108,7 @@ class Batch:
         with self._crew() as crew, self.ledger.opened(self.request.study, self._text()):
             missing = self.ledger.missing(self.jobs)  # another batch may just have ended
             tally = Tally(len(self.jobs), done=len(self.jobs) - len(missing))
+            tables.get_ready()
             try:
                 with shown as show:
                     conduct(missing, crew, self.ledger, self.checked.identity, tally, show)

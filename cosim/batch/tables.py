@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
+from threading import Thread
 
 from cosim.batch.ledger import Ledger
 from cosim.errors import SimulationError
 
 USUAL_BASELINE = "sumo"
+
+
+def get_ready() -> None:
+    """Begin to load, beside everything else, what `write` needs: statistics take more than a second."""
+    Thread(target=importlib.import_module, args=("analysis.study",), daemon=True).start()
 
 
 def write(ledger: Ledger, controllers: Sequence[str]) -> None:
@@ -18,7 +25,7 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> None:
     SimulationError
         If that is not possible.
     """
-    from analysis.study import write_tables  # loads statistics, which only a batch that has ended needs
+    from analysis.study import write_tables  # statistics, which a dry run does not need
 
     baseline = USUAL_BASELINE if USUAL_BASELINE in controllers else controllers[0]
     folders = ledger.recorded()
