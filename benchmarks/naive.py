@@ -24,6 +24,7 @@ from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.mpc.speed_planning import SpeedPlanner
 from controllers.numerics import speed_program
+from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -329,6 +330,9 @@ def twin(original: Any, perception: Perception) -> Any:
         id(original._speed.program): speed,
         id(original._steering): steering,
         id(original.settings): original.settings,
+        # What our own solves remember, OSQP's workspace for one, is of no use to the naive ones.
+        id(original._speed._memory): Memory(),
+        id(original._steering_memory): Memory(),
     }
     naive = copy.deepcopy(original, kept)
     naive.settings = replace(original.settings, compiled=False)

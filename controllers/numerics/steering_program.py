@@ -133,10 +133,10 @@ def accumulated(
     turned: FloatArray, moved: FloatArray, per_wheelbase: FloatArray, speed: FloatArray, travelled: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return heading and offset at the end of each interval by inputs and start, shape (N, N + 2) each."""
-    heading = np.cumsum(per_wheelbase[:, None] * turned, axis=0)
+    heading = np.add.accumulate(per_wheelbase[:, None] * turned, axis=0)
     steps = (speed * per_wheelbase)[:, None] * moved
     steps[1:] += travelled[1:, None] * heading[:-1]
-    return heading, np.cumsum(steps, axis=0)
+    return heading, np.add.accumulate(steps, axis=0)
 
 
 def accumulated_in_loops(
