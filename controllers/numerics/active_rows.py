@@ -107,6 +107,8 @@ def search(
             ratios = np.where(pulling, multipliers, np.inf) / falls
             step = ratios.min()
             kept = np.flatnonzero(ratios != step)
+            if len(kept) == len(active):  # not numbers
+                return False, z, active, multipliers, np.inf
             multipliers = np.maximum(multipliers + step * (wanted - multipliers), 0.0)[kept]
             active, room, pulls, gram = active[kept], room[kept], pulls[kept], gram[kept][:, kept]
             wanted = solved(gram, room)[0]
@@ -200,7 +202,10 @@ def search_in_loops(
                 ratio = multipliers[i] / (multipliers[i] - wanted[i]) if wanted[i] < 0.0 else np.inf
                 multipliers[i] = max(multipliers[i] + step * (wanted[i] - multipliers[i]), 0.0)
                 wanted[i] = -1.0 if ratio == step else 1.0
-            count = without(wanted, count, active, room, multipliers, pulls, gram, factor, forward)
+            staying = without(wanted, count, active, room, multipliers, pulls, gram, factor, forward)
+            if staying == count:  # not numbers
+                return False, z, active[:0], multipliers[:0], np.inf
+            count = staying
         for i in range(count):
             multipliers[i] = wanted[i]
     cost = 0.5 * dot(q, z, n)

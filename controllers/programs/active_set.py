@@ -53,7 +53,7 @@ class ActiveSet:
         q : shape (n,)
         A, b : shapes (m, n) and (m,); rows without bound have ``b = inf``
         guess : rows that may be active
-        most : changes of the active set after which the search is given up
+        most : rows that may enter before the search is given up
 
         Examples
         --------

@@ -33,11 +33,11 @@ SLOTS = 40
 """Rows that the smallest OSQP workspace takes; each larger one takes twice as many."""
 FEASIBLE = 1e-6
 """A row violated by no more than this counts as kept."""
-CHANGES = {"osqp": 60}
+CHANGES = {"osqp": 100}
 """Changes of the active set after which a solver is called."""
 FEWEST_CHANGES = 1
 """The same for solvers that walk along active sets themselves: one is tried."""
-COMPILED_CHANGES = 60
+COMPILED_CHANGES = 150
 """The same for all solvers where the search is compiled."""
 ACTIVE = 1e-7
 """A larger multiplier marks an active row."""
