@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv, dpotrf, dpotri
+from scipy.linalg.lapack import dposv, dpotrf, dtrtri
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -100,7 +100,7 @@ def search(
         changes += len(entering)
         before, multipliers = multipliers, np.zeros(len(active))
         multipliers[: len(before)], multipliers[-1] = before, gained
-        while wanted.min() < 0.0:
+        while len(wanted) and wanted.min() < 0.0:
             # As far as all stay non-negative; who would not leaves.
             pulling = wanted < 0.0
             falls = np.where(pulling, multipliers - wanted, 1.0)
@@ -219,10 +219,9 @@ def remembered(P: FloatArray, memory: FloatArray) -> bool:
     if not np.array_equal(P, memory[COST]):
         memory[COST] = P
         factor, failed = dpotrf(P.T, clean=1)
-        half = dpotri(factor)[0]
-        np.add(half, half.T, out=memory[INVERSE])
-        memory[INVERSE].flat[:: len(P) + 1] *= 0.5
-        if failed or not np.isfinite(P.trace()):
+        half = dtrtri(factor, overwrite_c=1)[0]
+        np.dot(half, half.T, out=memory[INVERSE])
+        if failed or not P.trace() < np.inf:
             memory[INVERSE] = np.nan
     return bool(np.isfinite(memory[INVERSE, 0, 0]))
 
@@ -270,12 +269,8 @@ def with_rows(
     larger[:count, :count] = gram
     larger[count:] = normals @ more.T
     larger[:count, count:] = larger[count:, :count].T
-    return (
-        np.concatenate((active, entering)),
-        np.concatenate((room, normals @ free - b[entering])),
-        more,
-        larger,
-    )
+    room = np.concatenate((room, normals @ free - b[entering]))
+    return np.concatenate((active, entering)), room, more, larger
 
 
 def broken(over: FloatArray) -> IntArray:

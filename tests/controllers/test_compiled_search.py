@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -122,6 +127,30 @@ def test_a_guess_of_rows_that_depend_on_each_other_does_no_harm() -> None:
             # Which of the equal rows is active is anybody's choice.
             assert _kept((P, q, A, b), found)
             assert np.allclose(found.z, plain.z, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("alike", [0.9999, 1.0 - 1e-9, 1.0])
+def test_rows_that_are_almost_alike_or_equal_do_no_harm(alike: float) -> None:
+    for seed in range(60):
+        program = _drawn(seed, alike)
+        everything = np.random.default_rng(seed).permutation(len(program[3]))
+        for guess in (NOBODY, everything[:VARIABLES], everything):
+            plain, *compiled = _all_ways(program, guess, MANY)
+            assert plain is not None
+            assert _kept(program, plain)
+            for found in compiled:
+                assert found is not None
+                assert _kept(program, found)
+                assert np.allclose(found.z, plain.z, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_compiled_code_stays_within_its_arrays(tmp_path: Path) -> None:
+    # Numba checks no index unless told to: what is written elsewhere would not be noticed here.
+    checked = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not slow", __file__]
+    done = subprocess.run(command, env=checked, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered")
