@@ -28,6 +28,10 @@ VIOLATIONS = {
         "controllers/strategies/second.py",
         "import controllers.strategies.first\n",
     ),
+    "arithmetic are independent": (
+        "controllers/numerics/second.py",
+        "import controllers.numerics.first\n",
+    ),
     "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
 }
 CLEAN = (
@@ -44,6 +48,8 @@ CLEAN = (
     "controllers/catalog.py",
     "controllers/strategies/first.py",
     "controllers/strategies/second.py",
+    "controllers/numerics/first.py",
+    "controllers/numerics/second.py",
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",
 )
