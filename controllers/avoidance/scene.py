@@ -36,7 +36,7 @@ class SceneSettings:
     """T [s]."""
     steps: int
     radius: float
-    """Of the disc that holds ego and pedestrian [m]."""
+    """Of the disc about the body's centre that pedestrians' centres are kept out of [m]."""
     cone: Cone
     limits: InputLimits
     """The speed limit (23) is the road's where ``top_speed`` gives none."""

@@ -50,7 +50,8 @@ def build(
     euler_step_s, euler_steps
         Horizon; the vehicle moves in explicit Euler steps.
     disc_radius_m
-        Of the disc about the body's centre that holds ego and pedestrian.
+        Of the disc about the body's centre that pedestrians' centres are kept out of. A smaller one than
+        half the body's diagonal and his radius together, for a car about 2.67 m, leaves its corners out.
     cone
         ``vo``, ``ivo`` or ``hybrid``.
     truncation_s
