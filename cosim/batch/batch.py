@@ -114,6 +114,8 @@ class Batch:
                     conduct(missing, crew, self.ledger, self.checked.identity, tally, show)
             except KeyboardInterrupt:
                 stopped = "interrupted"
+                # It may have come between a run that was put away and its being counted.
+                tally.done = len(self.jobs) - len(self.ledger.missing(self.jobs))
             except SimulationError as error:
                 stopped = str(error)
             crew.close()  # before the files of unfinished runs are removed

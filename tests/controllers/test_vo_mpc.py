@@ -9,6 +9,7 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import Manoeuvre, Plan, Rule
+from controllers.mpc import driver
 from controllers.mpc.driver import VelocityObstacleMpc
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
@@ -159,6 +160,7 @@ def _break(controller: object) -> None:
     assert isinstance(controller, VelocityObstacleMpc)
     assert controller._speed is not None
     controller._speed.program.program.P[0, 0] = np.nan
+    driver._speed_program.cache_clear()  # nobody else is to share what is broken
 
 
 def _plan(controller: object, time: float, walkers: list[Walker]) -> Plan:
