@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import gc
 import itertools
+import sys
 import tracemalloc
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -46,6 +47,9 @@ def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
             perception = next(seen)
             if i % every == 0:
                 gc.collect()
+                # Python remembers up to 4096 names of attributes that were looked up; NumPy and Numba look some
+                # up by strings made anew. They are nobody's.
+                _forget_names()
                 held.append(tracemalloc.get_traced_memory()[0])
             tracemalloc.reset_peak()
             before = tracemalloc.get_traced_memory()[0]
@@ -63,6 +67,12 @@ def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
         "peak_median_kb": float(np.median(peaks)) / 1e3,
         "peak_most_kb": float(peaks.max()) / 1e3,
     }
+
+
+def _forget_names() -> None:
+    """Empty Python's caches of attribute names, which it fills again."""
+    forget: Callable[[], None] = getattr(sys, "_clear_internal_caches", None) or sys._clear_type_cache
+    forget()
 
 
 def told(entry: Mapping[str, Any]) -> str:
