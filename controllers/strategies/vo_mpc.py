@@ -117,7 +117,7 @@ def build(
         ``model=paper`` it is ``vo``.
     shape, disc_radius_m
         What those cones enclose: the body grown by the margins, or a disc of this radius about its centre,
-        pedestrian included.
+        pedestrian included; one of less than some 2.7 m leaves out the corners of a car.
     truncation_s
         Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
