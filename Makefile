@@ -76,7 +76,9 @@ format: $(VENV)/installed-dev
 BENCHMARKS := control_step other_methods compiling growth control_over_sumo many_egos memory screening instructions batch_throughput bars
 
 bench: $(VENV)/installed-bench
-	@for script in $(BENCHMARKS); do echo "== $$script"; $(BIN)/python benchmarks/$$script.py || exit 1; done
+	@failed=0; for script in $(BENCHMARKS); do \
+	  echo "== $$script"; $(BIN)/python benchmarks/$$script.py || failed=1; \
+	done; exit $$failed
 
 study-crossings: $(VENV)/installed
 	$(BIN)/python -m cosim.study_crossings

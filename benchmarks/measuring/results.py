@@ -42,6 +42,8 @@ def publish(section: str, content: Mapping[str, Any], bars: Sequence[Bar], folde
     everything = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     everything["environment"] = environment()
     everything[section] = {**content, "bars": [bar.entry() for bar in bars], "load": os.getloadavg()[0]}
+    # What earlier code measured, and this code cannot show any more, is not kept.
+    everything = {name: one for name, one in everything.items() if name not in SECTIONS or _shown(name, one)}
     path.write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     (folder / "results.md").write_text(page(everything), encoding="utf-8")
 
@@ -82,7 +84,18 @@ def page(everything: Mapping[str, Any]) -> str:
     if bars := all_bars(everything):
         heads = ("what", "bar", "measured", "verdict", "note")
         parts += ["## Bars", table([{head: bar[head] for head in heads} for bar in bars])]
-    for name in SECTIONS:
-        if name in everything:
-            parts += importlib.import_module(f"measuring.sections.{name}").paragraphs(everything[name])
+    for name in measured:
+        parts += _paragraphs(name, everything[name])
     return "\n\n".join(parts) + "\n"
+
+
+def _paragraphs(name: str, content: Mapping[str, Any]) -> list[str]:
+    return list(importlib.import_module(f"measuring.sections.{name}").paragraphs(content))
+
+
+def _shown(name: str, content: Mapping[str, Any]) -> bool:
+    try:
+        _paragraphs(name, content)
+    except KeyError:
+        return False
+    return True

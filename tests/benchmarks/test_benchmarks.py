@@ -99,3 +99,19 @@ def test_a_method_that_is_not_installed_is_skipped_in_one_line(tmp_path: Path) -
         "skipped: pymoo GA, as pymoo is not installed (extra `bench`)",
     ]
     assert not list(tmp_path.iterdir())
+
+
+def test_what_earlier_code_measured_and_this_cannot_show_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "results.json").write_text('{"memory": {"bars": [], "of old": 1}}', encoding="utf-8")
+    counted = {"case": "30/5", "first": 10, "steps": 5, "counts": {"osqp": 2e6}}
+    lines = (
+        "from pathlib import Path",
+        "from measuring import results",
+        f"results.publish('instructions', {counted}, (), Path({str(tmp_path)!r}))",
+    )
+    command = [sys.executable, "-c", "; ".join(lines)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=FOLDER)
+    assert done.returncode == 0, done.stderr
+    everything = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    assert "memory" not in everything
+    assert "## Instructions" in (tmp_path / "results.md").read_text(encoding="utf-8")
