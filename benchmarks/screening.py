@@ -26,6 +26,7 @@ from measuring.solvers import settings, solvers
 from measuring.stopwatch import replaced
 
 from analysis.statistics.paired import compare_values
+from controllers.mpc import driver
 from controllers.programs import qp
 from cosim.execution import execute
 from cosim.request import RunRequest
@@ -49,7 +50,9 @@ def drive(scenario: str, seed: int, solver: str, short_cuts: bool) -> dict[str, 
     programs = Programs()
     with TemporaryDirectory() as folder, ExitStack() as stack:
         if not short_cuts:
-            # In a run of its own every program is built after this.
+            # Programs are shared between runs; those of this one are made after this, and for it alone.
+            driver.forget_programs()
+            stack.callback(driver.forget_programs)
             stack.enter_context(replaced(qp, "CHANGES", {settings(solver)["solver"]: ALWAYS}))
             stack.enter_context(replaced(qp, "COMPILED_CHANGES", ALWAYS))
             stack.enter_context(replaced(qp, "FIRST_ROWS", ALL_ROWS))

@@ -314,6 +314,12 @@ def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
     return LateralProgram(np.array(dt), *arguments)
 
 
+def forget_programs() -> None:
+    """Have the programs of every controller that is yet to plan made anew."""
+    _speed_program.cache_clear()
+    _steering_program.cache_clear()
+
+
 def _overlay(conflicts: passing.Conflicts, horizon: float) -> dict[str, FloatArray]:
     """Return what a replay may draw: where the people in conflict are, and when they are in the way."""
     return {

@@ -160,7 +160,7 @@ def _break(controller: object) -> None:
     assert isinstance(controller, VelocityObstacleMpc)
     assert controller._speed is not None
     controller._speed.program.program.P[0, 0] = np.nan
-    driver._speed_program.cache_clear()  # nobody else is to share what is broken
+    driver.forget_programs()  # nobody else is to share what is broken
 
 
 def _plan(controller: object, time: float, walkers: list[Walker]) -> Plan:
