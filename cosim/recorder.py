@@ -19,6 +19,8 @@ from cosim.world import EgoTruth, MapArea, Sensed, Snapshot
 
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
+PLANS_PER_CHUNK = 1024
+"""A plan's row is long: thousands that wait to be written would be most of what a process holds."""
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 """Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
 
@@ -37,7 +39,7 @@ class Recorder:
         self._folder = folder
         self._egos = ParquetSink(folder / "egos.parquet", recording.EGOS)
         self._neighbours = ParquetSink(folder / "neighbours.parquet", recording.NEIGHBOURS)
-        self._plans = ParquetSink(folder / "plans.parquet", recording.PLANS)
+        self._plans = ParquetSink(folder / "plans.parquet", recording.PLANS, PLANS_PER_CHUNK)
         self._timing = ParquetSink(folder / "timing.parquet", recording.TIMING)
         self._sensing: ParquetSink | None = None
         self._planned_now: dict[str, tuple[Any, ...]] = {}
