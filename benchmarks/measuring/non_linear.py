@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from controllers.mpc.horizon import lagged_ramp
 from controllers.mpc.lateral import SteeringTask
 from controllers.mpc.longitudinal import SpeedTask
+from controllers.numerics.speed_program import FAST, SLOW
 from measuring.tasks import Layout, Step
 
 FloatArray = NDArray[np.float64]
 
 LONG, ACROSS = 4, 4
-"""States of each motion; as in ``controllers.mpc.horizon``."""
+"""States of each motion; as in ``controllers.numerics``."""
 UPPER, LOWER, HEADWAY, EMERGENCY, CORRIDOR = range(5)
 SLACKS = 5
 SLOWEST = 0.5
@@ -218,10 +219,10 @@ class NonLinearProgram:
         program = self.layout.speed
         free = program.build(speed)
         rows = program.program.h
-        fast, slow = (slice(block * n, (block + 1) * n) for block in (program.FAST, program.SLOW))
+        fast, slow = (slice(block * n, (block + 1) * n) for block in (FAST, SLOW))
         low, high = np.full((8, n), -np.inf), np.full((8, n), np.inf)
-        high[1] = rows[fast] / program._scale[program.FAST] + free[1]
-        low[1] = free[1] - rows[slow] / program._scale[program.SLOW]
+        high[1] = rows[fast] / program._scale[FAST] + free[1]
+        low[1] = free[1] - rows[slow] / program._scale[SLOW]
         high[3] = max(limits.acceleration, speed.command)
         low[7], high[7] = -drive.max_steering, drive.max_steering
         most = np.tile([limits.jerk, drive.max_steering_rate], (n, 1)).ravel()

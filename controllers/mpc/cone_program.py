@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.conflicts.collision_cone import ConeRows, ConeSettings, Motion, Walkers, rows
-from controllers.mpc.horizon import ACROSS, HEADING, POSITION, SPEED, STEERING_COMMAND
 from controllers.mpc.lateral import LateralProgram, Response, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.numerics.speed_program import POSITION, SPEED
+from controllers.numerics.steering_program import ACROSS, HEADING, STEERING_COMMAND
 from controllers.programs.qp import Program
 
 FloatArray = NDArray[np.float64]

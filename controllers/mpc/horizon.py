@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.numerics import steering_program
+from controllers.numerics.steering_program import STEERING, STEERING_COMMAND
 
 FloatArray = NDArray[np.float64]
 
@@ -57,23 +58,6 @@ def lagged_ramp(h: FloatArray, lag: float) -> LaggedRamp:
     double = h**2 / 2.0 - lag * ramp
     triple = h**3 / 6.0 - lag * double
     return LaggedRamp(h, lag, decay, first, ramp, double, triple)
-
-
-@dataclass(frozen=True, slots=True)
-class AffineMaps:
-    """States as functions of the inputs: ``state[i, k] = free[i, k] + gain[i, k] @ inputs``.
-
-    ``free`` has shape (states, N), ``gain`` (states, N, N); row k is the end of interval k.
-    """
-
-    free: FloatArray
-    gain: FloatArray
-
-
-# Order of the longitudinal states.
-POSITION, SPEED, ACCELERATION, COMMAND = range(4)
-# Order of the lateral states.
-ACROSS, HEADING, STEERING, STEERING_COMMAND = range(4)
 
 
 class LongitudinalHorizon:
@@ -174,21 +158,3 @@ class LateralHorizon:
         """Commanded steering angle by inputs, whatever the speed, shape (N, N)."""
         gain: FloatArray = self.gain[STEERING_COMMAND]
         return gain
-
-    def maps(self, speed: FloatArray, curvature: FloatArray, start: FloatArray) -> AffineMaps:
-        """Return the maps for a speed profile and the lane's curvature in each interval.
-
-        Parameters
-        ----------
-        speed, curvature
-            Mean values in each interval, shape (N,) [m/s, 1/m].
-        start
-            Offset, heading error, steering angle, commanded angle now.
-
-        Notes
-        -----
-        ``gain`` is a buffer that the next call overwrites.
-        """
-        n = len(speed)
-        free = steering_program.maps(self.bicycle, self.gain.reshape(4 * n, n), start, speed, curvature)
-        return AffineMaps(free, self.gain)

@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.mpc.horizon import ACROSS, HEADING, STEERING_COMMAND, LateralHorizon
+from controllers.mpc.horizon import LateralHorizon
 from controllers.numerics import steering_program
 from controllers.numerics.compiling import code_of
+from controllers.numerics.steering_program import ACROSS, HEADING, STEERING_COMMAND
 from controllers.programs.qp import Memory, Program
 
 FloatArray = NDArray[np.float64]

@@ -14,9 +14,25 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.mpc.horizon import ACCELERATION, COMMAND, POSITION, SPEED, LongitudinalHorizon
+from controllers.mpc.horizon import LongitudinalHorizon
 from controllers.numerics import speed_program
 from controllers.numerics.compiling import code_of
+from controllers.numerics.speed_program import (
+    ACCELERATION,
+    BLOCKS,
+    BRAKE,
+    COMMAND,
+    FAST,
+    HEADWAY,
+    JERK_DOWN,
+    JERK_UP,
+    LOWER,
+    POSITION,
+    SLOW,
+    SPEED,
+    STOPPABLE,
+    UPPER,
+)
 from controllers.programs.qp import Memory, Program
 
 FloatArray = NDArray[np.float64]
@@ -113,9 +129,6 @@ class LongitudinalProgram:
         As for :class:`controllers.programs.qp.Program`; compiled, the tasks are written by compiled code too.
     """
 
-    # Blocks of N rows each.
-    UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE, JERK_UP, JERK_DOWN = range(9)
-    BLOCKS = 9
     # Slack variables behind the N inputs.
     SLACK_UPPER, SLACK_LOWER, SLACK_HEADWAY, EMERGENCY = range(4)
     SLACKS = 4
@@ -223,12 +236,12 @@ class LongitudinalProgram:
         return pattern
 
     def _row_pattern(self, n: int) -> NDArray[np.bool_]:
-        pattern = np.zeros((self.BLOCKS * n, n + self.SLACKS), dtype=bool)
+        pattern = np.zeros((BLOCKS * n, n + self.SLACKS), dtype=bool)
         lower_triangle = np.tril(np.ones((n, n), dtype=bool))
         diagonal = np.eye(n, dtype=bool)
         neighbours = diagonal | np.eye(n, k=-1, dtype=bool)
-        for block in range(self.BLOCKS):
-            sparse = {self.BRAKE: diagonal, self.JERK_UP: neighbours, self.JERK_DOWN: neighbours}
+        for block in range(BLOCKS):
+            sparse = {BRAKE: diagonal, JERK_UP: neighbours, JERK_DOWN: neighbours}
             pattern[self._rows(block), :n] = sparse.get(block, lower_triangle)
         for block, slack in self._softened():
             pattern[self._rows(block), n + slack] = True
@@ -236,11 +249,11 @@ class LongitudinalProgram:
 
     def _softened(self) -> tuple[tuple[int, int], ...]:
         return (
-            (self.UPPER, self.SLACK_UPPER),
-            (self.STOPPABLE, self.SLACK_UPPER),
-            (self.LOWER, self.SLACK_LOWER),
-            (self.HEADWAY, self.SLACK_HEADWAY),
-            (self.BRAKE, self.EMERGENCY),
+            (UPPER, self.SLACK_UPPER),
+            (STOPPABLE, self.SLACK_UPPER),
+            (LOWER, self.SLACK_LOWER),
+            (HEADWAY, self.SLACK_HEADWAY),
+            (BRAKE, self.EMERGENCY),
         )
 
     def _fill_constant_parts(self) -> tuple[speed_program.Layout, speed_program.Program]:
@@ -257,31 +270,31 @@ class LongitudinalProgram:
         p.P[range(n, n + self.SLACKS), range(n, n + self.SLACKS)] = 2.0 * SLACK_UNIT**2 * np.array(squares)
         p.q[n:] = SLACK_UNIT * np.array((w.violation, w.violation, w.headway, w.emergency))
         signed = {
-            self.UPPER: s,
-            self.LOWER: -s,
-            self.HEADWAY: s + limits.headway * v,
-            self.FAST: v,
-            self.SLOW: -v,
-            self.BRAKE: -c,
-            self.JERK_UP: jerk,
-            self.JERK_DOWN: -jerk,
+            UPPER: s,
+            LOWER: -s,
+            HEADWAY: s + limits.headway * v,
+            FAST: v,
+            SLOW: -v,
+            BRAKE: -c,
+            JERK_UP: jerk,
+            JERK_DOWN: -jerk,
         }
         # Rows of equal length: a metre at the end of the horizon then weighs no more than one at its
         # beginning in the solver's stopping criterion.
         self._scale = {
             block: 1.0 / np.sqrt((rows**2).sum(axis=1) + SLACK_UNIT**2)
-            for block, rows in {**signed, self.STOPPABLE: s}.items()
+            for block, rows in {**signed, STOPPABLE: s}.items()
         }
         for block, rows in signed.items():
             p.G[self._rows(block), :n] = self._scale[block][:, None] * rows
         for block, slack in self._softened():
             p.G[self._rows(block), n + slack] = -SLACK_UNIT * self._scale[block]
-        for block in (self.JERK_UP, self.JERK_DOWN):
+        for block in (JERK_UP, JERK_DOWN):
             p.h[self._rows(block)] = self._scale[block] * limits.jerk
         p.lower[n:] = 0.0
         p.upper[n + self.EMERGENCY] = (limits.emergency_braking - limits.comfortable_braking) / SLACK_UNIT
-        changing = range(self.JERK_UP)
-        stoppable = self._scale[self.STOPPABLE][:, None]
+        changing = range(JERK_UP)
+        stoppable = self._scale[STOPPABLE][:, None]
         layout = speed_program.Layout(
             start=self.horizon.start.reshape(4 * n, 4),
             speed_gain=v,
@@ -297,6 +310,6 @@ class LongitudinalProgram:
             headway=limits.headway,
         )
         written = speed_program.Program(
-            p.q[:n], p.G[self._rows(self.STOPPABLE), :n], p.h[: len(changing) * n].reshape(-1, n), p.upper[:n]
+            p.q[:n], p.G[self._rows(STOPPABLE), :n], p.h[: len(changing) * n].reshape(-1, n), p.upper[:n]
         )
         return layout, written

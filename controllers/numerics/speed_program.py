@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE = range(7)
-"""Blocks of rows whose bounds change, in their order."""
+BLOCKS = 9
+UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE, JERK_UP, JERK_DOWN = range(BLOCKS)
+"""Blocks of N rows, in their order; the bounds of the last two do not change."""
 POSITION, SPEED, ACCELERATION, COMMAND = range(4)
 """Rows of the longitudinal states."""
 NEAR = 0.3

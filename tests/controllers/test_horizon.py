@@ -7,15 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from controllers.interface import FloatArray
-from controllers.mpc.horizon import (
-    ACCELERATION,
-    COMMAND,
-    POSITION,
-    SPEED,
-    LateralHorizon,
-    LongitudinalHorizon,
-    growing_grid,
-)
+from controllers.mpc.horizon import LateralHorizon, LongitudinalHorizon, growing_grid
+from controllers.numerics import steering_program
+from controllers.numerics.speed_program import ACCELERATION, COMMAND, POSITION, SPEED
 
 WHEELBASE = 2.6
 DT = growing_grid(8, 0.1, 0.7)
@@ -71,6 +65,12 @@ def test_without_lag_the_acceleration_is_the_command() -> None:
     assert states[POSITION, 0] == pytest.approx(10.0 * h + h**2 / 2.0 + u * h**3 / 6.0)
 
 
+def _free(horizon: LateralHorizon, start: FloatArray, speed: FloatArray, curvature: FloatArray) -> FloatArray:
+    """Write the gains for a speed profile, and return the states without input."""
+    gain = horizon.gain.reshape(4 * len(DT), len(DT))
+    return steering_program.maps(horizon.bicycle, gain, start, speed, curvature)
+
+
 @pytest.mark.parametrize("lag", [0.0, 0.1])
 def test_the_lateral_maps_integrate_the_linearised_bicycle(lag: float) -> None:
     drawn = np.random.default_rng(2)
@@ -84,13 +84,14 @@ def test_the_lateral_maps_integrate_the_linearised_bicycle(lag: float) -> None:
         wheel = (x[3] - x[2]) / lag if lag > 0.0 else rates[i]
         return [speed[i] * x[1], speed[i] * (x[2] / WHEELBASE - curvature[i]), wheel, rates[i]]
 
-    maps = LateralHorizon(DT, lag, WHEELBASE).maps(speed, curvature, start)
-    assert np.allclose(maps.free + maps.gain @ rates, _integrated(rate, start), atol=1e-7)
+    lateral = LateralHorizon(DT, lag, WHEELBASE)
+    free = _free(lateral, start, speed, curvature)
+    assert np.allclose(free + lateral.gain @ rates, _integrated(rate, start), atol=1e-7)
 
 
 def test_an_input_changes_nothing_that_came_before_it() -> None:
     gains = LongitudinalHorizon(DT, 0.3).gain
     lateral = LateralHorizon(DT, 0.1, WHEELBASE)
-    maps = lateral.maps(np.full(len(DT), 8.0), np.zeros(len(DT)), np.zeros(4))
-    for gain in (*gains, *maps.gain):
+    _free(lateral, np.zeros(4), np.full(len(DT), 8.0), np.zeros(len(DT)))
+    for gain in (*gains, *lateral.gain):
         assert np.allclose(np.triu(gain, 1), 0.0)
