@@ -50,12 +50,7 @@ def _first_pass(name: str, approaches: list[Approach]) -> float:
 
 def _steps(name: str, approach: Approach) -> list[float]:
     driver = perceptions.controller(CASE, name)
-    times = []
-    for perception in approach:
-        began = perf_counter()
-        driver.plan(perception, driver.decide(perception))
-        times.append(perf_counter() - began)
-    return times
+    return [perceptions.timed(driver, perception) for perception in approach]
 
 
 def in_child(folder: str, passes: int) -> dict[str, float]:

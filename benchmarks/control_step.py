@@ -14,7 +14,6 @@ import gc
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import naive
@@ -27,8 +26,6 @@ from measuring.perceptions import CASES, Approach, Case
 from measuring.solvers import FAST, solvers
 from measuring.stopwatch import OTHER, Stopwatch
 from numpy.typing import NDArray
-
-from controllers.interface import Perception
 
 FloatArray = NDArray[np.float64]
 
@@ -75,29 +72,23 @@ def repetition(case: Case, approaches: Sequence[Approach]) -> dict[str, dict[str
 def _ours(case: Case, approach: Approach, name: str) -> list[float]:
     """Return what each step but the first takes, which builds the programs [s]."""
     driver = perceptions.controller(case, name)
-    _timed(driver, approach[0])
+    perceptions.timed(driver, approach[0])
     gc.collect(0)
-    return [_timed(driver, perception) for perception in approach[1:]]
+    return [perceptions.timed(driver, perception) for perception in approach[1:]]
 
 
 def _naive(case: Case, approach: Approach, every: int) -> list[float]:
     """Return what the naive controller takes for every so many of these steps [s]."""
     driver = perceptions.controller(case, "osqp")
-    _timed(driver, approach[0])
+    perceptions.timed(driver, approach[0])
     found = []
     for i, perception in enumerate(approach[1:]):
         if i % every == 0:
             twin = naive.twin(driver, perception)
             gc.collect(0)
-            found.append(_timed(twin, perception))
-        _timed(driver, perception)
+            found.append(perceptions.timed(twin, perception))
+        perceptions.timed(driver, perception)
     return found
-
-
-def _timed(driver: Any, perception: Perception) -> float:
-    began = perf_counter()
-    driver.plan(perception, driver.decide(perception))
-    return perf_counter() - began
 
 
 def split(case: Case, approaches: Sequence[Approach], solver: str) -> dict[str, dict[str, float]]:
@@ -123,7 +114,7 @@ def programs(case: Case, approaches: Sequence[Approach], solver: str, times: int
         counted = Programs()
         for approach in approaches:
             driver = perceptions.controller(case, solver)
-            _timed(driver, approach[0])
+            perceptions.timed(driver, approach[0])
             with observed(counted):
                 for perception in approach[1:]:
                     driver.plan(perception, driver.decide(perception))

@@ -7,7 +7,6 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 import gc
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -37,10 +36,9 @@ def measure(cases: tuple[Case, ...], passes: int) -> dict[str, dict[str, dict[st
                     driver = perceptions.controller(case, solver)
                     gc.collect(0)
                     for i, perception in enumerate(approach):
-                        began = perf_counter()
-                        driver.plan(perception, driver.decide(perception))
+                        took = perceptions.timed(driver, perception)
                         if i:  # the first step builds the programs
-                            times[case, solver].append(1e3 * (perf_counter() - began))
+                            times[case, solver].append(1e3 * took)
     return {
         str(case): {
             solver: {

@@ -17,12 +17,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from measuring import results
+from measuring import results, solvers
 from measuring.bars import Bar, show
 from measuring.city import FILLED_S, City
 from measuring.command import options
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, drive
-from measuring.solvers import FAST, settings, solvers
 
 from cosim.request import RunRequest
 from cosim.sumo.egos import drawn
@@ -57,8 +56,8 @@ def measured(configuration: str, share: float, solver: str) -> dict[str, Any]:
     """Return what a run takes per step and ego, on one core."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    given = {name: str(value) for name, value in settings(solver).items()}
-    request = RunRequest(configuration, "vo_mpc", SEED, given, actuation="hybrid", ego_share=share)
+    settings = solvers.given(solver)
+    request = RunRequest(configuration, "vo_mpc", SEED, settings, actuation="hybrid", ego_share=share)
     found = drive(request, FILLED_S)
     simulated_s = found.steps * found.step_s
     per_step = found.mean_ms(PARTS)
@@ -94,7 +93,7 @@ def main() -> None:
         print(json.dumps(measured(sys.argv[2], float(sys.argv[3]), sys.argv[4])))
         return
     given = options(__doc__)
-    best = solvers()[-1]
+    best = solvers.solvers()[-1]
     asked_for = [(2, best)] if given.quick else [(egos, best) for egos in EGOS]
     if not given.quick and best != "osqp":
         asked_for.append((BARRED, "osqp"))
@@ -117,7 +116,7 @@ def main() -> None:
             note=f"{run['egos']:.0f} egos",
         )
         for run in runs
-        if run["asked_for"] == BARRED and run["solver"] == FAST
+        if run["asked_for"] == BARRED and run["solver"] == solvers.FAST
     ]
     show(bars)
     results.publish("many_egos", {"runs": runs}, bars, given.folder)

@@ -21,10 +21,9 @@ from typing import Any
 import libsumo
 import numpy as np
 import psutil
-from measuring import results
+from measuring import results, solvers
 from measuring.bars import Bar, show
 from measuring.command import options
-from measuring.solvers import settings, solvers
 
 from cosim.request import RunRequest
 from cosim.run import run
@@ -59,12 +58,12 @@ class Looks:
 def watched(duration_s: float, solver: str) -> dict[str, list[float]]:
     """Run, and return resident memory [MB] over simulated time [s]."""
     looks = Looks()
-    given = {**SETTINGS, **{name: str(value) for name, value in settings(solver).items()}}
+    settings = {**SETTINGS, **solvers.given(solver)}
     with TemporaryDirectory() as folder:
         out = Path(folder) / "run"
         run(
             RunRequest(
-                SCENARIO, CONTROLLER, SEED, given, duration_s=duration_s, ego_share=EGO_SHARE, out=out
+                SCENARIO, CONTROLLER, SEED, settings, duration_s=duration_s, ego_share=EGO_SHARE, out=out
             ),
             lambda now, end: looks.look(now),
         )
@@ -117,7 +116,7 @@ def main() -> None:
         return
     given = options(__doc__)
     duration_s, settled_s = (300.0, 150.0) if given.quick else (HOUR_S, SETTLED_S)
-    solver = solvers()[-1]
+    solver = solvers.solvers()[-1]
     began = time.perf_counter()
     seen = in_process("--watch", f"{duration_s}", solver)
     took_s = time.perf_counter() - began

@@ -18,11 +18,10 @@ from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
-from measuring import results
+from measuring import results, solvers
 from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.control_parts import Programs, observed
-from measuring.solvers import settings, solvers
 from measuring.stopwatch import replaced
 
 from analysis.statistics.paired import compare_values
@@ -53,13 +52,13 @@ def drive(scenario: str, seed: int, solver: str, short_cuts: bool) -> dict[str, 
             # Programs are shared between runs; those of this one are made after this, and for it alone.
             driver.forget_programs()
             stack.callback(driver.forget_programs)
-            stack.enter_context(replaced(qp, "CHANGES", {settings(solver)["solver"]: ALWAYS}))
+            stack.enter_context(replaced(qp, "CHANGES", {solvers.settings(solver)["solver"]: ALWAYS}))
             stack.enter_context(replaced(qp, "COMPILED_CHANGES", ALWAYS))
             stack.enter_context(replaced(qp, "FIRST_ROWS", ALL_ROWS))
         stack.enter_context(observed(programs))
-        given = {name: str(value) for name, value in settings(solver).items()} | {"warmup_s": f"{WARMUP_S:g}"}
+        settings = {**solvers.given(solver), "warmup_s": f"{WARMUP_S:g}"}
         duration_s, out = WARMUP_S + DRIVEN_S, Path(folder) / "run"
-        outcome = execute(RunRequest(scenario, CONTROLLER, seed, given, duration_s=duration_s, out=out))
+        outcome = execute(RunRequest(scenario, CONTROLLER, seed, settings, duration_s=duration_s, out=out))
         if outcome.row is None:
             raise SystemExit(f"{scenario}, seed {seed}: {outcome.invalid_reason or 'nothing to analyse'}")
         egos = pq.read_table(outcome.folder / "egos.parquet", columns=COLUMNS)
@@ -132,7 +131,7 @@ def judged(scenario: str, key: str, one: Mapping[str, Any]) -> Bar:
 def main() -> None:
     """Measure, print and publish."""
     given = options(__doc__)
-    solver = solvers()[-1]
+    solver = solvers.solvers()[-1]
     scenarios = {next(iter(SCENARIOS)): 2} if given.quick else SCENARIOS
     found: dict[str, Any] = {"solver": solver, "driven_s": DRIVEN_S, "scenarios": {}}
     bars = []

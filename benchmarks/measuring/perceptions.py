@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 
@@ -43,6 +44,13 @@ CASES = tuple(Case(steps, people) for steps in (20, 30) for people in (0, 1, 5, 
 def controller(case: Case, solver: str) -> Controller:
     """Return a fresh ``vo_mpc``."""
     return catalog.build("vo_mpc", seed=1, steps=case.steps, **settings(solver))
+
+
+def timed(driver: Controller, perception: Perception) -> float:
+    """Return what one control step takes [s]."""
+    began = perf_counter()
+    driver.plan(perception, driver.decide(perception))
+    return perf_counter() - began
 
 
 def warm_up(case: Case, solver: str) -> None:

@@ -22,3 +22,12 @@ def settings(name: str) -> dict[str, Any]:
     {'solver': 'osqp'}
     """
     return {"solver": "daqp", "compiled": True} if name == FAST else {"solver": name}
+
+
+def given(name: str) -> dict[str, str]:
+    """Return the same as a user gives it.
+
+    >>> given("osqp")
+    {'solver': 'osqp'}
+    """
+    return {parameter: str(value) for parameter, value in settings(name).items()}
