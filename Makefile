@@ -73,7 +73,7 @@ format: $(VENV)/installed-dev
 	$(BIN)/ruff format .
 
 # The other files there are run by hand and say so.
-BENCHMARKS := control_step other_methods compiling growth control_over_sumo many_egos memory screening instructions batch_throughput bars
+BENCHMARKS := control_step other_methods growth control_over_sumo many_egos memory instructions batch_throughput bars
 
 bench: $(VENV)/installed-bench
 	@failed=0; for script in $(BENCHMARKS); do \

@@ -17,12 +17,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from measuring import results, solvers
+from measuring import results
 from measuring.bars import Bar, show
 from measuring.city import FILLED_S, City
 from measuring.command import options
 from measuring.control_parts import PARTS as CONTROL_PARTS
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, Drive, alone, drive
+from measuring.solvers import SOLVERS
 
 from cosim.request import RunRequest
 
@@ -33,7 +34,7 @@ CITIES = ((50, 20), (200, 200), (1000, 200))
 """Vehicles and persons."""
 REPEATS = {50: 5, 200: 5, 1000: 3}
 BARRED = (200, 200)
-MOST = {"osqp": 1.0, solvers.FAST: 0.4}
+MOST = {"daqp": 1.0, "osqp": 1.0}
 OF_THE_LOOP = (SENSE, CONTROL, ACT, ADVANCE, SUMO, SNAPSHOT, RECORD)
 
 
@@ -42,7 +43,7 @@ def measure(vehicles: int, persons: int, repeats: int, driven_s: float) -> dict[
     until_s = FILLED_S + driven_s
     with TemporaryDirectory() as folder:
         configuration = City(vehicles, persons, duration_s=until_s).write(Path(folder))
-        requests = {solver: _request(configuration, solver) for solver in solvers.solvers()}
+        requests = {solver: _request(configuration, solver) for solver in SOLVERS}
         drives: dict[str, list[Drive]] = {solver: [] for solver in requests}
         without: list[float] = []
         for number in range(repeats):
@@ -64,7 +65,7 @@ def measure(vehicles: int, persons: int, repeats: int, driven_s: float) -> dict[
 
 
 def _request(configuration: Path, solver: str) -> RunRequest:
-    settings = {**solvers.given(solver), "steps": str(HORIZON)}
+    settings = {"solver": solver, "steps": str(HORIZON)}
     return RunRequest(str(configuration), ego_vehicle=EGO, settings=settings, actuation="hybrid")
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from measuring import perceptions, results
 from measuring.command import options
 from measuring.perceptions import Case
-from measuring.solvers import solvers
+from measuring.solvers import SOLVERS
 
 HORIZONS = tuple(Case(steps, 5) for steps in (10, 20, 30, 40, 50, 60))
 CROWDS = tuple(Case(30, people) for people in (0, 1, 5, 10, 20, 50, 100))
@@ -25,13 +25,13 @@ PASSES = 3
 
 def measure(cases: tuple[Case, ...], passes: int) -> dict[str, dict[str, dict[str, float]]]:
     """Return median and mean of the control step [ms], by case and solver; the cases take turns."""
-    for solver in solvers():
+    for solver in SOLVERS:
         perceptions.warm_up(Case(30, 5), solver)
     recorded = {case: perceptions.record(case) for case in cases}
-    times: dict[tuple[Case, str], list[float]] = {(case, s): [] for case in cases for s in solvers()}
+    times: dict[tuple[Case, str], list[float]] = {(case, s): [] for case in cases for s in SOLVERS}
     for _ in range(passes):
         for case, approaches in recorded.items():
-            for solver in solvers():
+            for solver in SOLVERS:
                 for approach in approaches:
                     driver = perceptions.controller(case, solver)
                     gc.collect(0)
@@ -45,7 +45,7 @@ def measure(cases: tuple[Case, ...], passes: int) -> dict[str, dict[str, dict[st
                 "median_ms": float(np.median(times[case, solver])),
                 "mean_ms": float(np.mean(times[case, solver])),
             }
-            for solver in solvers()
+            for solver in SOLVERS
         }
         for case in cases
     }
@@ -54,7 +54,7 @@ def measure(cases: tuple[Case, ...], passes: int) -> dict[str, dict[str, dict[st
 def exponents(sizes: list[int], entries: list[dict[str, dict[str, float]]]) -> dict[str, dict[str, float]]:
     """Return k of the law ``cost ~ size^k``: the slope of the straight line in logarithms, by solver."""
     found = {}
-    for solver in solvers():
+    for solver in SOLVERS:
         found[solver] = {
             kind: float(np.polyfit(np.log(sizes), np.log([entry[solver][kind] for entry in entries]), 1)[0])
             for kind in ("median_ms", "mean_ms")

@@ -17,11 +17,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from measuring import results, solvers
+from measuring import results
 from measuring.bars import Bar, show
 from measuring.city import FILLED_S, City
 from measuring.command import options
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, drive
+from measuring.solvers import DEFAULT
 
 from cosim.request import RunRequest
 from cosim.sumo.egos import drawn
@@ -56,7 +57,7 @@ def measured(configuration: str, share: float, solver: str) -> dict[str, Any]:
     """Return what a run takes per step and ego, on one core."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    settings = solvers.given(solver)
+    settings = {"solver": solver}
     request = RunRequest(configuration, "vo_mpc", SEED, settings, actuation="hybrid", ego_share=share)
     found = drive(request, FILLED_S)
     simulated_s = found.steps * found.step_s
@@ -93,10 +94,7 @@ def main() -> None:
         print(json.dumps(measured(sys.argv[2], float(sys.argv[3]), sys.argv[4])))
         return
     given = options(__doc__)
-    best = solvers.solvers()[-1]
-    asked_for = [(2, best)] if given.quick else [(egos, best) for egos in EGOS]
-    if not given.quick and best != "osqp":
-        asked_for.append((BARRED, "osqp"))
+    asked_for = [(2, DEFAULT)] if given.quick else [*((egos, DEFAULT) for egos in EGOS), (BARRED, "osqp")]
     city = (
         City(20, 10, duration_s=FILLED_S + 2.0)
         if given.quick
@@ -116,7 +114,7 @@ def main() -> None:
             note=f"{run['egos']:.0f} egos",
         )
         for run in runs
-        if run["asked_for"] == BARRED and run["solver"] == solvers.FAST
+        if run["asked_for"] == BARRED and run["solver"] == DEFAULT
     ]
     show(bars)
     results.publish("many_egos", {"runs": runs}, bars, given.folder)

@@ -21,9 +21,10 @@ from typing import Any
 import libsumo
 import numpy as np
 import psutil
-from measuring import results, solvers
+from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
+from measuring.solvers import DEFAULT
 
 from cosim.request import RunRequest
 from cosim.run import run
@@ -58,7 +59,7 @@ class Looks:
 def watched(duration_s: float, solver: str) -> dict[str, list[float]]:
     """Run, and return resident memory [MB] over simulated time [s]."""
     looks = Looks()
-    settings = {**SETTINGS, **solvers.given(solver)}
+    settings = {**SETTINGS, "solver": solver}
     with TemporaryDirectory() as folder:
         out = Path(folder) / "run"
         run(
@@ -116,7 +117,7 @@ def main() -> None:
         return
     given = options(__doc__)
     duration_s, settled_s = (300.0, 150.0) if given.quick else (HOUR_S, SETTLED_S)
-    solver = solvers.solvers()[-1]
+    solver = DEFAULT
     began = time.perf_counter()
     seen = in_process("--watch", f"{duration_s}", solver)
     took_s = time.perf_counter() - began

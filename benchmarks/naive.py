@@ -24,7 +24,7 @@ from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.mpc.speed_planning import SpeedPlanner
 from controllers.numerics import speed_program
-from controllers.programs.qp import Memory
+from controllers.optimisation.solve import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -87,8 +87,7 @@ class NaiveSpeedProgram:
         self.lag = lag
         self.weights = like.weights
         self.limits = like.limits
-        self.tolerance = like.program.tolerance
-        self.compiled = False
+        self.tolerance = like.solver.tolerance
 
     def worth_another_pass(self, task: PassingTask, plan: SpeedPlan) -> bool:
         """Decide as the original does."""
@@ -244,7 +243,7 @@ class NaiveSteeringProgram:
         self.front = like.front
         self.max_steering = like.max_steering
         self.weights = like.weights
-        self.tolerance = like.program.tolerance
+        self.tolerance = like.solver.tolerance
 
     def solve(self, task: SteeringTask, **_: Any) -> SteeringPlan:
         """Return the plan for a task; nothing outlives a call, so whatever else is given is not used."""
@@ -331,12 +330,10 @@ def twin(original: Any, perception: Perception) -> Any:
         id(original._steering): steering,
         id(original.settings): original.settings,
         # What our own solves remember, OSQP's workspace for one, is of no use to the naive ones.
-        id(original._speed._memory): Memory(),
+        id(original._speed.solves): Memory(),
         id(original._steering_memory): Memory(),
     }
     naive = copy.deepcopy(original, kept)
-    naive.settings = replace(original.settings, compiled=False)
-    naive._memory.compiled = False
     planner = NaiveSpeedPlanner.__new__(NaiveSpeedPlanner)
     for field in fields(naive._speed):
         setattr(planner, field.name, getattr(naive._speed, field.name))

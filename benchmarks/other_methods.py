@@ -23,7 +23,7 @@ from measuring import results, tasks
 from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.perceptions import Case
-from measuring.solvers import FAST, solvers
+from measuring.solvers import DEFAULT, SOLVERS
 from measuring.tasks import Planner, Step
 
 from controllers.mpc.lateral import SteeringPlan
@@ -32,7 +32,7 @@ from controllers.mpc.longitudinal import SpeedPlan
 CASE = Case(30, 5)
 CASADI, PYMOO = "CasADi/IPOPT", "pymoo GA"
 PACKAGES = {CASADI: "casadi", PYMOO: "pymoo"}
-LEAST = {CASADI: {"osqp": 10.0, FAST: 40.0}, PYMOO: {"osqp": 100.0, FAST: 600.0}}
+LEAST = {CASADI: {"daqp": 10.0, "osqp": 10.0}, PYMOO: {"daqp": 100.0, "osqp": 100.0}}
 SPEED_TOLERANCE, STEERING_TOLERANCE = 0.01, 1e-4
 """Largest difference of a planned speed [m/s] and of a steering angle [rad] from IPOPT's optimum."""
 
@@ -68,8 +68,8 @@ class Contest:
         self.effort = effort
         self.layout, every = tasks.collect(CASE)
         self.runs = list(tasks.in_turn(every, effort.steps))
-        self.ours = {solver: Planner.like(self.layout, solver) for solver in solvers()}
-        self.exact = Planner.like(self.layout, solvers()[-1], 1e-8)
+        self.ours = {solver: Planner.like(self.layout, solver) for solver in SOLVERS}
+        self.exact = Planner.like(self.layout, DEFAULT)
         self.non_linear: Any = None
         self.genetic: Any = None
         if CASADI in methods:

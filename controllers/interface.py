@@ -357,6 +357,17 @@ HAND_BACK = Command(np.zeros(1), np.zeros(1), np.zeros(1), hand_back=True)
 
 
 @dataclass(frozen=True, slots=True)
+class Solves:
+    """The quadratic programs of one control step."""
+
+    solver: str
+    """Which solver ran."""
+    programs: int
+    unsolved: int
+    """Those without a solution whose certificate holds."""
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """How the decision is carried out. A plan always exists; ``solved`` says whether it is the wanted one."""
 
@@ -368,6 +379,8 @@ class Plan:
     """Passing class by names, for instance ``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
     slack: float = 0.0
     """Largest violation of a soft constraint [m]."""
+    solves: Solves | None = None
+    """``None``: nothing was solved for it."""
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Horizon [s from now]; the next three have its length, in the route frame, rear axle."""
     along: FloatArray = field(default_factory=lambda: np.zeros(0))

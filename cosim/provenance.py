@@ -16,7 +16,7 @@ from typing import Any
 
 PERFECT = "perfect"
 """Sensing that tells egos the truth."""
-_DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "numba")
+_DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "piqp", "proxsuite", "clarabel")
 """What may change a run's numbers, besides this tool; absent ones are left out."""
 
 
@@ -101,6 +101,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),
         "n_teleports": 0,
+        "solvers": {},
         "recording_schema_version": schema_version,
     }
 

@@ -48,6 +48,8 @@ class Recorder:
         self.last_time: float | None = None
         self.teleports = 0
         self.ego_names: set[str] = set()
+        self.solves: dict[str, dict[str, int]] = {}
+        """Programs by solver: how many, and how many of them were left unsolved."""
 
     def __enter__(self) -> Recorder:
         return self
@@ -64,6 +66,10 @@ class Recorder:
         name, time = perception.ego.name, perception.ego.time
         self._planned_now[name] = _planned_columns(perception, decision, plan)
         self._timing.add_row((time, name, 1000.0 * compute_s))
+        if plan.solves is not None:
+            counted = self.solves.setdefault(plan.solves.solver, {"programs": 0, "unsolved": 0})
+            counted["programs"] += plan.solves.programs
+            counted["unsolved"] += plan.solves.unsolved
         slot = math.floor(time * PLANS_PER_SECOND + 1e-6)
         if len(plan.times) > 0 and self._last_kept_plan.get(name) != slot:
             self._last_kept_plan[name] = slot

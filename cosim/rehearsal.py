@@ -13,8 +13,7 @@ def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> 
     """Let a controller plan twice, behind a slower car and towards somebody on a zebra.
 
     Parameters are checked by value when a controller is built; that a solver is not installed, or that
-    a tolerance is none, shows only where it is used. Arithmetic that is compiled when first used is compiled
-    here, before the run's clock starts.
+    a tolerance is none, shows only where it is used.
 
     Parameters
     ----------

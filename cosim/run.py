@@ -127,6 +127,7 @@ def _finish(
         n_steps=times.steps,
         n_egos=len(recorder.ego_names),
         n_teleports=recorder.teleports,
+        solvers=recorder.solves,
         valid=reason is None,
         invalid_reason=reason,
     )

@@ -32,6 +32,7 @@ VIOLATIONS = {
         "controllers/numerics/second.py",
         "import controllers.numerics.first\n",
     ),
+    "the optimisation room knows a solver": ("controllers/numerics/third.py", "import qpsolvers\n"),
     "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
 }
 CLEAN = (

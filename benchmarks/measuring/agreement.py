@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from controllers.interface import Drive
 from controllers.mpc.lateral import LateralProgram
 from controllers.mpc.longitudinal import LongitudinalProgram
+from controllers.optimisation.settings import SolverSettings
 from measuring import perceptions
 from measuring.perceptions import Case
+from measuring.solvers import DEFAULT
 
 FloatArray = NDArray[np.float64]
 
@@ -107,7 +109,7 @@ def compare(case: Case) -> tuple[Differences, Differences]:
     """Return the differences of all speed and all steering programs of some control steps."""
     comparison: Comparison | None = None
     for approach in perceptions.record(case):
-        driver: Any = perceptions.controller(case, "osqp")
+        driver: Any = perceptions.controller(case, DEFAULT)
         for i, perception in enumerate(approach):
             if i and i % EVERY == 0:
                 comparison = comparison or Comparison(driver, perception.ego.drive)
@@ -161,8 +163,8 @@ def check(cases: tuple[Case, ...]) -> dict[str, dict[str, float]]:
 
 
 def _speed(like: LongitudinalProgram, drive: Drive, solver: str) -> LongitudinalProgram:
-    tolerance = like.program.tolerance
-    return LongitudinalProgram(like.dt, drive.drive_lag, like.weights, like.limits, solver, tolerance)
+    how = SolverSettings(solver, like.solver.tolerance)
+    return LongitudinalProgram(like.dt, drive.drive_lag, like.weights, like.limits, how)
 
 
 def _steering(like: LateralProgram, drive: Drive, solver: str) -> LateralProgram:
@@ -174,6 +176,5 @@ def _steering(like: LateralProgram, drive: Drive, solver: str) -> LateralProgram
         drive.max_steering,
         drive.max_steering_rate,
         like.weights,
-        solver,
-        like.program.tolerance,
+        SolverSettings(solver, like.solver.tolerance),
     )

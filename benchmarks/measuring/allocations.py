@@ -47,8 +47,8 @@ def watch(case: Case, solver: str, steps: int) -> dict[str, Any]:
             perception = next(seen)
             if i % every == 0:
                 gc.collect()
-                # Python remembers up to 4096 names of attributes that were looked up. NumPy and Numba make
-                # some anew each time; they are nobody's.
+                # Python remembers up to 4096 names of attributes that were looked up. NumPy makes some
+                # anew each time; they are nobody's.
                 _forget_names()
                 held.append(tracemalloc.get_traced_memory()[0])
             tracemalloc.reset_peak()

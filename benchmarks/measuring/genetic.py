@@ -11,7 +11,7 @@ from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
 
-from controllers.programs.qp import Program
+from controllers.optimisation.problem import Problem as Quadratic
 from measuring.tasks import Planner, Step
 
 FloatArray = NDArray[np.float64]
@@ -25,7 +25,7 @@ HARD = 1e3
 class Penalised:
     """A program over its inputs alone: the best slacks follow from them."""
 
-    program: Program
+    program: Quadratic
     inputs: int
 
     def cost(self, z: FloatArray) -> FloatArray:
@@ -81,6 +81,6 @@ class GeneticPlanner:
         speed.build(step.speed)
         steering.build(step.steering)
         hardest = -speed.limits.emergency_braking - step.speed.command
-        low = np.concatenate((np.full(n, min(hardest, 0.0)), steering.program.lower[:n]))
-        high = np.concatenate((speed.program.upper[:n] + 1e-3, steering.program.upper[:n]))
-        return _Both(Penalised(speed.program, n), Penalised(steering.program, n), low, high)
+        low = np.concatenate((np.full(n, min(hardest, 0.0)), steering.problem.lower[:n]))
+        high = np.concatenate((speed.problem.upper[:n] + 1e-3, steering.problem.upper[:n]))
+        return _Both(Penalised(speed.problem, n), Penalised(steering.problem, n), low, high)

@@ -218,7 +218,7 @@ class NonLinearProgram:
         # The same bounds on speed as the controller's program, from the program itself.
         program = self.layout.speed
         free = program.build(speed)
-        rows = program.program.h
+        rows = program.problem.h
         fast, slow = (slice(block * n, (block + 1) * n) for block in (FAST, SLOW))
         low, high = np.full((8, n), -np.inf), np.full((8, n), np.inf)
         high[1] = rows[fast] / program._scale[FAST] + free[1]

@@ -11,7 +11,7 @@ import numpy as np
 from controllers import catalog
 from controllers.interface import Controller, Perception
 from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
-from measuring.solvers import settings
+from measuring.solvers import DEFAULT
 
 STEP = 0.1
 """Of the simulation [s]."""
@@ -43,7 +43,7 @@ CASES = tuple(Case(steps, people) for steps in (20, 30) for people in (0, 1, 5, 
 
 def controller(case: Case, solver: str) -> Controller:
     """Return a fresh ``vo_mpc``."""
-    return catalog.build("vo_mpc", seed=1, steps=case.steps, **settings(solver))
+    return catalog.build("vo_mpc", seed=1, steps=case.steps, solver=solver)
 
 
 def timed(driver: Controller, perception: Perception) -> float:
@@ -54,7 +54,7 @@ def timed(driver: Controller, perception: Perception) -> float:
 
 
 def warm_up(case: Case, solver: str) -> None:
-    """Plan every kind of step once, so that nothing is compiled while the clock runs."""
+    """Plan every kind of step once, so that nothing is loaded while the clock runs."""
     for approach in record(case):
         driver = controller(case, solver)
         for perception in approach:
@@ -80,7 +80,7 @@ def _approach(case: Case, seed: int) -> Approach:
         step=STEP,
     )
     world.plant.y += OFFSET
-    driver = controller(case, "osqp")
+    driver = controller(case, DEFAULT)
     seen: list[Perception] = []
     while (perceptions := world.sense()) is not None:
         (perception,) = perceptions

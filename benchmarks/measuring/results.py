@@ -17,17 +17,15 @@ from measuring.markdown import table
 FOLDER = Path(__file__).resolve().parent.parent
 BUSY = 1.5
 """Load average above which somebody else was at work: one benchmark at a time runs, on one core."""
-PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "numba", "libsumo", "casadi", "pymoo")
+PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "libsumo", "casadi", "pymoo")
 SECTIONS = (
     "control_step",
     "agreement",
     "other_methods",
-    "compiling",
     "growth",
     "control_over_sumo",
     "many_egos",
     "memory",
-    "screening",
     "instructions",
     "batch",
 )

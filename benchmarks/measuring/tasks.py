@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,11 @@ import numpy as np
 from controllers.interface import Drive
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory
 from measuring import perceptions
 from measuring.perceptions import Case
-from measuring.solvers import settings
+from measuring.solvers import DEFAULT
 from measuring.stopwatch import replaced
 
 FIRM_PASSES = 8
@@ -33,8 +35,6 @@ class Step:
     """Before the first pass."""
     steering: SteeringTask
     curvature: Any
-    kind: object
-    """The passing class."""
     approach: int
 
 
@@ -52,37 +52,34 @@ def collect(case: Case) -> tuple[Layout, list[Step]]:
     steps: list[Step] = []
     layout: Layout | None = None
     for number, approach in enumerate(perceptions.record(case)):
-        driver: Any = perceptions.controller(case, "osqp")
+        driver: Any = perceptions.controller(case, DEFAULT)
         for i, perception in enumerate(approach):
-            asked: list[tuple[SpeedTask, object, SpeedPlan]] = []
+            asked: list[tuple[SpeedTask, SpeedPlan]] = []
             steered: list[tuple[LateralProgram, SteeringTask]] = []
             with ExitStack() as stack:
                 stack.enter_context(_noting_speed(asked))
                 stack.enter_context(_noting_steering(steered))
                 plan = driver.plan(perception, driver.decide(perception))
-            followed = [entry for entry in asked if entry[2].position is plan.along]
+            followed = [entry for entry in asked if entry[1].position is plan.along]
             if i == 0 or not followed or not steered:
                 continue
-            kind = followed[0][1]
             # Of several passes of one class the first has the task as it was set.
             last = next(k for k, entry in enumerate(asked) if entry is followed[0])
-            while (
-                last > 0 and asked[last - 1][1] == kind and asked[last][0].upper is asked[last - 1][0].upper
-            ):
+            while last > 0 and asked[last][0].upper is asked[last - 1][0].upper:
                 last -= 1
-            steps.append(Step(asked[last][0], steered[-1][1], steered[-1][1].curvature, kind, number))
+            steps.append(Step(asked[last][0], steered[-1][1], steered[-1][1].curvature, number))
             layout = layout or Layout(driver._speed.program, steered[-1][0], perception.ego.drive)
     if layout is None:
         raise SystemExit(f"no control step of case {case} was recorded")
     return layout, steps
 
 
-def _noting_speed(into: list[tuple[SpeedTask, object, SpeedPlan]]) -> Any:
+def _noting_speed(into: list[tuple[SpeedTask, SpeedPlan]]) -> Any:
     solve = LongitudinalProgram.solve
 
-    def noted(self: Any, task: SpeedTask, warm: Any = None, kind: Any = None, **rest: Any) -> SpeedPlan:
-        plan = solve(self, task, warm, kind, **rest)
-        into.append((task, kind, plan))
+    def noted(self: Any, task: SpeedTask, *args: Any, **kwargs: Any) -> SpeedPlan:
+        plan = solve(self, task, *args, **kwargs)
+        into.append((task, plan))
         return plan
 
     return replaced(LongitudinalProgram, "solve", noted)
@@ -104,18 +101,15 @@ class Planner:
 
     speed: LongitudinalProgram
     steering: LateralProgram
+    memories: tuple[Memory, Memory] = field(default_factory=lambda: (Memory(), Memory()))
 
     @classmethod
     def like(cls, layout: Layout, solver: str, tolerance: float | None = None) -> Planner:
         """Return fresh programs of the same layout."""
         speed, steering, drive = layout.speed, layout.steering, layout.drive
-        precision = speed.program.tolerance if tolerance is None else tolerance
-        how = settings(solver)
-        compiled = how.get("compiled", False)
+        how = SolverSettings(solver, speed.solver.tolerance if tolerance is None else tolerance)
         return cls(
-            LongitudinalProgram(
-                speed.dt, drive.drive_lag, speed.weights, speed.limits, how["solver"], precision, compiled
-            ),
+            LongitudinalProgram(speed.dt, drive.drive_lag, speed.weights, speed.limits, how),
             LateralProgram(
                 steering.dt,
                 drive.steering_lag,
@@ -124,24 +118,22 @@ class Planner:
                 drive.max_steering,
                 drive.max_steering_rate,
                 steering.weights,
-                how["solver"],
-                precision,
-                compiled,
+                how,
             ),
         )
 
     def plan(self, step: Step, firm: bool = False) -> tuple[SpeedPlan, SteeringPlan]:
         """Solve speed, then steering; with ``firm`` until the braking distance is where it was linearised."""
         task = step.speed
-        plan = self.speed.solve(task, kind=step.kind)
+        plan = self.speed.solve(task, memory=self.memories[0])
         bounded = np.isfinite(task.stoppable)
         enough = SETTLED if firm else WORTH_A_PASS
         for _ in range(FIRM_PASSES if firm else 1):
             if not plan.found or not (np.abs(plan.speed - task.expected)[bounded] > enough).any():
                 break
             task = task._replace(expected=plan.speed)
-            plan = self.speed.solve(task, warm=plan.inputs, kind=step.kind)
-        return plan, self.steering.solve(self.along(step, plan))
+            plan = self.speed.solve(task, start=plan.inputs, memory=self.memories[0])
+        return plan, self.steering.solve(self.along(step, plan), memory=self.memories[1])
 
     @staticmethod
     def along(step: Step, plan: SpeedPlan) -> SteeringTask:

@@ -15,8 +15,16 @@ from numpy.typing import NDArray
 
 from controllers.avoidance.euler_bicycle import ACROSS, ALONG, HEADING, SPEED, SPEED_CHANGE
 from controllers.avoidance.problem import AvoidanceProblem
-from controllers.avoidance.program import AvoidancePlan, AvoidanceProgram, merits, prices
+from controllers.avoidance.program import (
+    PAPER_SOLVER,
+    PRICE,
+    AvoidancePlan,
+    AvoidanceProgram,
+    merits,
+)
 from controllers.avoidance.velocity_cones import clearances, cone_margins, nobody
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Tally
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -34,6 +42,16 @@ FEWEST_PLACES = 4
 
 class Optimiser(Protocol):
     """Solves avoidance problems; it may remember, so: one per ego."""
+
+    @property
+    def solver(self) -> SolverSettings | None:
+        """The solver of its quadratic programs; ``None`` without any."""
+        ...
+
+    @property
+    def tally(self) -> Tally:
+        """Where those are counted."""
+        ...
 
     def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
         """Return the best plan found.
@@ -58,14 +76,14 @@ class QuadraticOptimiser:
         Programs per class at most.
     classes
         Classes solved at most.
-    solver, tolerance
-        As for :class:`controllers.programs.qp.Program`.
+    solver
+        Which solver.
     """
 
     passes: int = 5
     classes: int = 3
-    solver: str = "osqp"
-    tolerance: float = 1e-5
+    solver: SolverSettings = PAPER_SOLVER
+    tally: Tally = field(default_factory=Tally)
     _programs: dict[tuple[int, int, bool, int], AvoidanceProgram] = field(default_factory=dict)
 
     def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
@@ -74,7 +92,7 @@ class QuadraticOptimiser:
         best: AvoidancePlan | None = None
         for behind in np.argsort(scores, kind="stable")[: self.classes]:
             plan = self.solve_class(problem, int(behind), jumps[behind], start)
-            if best is None or plan.merit < best.merit:
+            if best is None or _rank(plan) < _rank(best):
                 best = plan
         assert best is not None  # there is always the class of nobody
         return best
@@ -95,7 +113,7 @@ class QuadraticOptimiser:
         best = program.solve(one, first, self.passes)
         if one.steers and first is not begin[0]:
             other = program.solve(one, wanted, self.passes)
-            best = other if other.merit < best.merit else best
+            best = min(best, other, key=_rank)
         return best
 
     def program(self, problem: AvoidanceProblem) -> AvoidanceProgram:
@@ -106,8 +124,13 @@ class QuadraticOptimiser:
         ends = len(problem.end.targets()) if problem.end is not None else 0
         size = (problem.steps, places, problem.steers, ends)
         if size not in self._programs:
-            self._programs[size] = AvoidanceProgram(*size, self.solver, self.tolerance)
+            self._programs[size] = AvoidanceProgram(*size, self.solver, self.tally)
         return self._programs[size]
+
+
+def _rank(plan: AvoidancePlan) -> tuple[bool, float]:
+    """Return what plans are compared by: any that is solved comes before those that are not."""
+    return not plan.solved, plan.merit
 
 
 def of_class(problem: AvoidanceProblem, behind: int) -> AvoidanceProblem:
@@ -144,7 +167,7 @@ def class_jumps(problem: AvoidanceProblem) -> tuple[FloatArray, FloatArray]:
     """Return for every class the merit of the best plan that goes over to one speed at once, and that plan.
 
     With a cone at every step the least change is often just that. Shapes (m + 1,) and (m + 1, 2, n); the
-    cones' violations are added up here, which prices a class no lower than the plans' own merits do.
+    cones' violations are added up here, and their squares are left out: it is for choosing where to begin.
     """
     n, people = problem.steps, problem.people
     plans = np.zeros((JUMPS, 2, n))
@@ -168,6 +191,6 @@ def class_jumps(problem: AvoidanceProblem) -> tuple[FloatArray, FloatArray]:
     begun = np.zeros((len(plans), 1))
     ahead = np.concatenate((np.cumsum(short[0][:, ::-1], axis=1)[:, ::-1], begun), axis=1)
     behind = np.concatenate((begun, np.cumsum(short[1], axis=1)), axis=1)
-    merit = base[:, None] + prices(n)[0] * (ahead + behind)
+    merit = base[:, None] + PRICE * (ahead + behind)
     chosen = np.argmin(merit, axis=0)
     return merit[chosen, np.arange(len(chosen))], plans[chosen]

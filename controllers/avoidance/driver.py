@@ -36,6 +36,7 @@ from controllers.interface import (
     Perception,
     Plan,
     Rule,
+    Solves,
 )
 from controllers.prediction.forecast import Predictor
 
@@ -207,7 +208,10 @@ class AvoidanceDriver:
             acceleration = np.minimum(acceleration, self._brake.accelerations(ego, times))
         acceleration = np.clip(acceleration, -drive.max_deceleration, drive.max_acceleration)
         command = Command(times, acceleration, self._steering(perception, decision, acceleration))
-        return Plan(command) if kept is None else self._told(perception, kept, command)
+        plan = Plan(command) if kept is None else self._told(perception, kept, command)
+        programs, unsolved = self._optimiser.tally.take()
+        solver = self._optimiser.solver
+        return plan if solver is None else replace(plan, solves=Solves(solver.name, programs, unsolved))
 
     def _due(self, perception: Perception, lane: Lane, conflicts: passing.Conflicts) -> bool:
         """Say whether a new plan is needed."""
@@ -237,7 +241,7 @@ class AvoidanceDriver:
                 problem = reader.change(perception, one, involved, steps)
                 option = self._option(one, problem, involved, ego.time)
                 rule = self._rule if best.lane is lane else Rule.AUTONOMOUS
-                if self._rules.better(best.plan, option.plan, rule):
+                if option.plan.solved and self._rules.better(best.plan, option.plan, rule):
                     best, other = option, best
                 elif other is None:
                     other = option
@@ -287,13 +291,14 @@ class AvoidanceDriver:
         if kept is not None and kept.option.problem.steers == problem.steers and kept.avoids:
             start = kept.moved_on(time)
         plan = self._optimiser.solve(problem, start)
-        met = np.flatnonzero(not_avoided(problem, plan.states))
-        return Option(lane, problem, conflicts, plan, tuple(conflicts.names[i] for i in met))
+        # Of a plan that no solver stands for nobody can say whom it avoids.
+        met = not_avoided(problem, plan.states) if plan.solved else np.ones(len(conflicts), dtype=bool)
+        return Option(lane, problem, conflicts, plan, tuple(conflicts.names[i] for i in np.flatnonzero(met)))
 
     def _keep(self, perception: Perception, option: Option, other: Option | None = None) -> None:
         """Follow an option from now on."""
         path, travelled = None, self._odometer.travelled
-        if option.problem.steers:
+        if option.problem.steers and option.plan.solved:
             along, across, heading, *_ = option.plan.states
             slopes = np.tan(np.clip(heading, -1.0, 1.0))
             shape = through(along, across - option.lane.offset, float(slopes[0]), float(slopes[-1]))

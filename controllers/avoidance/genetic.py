@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from controllers.avoidance.problem import AvoidanceProblem, margins
 from controllers.avoidance.program import FOLLOWER_PRICE, AvoidancePlan, valued
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Tally
 
 FloatArray = NDArray[np.float64]
 
@@ -54,6 +56,9 @@ class GeneticOptimiser:
 
     budget: GeneticBudget
     seed: int
+    solver: SolverSettings | None = None
+    tally: Tally = field(default_factory=Tally)
+    """It solves no programs."""
     _drawn: np.random.Generator = field(init=False)
 
     def __post_init__(self) -> None:

@@ -14,20 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.avoidance.problem import AvoidanceProblem, gradients, margins
-from controllers.programs.qp import Program, Solution
+from controllers.optimisation.problem import blank
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solution import Solution
+from controllers.optimisation.solve import Memory, Tally, solve
 
 FloatArray = NDArray[np.float64]
 
 PRICE = 1e3
-"""Of a violation of one, in units of the objective."""
+"""Of a violation of one, in units of the objective; of a violation v it is ``price (v + v^2 / 2)``. The
+linear part keeps constraints that can be kept. The squares decide between violations where some must be, and
+without them the cost matrix is singular, which OSQP copes with badly."""
 END_PRICE = 100.0
 """The same of the end state: late is better than into somebody."""
 FOLLOWER_PRICE = 10.0
 """The same of the gap to the vehicle behind, which has brakes of its own."""
 UNITS = (1.0, 0.02)
 """Of the inputs' variables: as large as each other for the solver [m/s, rad]."""
-SLACK_UNIT = 1e-3
-"""Of the slacks' variables, likewise."""
+PAPER_SOLVER = SolverSettings("osqp", tolerance=1e-3)
 SHARES = 0.5 ** np.arange(6)
 """Shares of a step that are tried."""
 SETTLED = 1e-6
@@ -51,7 +55,9 @@ class AvoidancePlan:
     violation: float
     """Largest violation of any margin but the follower's."""
     programs: int = 0
-    """Quadratic programs that were solved."""
+    """Quadratic programs that it took."""
+    solved: bool = True
+    """Whether the last of them was solved; if not, the plan is no better than the one it was begun from."""
 
 
 def prices(steps: int) -> FloatArray:
@@ -61,13 +67,20 @@ def prices(steps: int) -> FloatArray:
     return result
 
 
+def priced(violations: FloatArray, steps: int) -> FloatArray:
+    """Return what violations cost, one for each of ``Margins.violations`` in the last axis."""
+    return np.asarray((violations + 0.5 * violations**2) @ prices(steps))
+
+
 def merits(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:
     """Return objective and priced violations together, inputs of shape (..., 2, n)."""
     short = margins(problem, problem.states(inputs)).violations(problem.steps)
-    return np.asarray(problem.cost(inputs) + short @ prices(problem.steps))
+    return np.asarray(problem.cost(inputs) + priced(short, problem.steps))
 
 
-def valued(problem: AvoidanceProblem, inputs: FloatArray, programs: int = 0) -> AvoidancePlan:
+def valued(
+    problem: AvoidanceProblem, inputs: FloatArray, programs: int = 0, solved: bool = True
+) -> AvoidancePlan:
     """Return a plan from its inputs."""
     states, n = problem.states(inputs), problem.steps
     short = margins(problem, states).violations(n)
@@ -76,10 +89,11 @@ def valued(problem: AvoidanceProblem, inputs: FloatArray, programs: int = 0) -> 
         inputs=inputs,
         states=states,
         cost=cost,
-        merit=cost + float(short @ prices(n)),
+        merit=cost + float(priced(short, n)),
         into_cones=float(short[:n].max()),
         violation=float(np.delete(short, n + 1).max()),
         programs=programs,
+        solved=solved,
     )
 
 
@@ -94,32 +108,56 @@ class AvoidanceProgram:
         Pedestrians that fit in; rows of absent ones bind nothing.
     steers, ends
         Whether the problems have steering inputs, and how many states they prescribe at the end.
-    solver, tolerance
-        As for :class:`controllers.programs.qp.Program`.
+    solver
+        Which solver.
+    tally
+        Where programs are counted.
     """
 
     def __init__(
-        self, steps: int, people: int, steers: bool, ends: int, solver: str = "osqp", tolerance: float = 1e-5
+        self,
+        steps: int,
+        people: int,
+        steers: bool,
+        ends: int,
+        solver: SolverSettings = PAPER_SOLVER,
+        tally: Tally | None = None,
     ) -> None:
-        self.steps, self.people = steps, people
+        self.steps, self.people, self.solver = steps, people, solver
+        self._memory = Memory(tally or Tally())
         self.inputs = (2 if steers else 1) * steps
         sizes = (steps, steps, 6 * steps, 2 * ends)
         # One slack for each step's cones, one for each of the other blocks.
         slack_of = [np.tile(np.arange(steps), people)]
         slack_of += [np.full(size, steps + i) for i, size in enumerate(sizes)]
         slack = np.concatenate(slack_of)
-        variables = self.inputs + steps + 4
-        pattern = np.ones((len(slack), variables), dtype=bool)
-        self.program = Program(np.eye(variables, dtype=bool), pattern, solver, tolerance)
+        variables = {"change of speed [m/s]": steps}
+        if steers:
+            variables["change of wheel angle [0.02 rad]"] = steps
+        variables |= {
+            "into cones, by step [m/s]": steps,
+            "too near ahead [m]": 1,
+            "too near behind [m]": 1,
+            "off the road, too fast or turning too fast": 1,
+            "missing the end state": 1,
+        }
+        rows = {
+            "relative velocity outside cones [m/s], softened": people * steps,
+            "gap ahead [m], softened": steps,
+            "gap behind [m], softened": steps,
+            "edges, turn and speed, softened": 6 * steps,
+            "end state, softened": 2 * ends,
+        }
+        p = self.problem = blank("sum (dv - dv_wanted)^2 + w ddelta^2 + priced violations", variables, rows)
         self._unit = np.repeat(UNITS, steps)[: self.inputs]
-        p = self.program
-        p.q[self.inputs :] = prices(steps) * SLACK_UNIT
+        p.P[range(self.inputs, len(p.q)), range(self.inputs, len(p.q))] = prices(steps)
+        p.q[self.inputs :] = prices(steps)
         p.lower[self.inputs :] = 0.0
-        p.G[np.arange(len(slack)), self.inputs + slack] = -SLACK_UNIT
+        p.G[np.arange(len(slack)), self.inputs + slack] = -1.0
 
     def build(self, problem: AvoidanceProblem, inputs: FloatArray) -> None:
-        """Write the problem, linearised about a plan, into the program."""
-        p, count = self.program, self.inputs
+        """Write the avoidance problem, linearised about a plan, into the quadratic one."""
+        p, count = self.problem, self.inputs
         states = problem.states(inputs)
         value = np.concatenate(margins(problem, states).blocks())
         gradient = np.concatenate(gradients(problem, states).blocks())[:, :count]
@@ -140,10 +178,10 @@ class AvoidanceProgram:
     def step(self, problem: AvoidanceProblem, inputs: FloatArray) -> tuple[FloatArray, Solution]:
         """Return the plan after one program linearised about another, and the program's solution."""
         self.build(problem, inputs)
-        begin = np.zeros(len(self.program.q))
+        begin = np.zeros(len(self.problem.q))
         begin[: self.inputs] = inputs.ravel()[: self.inputs] / self._unit
-        solution = self.program.solve(begin)
-        if not solution.found:
+        solution = solve(self.problem, self.solver, self._memory, begin)
+        if not solution.solved:
             return inputs, solution
         found = np.zeros(2 * self.steps)
         found[: self.inputs] = solution.z[: self.inputs] * self._unit
@@ -166,12 +204,12 @@ class AvoidanceProgram:
             Programs at most.
         """
         inputs = np.clip(start, *problem.bounds())
-        count = 0
+        count, solved = 0, True
         while count < passes:
             count += 1
             better, solution = self.step(problem, inputs)
             moved = float(np.abs(better - inputs).max())
-            inputs = better
-            if not solution.found or moved < SETTLED:
+            inputs, solved = better, solution.solved
+            if not solved or moved < SETTLED:
                 break
-        return valued(problem, inputs, count)
+        return valued(problem, inputs, count, solved)

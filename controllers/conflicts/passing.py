@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind, Pedestrians, Perception
 from controllers.numerics import passing_classes
-from controllers.numerics.compiling import code_of
 from controllers.prediction.forecast import Forecast
 
 FloatArray = NDArray[np.float64]
@@ -134,7 +133,6 @@ def find(
     horizon: float,
     assume: PedestrianAssumptions,
     forecast: Forecast | None = None,
-    compiled: bool = False,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -155,8 +153,6 @@ def find(
     forecast
         Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
         assumed of somebody whose velocity does not say what he will do goes before it.
-    compiled
-        Whether the arithmetic is compiled.
     """
     people = perception.pedestrians
     road = perception.road
@@ -167,9 +163,8 @@ def find(
     across_speed, considered, assumed = _expected_motion(perception, watch, assume)
     low = band[0] - people.radius - side_margin
     high = band[1] + people.radius + side_margin
-    code = code_of(passing_classes, compiled)
     if forecast is None:
-        enter, leave = code.overlap(people.across, across_speed, low, high)
+        enter, leave = passing_classes.overlap(people.across, across_speed, low, high)
     else:
         forecast = _with_assumptions(forecast, people, across_speed, assumed)
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
@@ -177,7 +172,7 @@ def find(
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
     rear = perception.ego.body.rear_overhang
-    chosen = code.by_entry(people.along, people.radius, considered, enter, horizon, rear)
+    chosen = passing_classes.by_entry(people.along, people.radius, considered, enter, horizon, rear)
     if not len(chosen):
         return _empty()
     stop = [road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen].tolist()]
@@ -315,7 +310,6 @@ def class_bounds(
     rear: float,
     margin_along: float,
     speed: FloatArray,
-    compiled: bool = False,
 ) -> ClassBounds:
     """Return the bounds of all passing classes.
 
@@ -332,13 +326,11 @@ def class_bounds(
     speed
         Expected speed at each time: carries a bound from the instant it holds to the next grid time,
         shape (N,) [m/s].
-    compiled
-        Whether it is worked out by compiled code.
     """
-    c, code = conflicts, code_of(passing_classes, compiled)
+    c = conflicts
     reach = c.radius + margin_along
     if c.forecast is None:
-        bounds = code.straight_class_bounds(
+        bounds = passing_classes.straight_class_bounds(
             c.enter,
             c.leave,
             c.stop_line,
@@ -354,7 +346,7 @@ def class_bounds(
     else:
         there = c.forecast.at(times)
         kept = reach[:, None] + there.reach
-        bounds = code.class_bounds(
+        bounds = passing_classes.class_bounds(
             c.enter, c.leave, c.stop_line, there.along, kept, times, speed, front, rear
         )
     return ClassBounds(*bounds)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from controllers.interface import Command, EgoState
 from controllers.numerics import last_plan
-from controllers.numerics.compiling import code_of
 
 FloatArray = NDArray[np.float64]
 
@@ -30,8 +29,6 @@ class PlanMemory:
     speed: FloatArray | None = None
     shift: FloatArray | None = None
     """Planned movement across the road from where the ego was, left positive [m]."""
-    compiled: bool = False
-    """Whether the arithmetic is compiled."""
     _asked: tuple[float | None, float] | None = None
     _now: tuple[float, float] = (0.0, 0.0)
     # What was commanded for that time, of the plan made then; it is asked for several times a step.
@@ -59,9 +56,7 @@ class PlanMemory:
         age = self.age(ego.time)
         if self.position is None or self.speed is None or age > FORGOTTEN_AFTER:
             return ego.speed * self.times, np.full(len(self.times), ego.speed)
-        code = code_of(last_plan, self.compiled)
-        moved, speed = code.moved(self.times, self.position, self.speed, age)
-        return moved, speed
+        return last_plan.moved(self.times, self.position, self.speed, age)
 
     def commanded(self, ego: EgoState) -> tuple[float, float]:
         """Return acceleration and steering that are commanded at this instant."""
@@ -97,7 +92,6 @@ def sampled_command(
     acceleration: FloatArray,
     steering: FloatArray,
     duration: float,
-    compiled: bool = False,
 ) -> Command:
     """Return the command that follows two profiles for a time.
 
@@ -107,7 +101,6 @@ def sampled_command(
     now : both commands at this instant
     acceleration, steering : at ``times``, linear in between
     duration : [s]
-    compiled : whether the arithmetic is compiled
     """
-    code = code_of(last_plan, compiled)
-    return Command(*code.sampled(times, now[0], acceleration, now[1], steering, COMMAND_SPACING, duration))
+    profiles = last_plan.sampled(times, now[0], acceleration, now[1], steering, COMMAND_SPACING, duration)
+    return Command(*profiles)

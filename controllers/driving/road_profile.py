@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from controllers.interface import Perception
 from controllers.numerics import road_speeds
-from controllers.numerics.compiling import code_of
 
 FloatArray = NDArray[np.float64]
 
@@ -39,18 +38,12 @@ def reference_speed(
     return wanted
 
 
-def reference_speeds(
-    perception: Perception,
-    positions: FloatArray,
-    demands: FloatArray,
-    compiled: bool = False,
-) -> FloatArray:
+def reference_speeds(perception: Perception, positions: FloatArray, demands: FloatArray) -> FloatArray:
     """Return :func:`reference_speed` for rows of lateral acceleration and braking, one row for each."""
     road = perception.road
-    speeds: FloatArray = code_of(road_speeds, compiled).reference_speeds(
+    return road_speeds.reference_speeds(
         positions, road.curvature, road.curvature_step, road.limit_along, road.limit, demands
     )
-    return speeds
 
 
 def keep_clear_line(

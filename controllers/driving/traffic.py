@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from controllers.interface import Perception, Vehicles
 from controllers.numerics import vehicles_ahead
-from controllers.numerics.compiling import code_of
 from controllers.numerics.vehicles_ahead import Footprints as Footprints
 
 FloatArray = NDArray[np.float64]
@@ -33,9 +32,7 @@ class Blockade(NamedTuple):
     """Nearest vehicle now; empty for none."""
 
 
-def blockade(
-    perception: Perception, band: tuple[float, float], times: FloatArray, compiled: bool = False
-) -> Blockade:
+def blockade(perception: Perception, band: tuple[float, float], times: FloatArray) -> Blockade:
     """Return what vehicles ahead, in the band or about to be in it, leave free.
 
     A vehicle that brakes is expected to go on braking for 2 s, one that speeds up to go on for 1 s; one that
@@ -49,16 +46,13 @@ def blockade(
         Right and left end of what the ego's body will sweep (across) [m].
     times
         Horizon, shape (N,) [s].
-    compiled
-        Whether it is worked out by compiled code.
     """
     vehicles = perception.vehicles
     if len(vehicles) == 0:
         free = np.full(len(times), np.inf)
         return Blockade(free, free, free, "")
     centres = np.array([lane.offset for lane in perception.road.lanes])
-    code = code_of(vehicles_ahead, compiled)
-    rear, rest, follow, nearest = code.blockade(
+    rear, rest, follow, nearest = vehicles_ahead.blockade(
         _arrays(vehicles), perception.ego.body.front, centres, band[0], band[1], times
     )
     return Blockade(rear, rest, follow, vehicles.names[nearest] if nearest >= 0 else "")

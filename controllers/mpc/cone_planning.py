@@ -15,7 +15,7 @@ from controllers.mpc.cone_program import ConeProgram, JointPlan
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
 from controllers.mpc.longitudinal import SpeedPlan, SpeedTask
 from controllers.mpc.speed_planning import SpeedPlanner
-from controllers.programs.qp import Memory
+from controllers.optimisation.solve import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +34,7 @@ class ConePlanner(SpeedPlanner):
     steering_of: SteeringOf
     joint: ConeProgram
     steering_memory: Memory
+    joint_memory: Memory
 
     def _solve_class(
         self,
@@ -63,7 +64,8 @@ class ConePlanner(SpeedPlanner):
                 steering_task,
                 walkers,
                 _motion(best, steering_task, perception.ego.speed),
-                warm=self.joint.start(best),
+                start=self.joint.start(best),
+                memory=self.joint_memory,
             )
             if not plan.speed.found:
                 # The plan of the pass before holds about its own nominal motion; the first pass has none.

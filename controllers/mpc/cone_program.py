@@ -7,6 +7,7 @@ they are and copied in blocks; below their rows stand those of the cones, linear
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,8 @@ from controllers.mpc.lateral import LateralProgram, Response, SteeringPlan, Stee
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.numerics.speed_program import POSITION, SPEED
 from controllers.numerics.steering_program import ACROSS, HEADING, STEERING_COMMAND
-from controllers.programs.qp import Program
+from controllers.optimisation.problem import Problem, blank
+from controllers.optimisation.solve import Memory, solve
 
 FloatArray = NDArray[np.float64]
 
@@ -54,8 +56,6 @@ class ConeProgram:
         Which cone.
     slots
         Pedestrians that fit in; a slot without one costs nothing.
-    solver, tolerance, compiled
-        As for :class:`controllers.programs.qp.Program`.
     """
 
     def __init__(
@@ -64,28 +64,32 @@ class ConeProgram:
         steering: LateralProgram,
         settings: ConeSettings,
         slots: int,
-        solver: str = "osqp",
-        tolerance: float = 1e-4,
-        compiled: bool = False,
     ) -> None:
         self.speed, self.steering, self.settings, self.slots = speed, steering, settings, slots
         self.steps = speed.steps
         near = np.cumsum(speed.dt) < NEAR
         self._slacks = np.stack((near, ~near), axis=1)
         # First row and variable of the steering program, then of the cones.
-        self._rows_at = (len(speed.program.h), len(speed.program.h) + len(steering.program.h))
-        self._variables_at = (len(speed.program.q), len(speed.program.q) + len(steering.program.q))
-        self.program = Program(
-            self._cost_pattern(), self._row_pattern(), solver, tolerance, compiled=compiled
+        self._rows_at = (len(speed.problem.h), len(speed.problem.h) + len(steering.problem.h))
+        self._variables_at = (len(speed.problem.q), len(speed.problem.q) + len(steering.problem.q))
+        self.solver = speed.solver
+        self.problem: Problem = blank(
+            f"{speed.problem.objective} + {steering.problem.objective} + cones",
+            _sizes(speed.problem.variables)
+            | _sizes(steering.problem.variables)
+            | {"relative velocity inside cones [m/s], soon and later": 2 * slots},
+            _sizes(speed.problem.rows)
+            | _sizes(steering.problem.rows)
+            | {"relative velocity outside cones [m/s], softened": slots * self.steps},
         )
         self._place(constant=True)
         first, weights = self._variables_at[1], speed.weights
-        slack = range(first, len(self.program.q))
-        self.program.P[slack, slack] = 2.0 * weights.violation_squared
-        self.program.q[first:] = weights.violation
-        self.program.lower[first:] = 0.0
+        slack = range(first, len(self.problem.q))
+        self.problem.P[slack, slack] = 2.0 * weights.violation_squared
+        self.problem.q[first:] = weights.violation
+        self.problem.lower[first:] = 0.0
         for slot in range(slots):
-            self.program.G[self._slot(slot), self._slack(slot)] = np.where(self._slacks, -1.0, 0.0)
+            self.problem.G[self._slot(slot), self._slack(slot)] = np.where(self._slacks, -1.0, 0.0)
 
     def build(
         self, speed: SpeedTask, steering: SteeringTask, walkers: Walkers, nominal: Motion
@@ -94,7 +98,7 @@ class ConeProgram:
         speed_free = self.speed.build(speed)
         response = self.steering.build(steering)
         self._place(constant=False)
-        p, n = self.program, self.steps
+        p, n = self.problem, self.steps
         p.h[self._rows_at[1] :] = np.inf
         cones = rows(self.settings, walkers, nominal)
         jerk, angle = slice(0, n), slice(self._variables_at[0], self._variables_at[0] + n)
@@ -116,24 +120,28 @@ class ConeProgram:
         steering: SteeringTask,
         walkers: Walkers,
         nominal: Motion,
-        warm: FloatArray | None = None,
+        start: FloatArray | None = None,
+        memory: Memory | None = None,
     ) -> JointPlan:
-        """Return both plans; ``found`` is False in both when the solver gave none."""
+        """Return both plans; ``found`` is False in both when they were not solved.
+
+        ``start`` and ``memory`` as for :func:`controllers.optimisation.solve.solve`.
+        """
         response = self.build(speed, steering, walkers, nominal)
-        solution = self.program.solve(warm)
+        solution = solve(self.problem, self.solver, memory, start)
         n, split, end = self.steps, *self._variables_at
         jerks, rates, slack = solution.z[:split], solution.z[split:end], solution.z[end:]
         lane = response.steering.free + response.steering.gain @ rates[:n]
         cost = solution.cost + response.steering.cost
-        road = self.speed.plan(speed, response.speed_free, jerks, cost, solution.found)
+        road = self.speed.plan(speed, response.speed_free, jerks, cost, solution.solved)
         return JointPlan(
             road._replace(slack=max(road.slack, float(slack.max(initial=0.0)))),
             SteeringPlan(
-                found=solution.found,
+                found=solution.solved,
                 across=lane[ACROSS],
                 heading_error=lane[HEADING],
                 command=lane[STEERING_COMMAND],
-                cost=self.steering.program.cost(rates),
+                cost=self.steering.problem.cost(rates),
                 slack=float(max(rates[n], 0.0)),
                 inputs=rates,
             ),
@@ -146,16 +154,16 @@ class ConeProgram:
     def _place(self, constant: bool) -> None:
         """Copy the blocks of the two programs; those that never change only once."""
         row, variable = 0, 0
-        for part in (self.speed.program, self.steering.program):
+        for part in (self.speed.problem, self.steering.problem):
             m, n = len(part.h), len(part.q)
             rows_at, at = slice(row, row + m), slice(variable, variable + n)
             if constant:
-                self.program.lower[at] = part.lower
-            self.program.upper[at] = part.upper
-            self.program.P[at, at] = part.P
-            self.program.q[at] = part.q
-            self.program.G[rows_at, at] = part.G
-            self.program.h[rows_at] = part.h
+                self.problem.lower[at] = part.lower
+            self.problem.upper[at] = part.upper
+            self.problem.P[at, at] = part.P
+            self.problem.q[at] = part.q
+            self.problem.G[rows_at, at] = part.G
+            self.problem.h[rows_at] = part.h
             row, variable = row + m, variable + n
 
     def _slot(self, slot: int) -> slice:
@@ -166,24 +174,9 @@ class ConeProgram:
         first = self._variables_at[1] + 2 * slot
         return slice(first, first + 2)
 
-    def _cost_pattern(self) -> NDArray[np.bool_]:
-        split, end = self._variables_at
-        pattern = np.eye(end + 2 * self.slots, dtype=bool)
-        pattern[:split, :split] = self.speed.program.cost_pattern
-        pattern[split:end, split:end] = self.steering.program.cost_pattern
-        return pattern
 
-    def _row_pattern(self) -> NDArray[np.bool_]:
-        (speed_rows, rows_end), (split, end), n = self._rows_at, self._variables_at, self.steps
-        pattern = np.zeros((rows_end + self.slots * n, end + 2 * self.slots), dtype=bool)
-        pattern[:speed_rows, :split] = self.speed.program.row_pattern
-        pattern[speed_rows:rows_end, split:end] = self.steering.program.row_pattern
-        lower_triangle = np.tril(np.ones((n, n), dtype=bool))
-        for slot in range(self.slots):
-            pattern[self._slot(slot), :n] = lower_triangle
-            pattern[self._slot(slot), split : split + n] = lower_triangle
-            pattern[self._slot(slot), self._slack(slot)] = self._slacks
-        return pattern
+def _sizes(blocks: Mapping[str, slice]) -> dict[str, int]:
+    return {name: at.stop - at.start for name, at in blocks.items()}
 
 
 def _rows(weights: FloatArray, gain: FloatArray) -> FloatArray:

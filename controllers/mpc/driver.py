@@ -31,6 +31,7 @@ from controllers.interface import (
     Manoeuvre,
     Perception,
     Plan,
+    Solves,
     constant_command,
 )
 from controllers.mpc.cone_planning import SLOTS, ConePlanner
@@ -39,9 +40,9 @@ from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask, 
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
 from controllers.mpc.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across, with_margins
 from controllers.numerics import last_plan
-from controllers.numerics.compiling import code_of
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory, Tally
 from controllers.prediction.forecast import Predictor
-from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -80,9 +81,7 @@ class Settings:
     weights: SpeedWeights
     limits: SpeedLimits
     steering: SteeringWeights
-    solver: str
-    tolerance: float
-    compiled: bool = False
+    solver: SolverSettings
 
 
 class VelocityObstacleMpc:
@@ -98,7 +97,7 @@ class VelocityObstacleMpc:
         self.settings = settings
         self._predictor = predictor
         self._times = np.cumsum(settings.dt)
-        self._memory = PlanMemory(self._times, compiled=settings.compiled)
+        self._memory = PlanMemory(self._times)
         self._lanes = LaneManoeuvre(settings.change_duration)
         self._decision = LaneDecision(settings.change, self._lanes)
         self._blocked = BlockedLanes()
@@ -106,7 +105,8 @@ class VelocityObstacleMpc:
         self._kept: Chosen | None = None
         self._speed: SpeedPlanner | None = None
         self._steering: LateralProgram | None = None
-        self._steering_memory = Memory()
+        self._tally = Tally()
+        self._steering_memory, self._joint_memory = Memory(self._tally), Memory(self._tally)
 
     def decide(self, perception: Perception) -> Decision:
         """Apply the decision rules on the neighbour gaps; see :mod:`controllers.driving.lane_decision`."""
@@ -126,6 +126,10 @@ class VelocityObstacleMpc:
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
+        plan = self._plan(perception, decision)
+        return replace(plan, solves=Solves(self.settings.solver.name, *self._tally.take()))
+
+    def _plan(self, perception: Perception, decision: Decision) -> Plan:
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
@@ -182,7 +186,7 @@ class VelocityObstacleMpc:
         """Return the task of steering into a lane; one that is not the target is taken as reached already."""
         ego, road, target = perception.ego, perception.road, self._lanes.lane(perception)
         there = lane is not None and (target is None or lane.number != target.number)
-        mean, curvature = code_of(last_plan, self.settings.compiled).in_intervals(
+        mean, curvature = last_plan.in_intervals(
             speed.position, ego.speed, speed.speed, road.curvature, road.curvature_step
         )
         half = 0.5 * ego.body.width
@@ -216,7 +220,6 @@ class VelocityObstacleMpc:
             speed.command,
             steering.command,
             ego.plan_interval + FRESH,
-            self.settings.compiled,
         )
         if ego.speed < 0.05 and float(speed.speed.max()) < 0.3:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
@@ -253,12 +256,12 @@ class VelocityObstacleMpc:
                 emergency_braking=min(s.limits.emergency_braking, drive.max_deceleration),
                 comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
             )
-            program = _speed_program(
-                tuple(s.dt), drive.drive_lag, s.weights, limits, s.solver, s.tolerance, s.compiled
-            )
+            program = _speed_program(tuple(s.dt), drive.drive_lag, s.weights, limits, s.solver)
             right_of_way = RightOfWay(limits.acceleration)
             if s.cone.kind is Cone.STEP:
-                self._speed = SpeedPlanner(s.passing, program, self._memory, right_of_way, self._predictor)
+                self._speed = SpeedPlanner(
+                    s.passing, program, self._memory, right_of_way, self._predictor, Memory(self._tally)
+                )
             else:
                 steering, cone = self._steering_program(perception), self._cone(perception.ego.body)
                 self._speed = ConePlanner(
@@ -267,10 +270,12 @@ class VelocityObstacleMpc:
                     self._memory,
                     right_of_way,
                     self._predictor,
+                    Memory(self._tally),
                     steering=steering,
                     steering_of=self._steering_task,
                     steering_memory=self._steering_memory,
-                    joint=ConeProgram(program, steering, cone, SLOTS, s.solver, s.tolerance, s.compiled),
+                    joint_memory=self._joint_memory,
+                    joint=ConeProgram(program, steering, cone, SLOTS),
                 )
         return self._speed
 
@@ -297,8 +302,6 @@ class VelocityObstacleMpc:
                 drive.max_steering_rate,
                 s.steering,
                 s.solver,
-                s.tolerance,
-                s.compiled,
             )
         return self._steering
 
@@ -312,12 +315,6 @@ def _speed_program(dt: tuple[float, ...], *arguments: Any) -> LongitudinalProgra
 @lru_cache(maxsize=32)
 def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
     return LateralProgram(np.array(dt), *arguments)
-
-
-def forget_programs() -> None:
-    """Have the programs of every controller that is yet to plan made anew."""
-    _speed_program.cache_clear()
-    _steering_program.cache_clear()
 
 
 def _overlay(conflicts: passing.Conflicts, horizon: float) -> dict[str, FloatArray]:

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from controllers.mpc.horizon import LateralHorizon
 from controllers.numerics import steering_program
-from controllers.numerics.compiling import code_of
 from controllers.numerics.steering_program import ACROSS, HEADING, STEERING_COMMAND
-from controllers.programs.qp import Memory, Program
+from controllers.optimisation.problem import Problem, blank
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory, solve
 
 FloatArray = NDArray[np.float64]
 
@@ -68,14 +69,14 @@ class SteeringPlan(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What the inputs of a program that has been built do."""
+    """What the inputs of a problem that has been built do."""
 
     free: FloatArray
     """States without input, shape (4, N)."""
     gain: FloatArray
     """States by inputs, shape (4, N, N)."""
     cost: float
-    """The part of the objective that no input changes, which the program leaves out."""
+    """The part of the objective that no input changes, which the problem leaves out."""
 
 
 class LateralProgram:
@@ -93,12 +94,19 @@ class LateralProgram:
         From the rear axle to the front bumper [m].
     max_steering, max_rate
         [rad, rad/s].
-    solver, tolerance, compiled
-        As for :class:`controllers.programs.qp.Program`; compiled, the tasks are written by compiled code too.
+    solver
+        Which solver.
     """
 
     LEFT, RIGHT, FRONT_LEFT, FRONT_RIGHT, STEER_LEFT, STEER_RIGHT = range(6)
-    BLOCKS = 6
+    ROWS = (
+        "rear axle right of the corridor's left edge [m], softened",
+        "rear axle left of its right edge [m], softened",
+        "front right of its left edge [m], softened",
+        "front left of its right edge [m], softened",
+        "steering angle below its limit [rad]",
+        "steering angle above its limit [rad]",
+    )
 
     def __init__(
         self,
@@ -109,9 +117,7 @@ class LateralProgram:
         max_steering: float,
         max_rate: float,
         weights: SteeringWeights,
-        solver: str = "osqp",
-        tolerance: float = 1e-4,
-        compiled: bool = False,
+        solver: SolverSettings | None = None,
     ) -> None:
         self.steps = n = len(dt)
         self.dt = dt
@@ -120,16 +126,15 @@ class LateralProgram:
         self.max_steering = max_steering
         self.weights = weights
         self.horizon = LateralHorizon(dt, lag, wheelbase)
-        lower_triangle = np.tril(np.ones((n, n), dtype=bool))
-        rows = np.zeros((self.BLOCKS * n, n + 1), dtype=bool)
-        for block in range(self.BLOCKS):
-            rows[self._rows(block), :n] = lower_triangle
-        rows[: self._rows(self.STEER_LEFT).start, n] = True
-        cost = np.zeros((n + 1, n + 1), dtype=bool)
-        cost[:n, :n] = True
-        cost[n, n] = True
-        self.program = Program(cost, rows, solver, tolerance, compiled=compiled)
-        p = self.program
+        self.solver = solver or SolverSettings()
+        self.problem: Problem = blank(
+            f"sum dt [{weights.across:g} (d - d_target)^2 + {weights.heading:g} heading^2 "
+            f"+ ({weights.steering:g} + {weights.lateral_acceleration:g} v^4 / wheelbase^2) "
+            f"(steer - steer_lane)^2 + {weights.rate:g} rate^2] + softened rows",
+            {"steering rate [rad/s]": n, "outside the corridor [m]": 1},
+            dict.fromkeys(self.ROWS, n),
+        )
+        p = self.problem
         p.G[: self._rows(self.STEER_LEFT).start, n] = -1.0
         p.lower[:n], p.upper[:n] = -max_rate, max_rate
         p.lower[n] = 0.0
@@ -146,11 +151,10 @@ class LateralProgram:
         self._written = steering_program.Program(
             p.P[:n, :n], p.q[:n], p.G[: 4 * n, :n], p.h.reshape(6, n), self.horizon.gain.reshape(4 * n, n)
         )
-        self._code = code_of(steering_program, compiled)
 
     def build(self, task: SteeringTask) -> Response:
-        """Write the task into the program and return what its inputs do; overwritten by the next call."""
-        free, cost = self._code.write(
+        """Write the task into the problem and return what its inputs do; overwritten by the next call."""
+        free, cost = steering_program.write(
             self.horizon.bicycle,
             self._limits,
             self._written,
@@ -164,18 +168,18 @@ class LateralProgram:
         return Response(free, self.horizon.gain, cost)
 
     def solve(
-        self, task: SteeringTask, warm: FloatArray | None = None, memory: Memory | None = None
+        self, task: SteeringTask, start: FloatArray | None = None, memory: Memory | None = None
     ) -> SteeringPlan:
-        """Return the plan for a task; ``found`` is False when the solver gave none.
+        """Return the plan for a task; ``found`` is False when it was not solved.
 
-        ``warm`` and ``memory`` as for :meth:`controllers.programs.qp.Program.solve`.
+        ``start`` and ``memory`` as for :func:`controllers.optimisation.solve.solve`.
         """
         response = self.build(task)
-        solution = self.program.solve(warm, memory=memory)
+        solution = solve(self.problem, self.solver, memory, start)
         n = self.steps
         states = response.free + (self._written.gain @ solution.z[:n]).reshape(4, n)
         return SteeringPlan(
-            found=solution.found,
+            found=solution.solved,
             across=states[ACROSS],
             heading_error=states[HEADING],
             command=states[STEERING_COMMAND],

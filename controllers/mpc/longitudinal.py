@@ -7,7 +7,6 @@ merged before it gets here, so the layout does not depend on who is around.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,7 +15,6 @@ from numpy.typing import NDArray
 
 from controllers.mpc.horizon import LongitudinalHorizon
 from controllers.numerics import speed_program
-from controllers.numerics.compiling import code_of
 from controllers.numerics.speed_program import (
     ACCELERATION,
     BLOCKS,
@@ -33,13 +31,27 @@ from controllers.numerics.speed_program import (
     STOPPABLE,
     UPPER,
 )
-from controllers.programs.qp import Memory, Program
+from controllers.optimisation.problem import Problem, blank
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory, solve
 
 FloatArray = NDArray[np.float64]
 
 
 SLACK_UNIT = 0.1
 """Slack variables are in tenths of a metre (of a m/s^2): as large as the other variables, for the solver."""
+ROWS = {
+    UPPER: "position below what is ahead, softened",
+    LOWER: "position beyond whom the ego goes ahead of, softened",
+    STOPPABLE: "stopping place before what is ahead, softened",
+    HEADWAY: "time gap to the vehicle ahead, softened",
+    FAST: "speed below the ceiling",
+    SLOW: "speed not negative",
+    BRAKE: "braking comfortable, softened",
+    JERK_UP: "jerk below its limit",
+    JERK_DOWN: "jerk above its limit",
+}
+"""What the blocks of rows say. Each row is divided by the length of its gradient."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +137,8 @@ class LongitudinalProgram:
         Time constant of drive and brake [s].
     weights, limits
         See there.
-    solver, tolerance, compiled
-        As for :class:`controllers.programs.qp.Program`; compiled, the tasks are written by compiled code too.
+    solver
+        Which solver.
     """
 
     # Slack variables behind the N inputs.
@@ -139,34 +151,34 @@ class LongitudinalProgram:
         lag: float,
         weights: SpeedWeights,
         limits: SpeedLimits,
-        solver: str = "osqp",
-        tolerance: float = 1e-4,
-        compiled: bool = False,
+        solver: SolverSettings | None = None,
     ) -> None:
         self.steps = n = len(dt)
         self.dt = dt
-        self.weights = weights
+        self.weights = w = weights
         self.limits = limits
+        self.solver = solver or SolverSettings()
         self.horizon = LongitudinalHorizon(dt, lag)
         self._scale: dict[int, FloatArray] = {}
-        self.program = Program(
-            self._cost_pattern(n),
-            self._row_pattern(n),
-            solver,
-            tolerance,
-            compiled=compiled,
-            constant_cost=True,
+        self.problem: Problem = blank(
+            f"sum dt [{w.speed:g} (v - v_ref)^2 + {w.acceleration:g} a^2 + {w.jerk:g} j^2] + softened rows",
+            {
+                "change of the commanded acceleration [m/s^2]": n,
+                "too far forward [0.1 m]": 1,
+                "too far back [0.1 m]": 1,
+                "time gap too short [0.1 m]": 1,
+                "braking beyond the comfortable limit [0.1 m/s^2]": 1,
+            },
+            {ROWS[block]: n for block in range(BLOCKS)},
         )
         self._layout, self._written = self._fill_constant_parts()
         self._gain = self.horizon.gain.reshape(4 * n, n)
         self._tracking = np.array([weights.speed, weights.acceleration])
         self._no_ceiling = np.full(n, np.inf)
-        self.compiled = compiled
-        self._code = code_of(speed_program, compiled)
 
     def build(self, task: SpeedTask) -> FloatArray:
-        """Write the task into the program and return the free response, shape (4, N)."""
-        free: FloatArray = self._code.write(
+        """Write the task into the problem and return the free response, shape (4, N)."""
+        return speed_program.write(
             self._layout,
             self._written,
             task.speed,
@@ -180,26 +192,24 @@ class LongitudinalProgram:
             task.headway,
             self._no_ceiling if task.ceiling is None else task.ceiling,
         )
-        return free
 
     def solve(
         self,
         task: SpeedTask,
-        warm: FloatArray | None = None,
-        kind: Hashable = None,
+        start: FloatArray | None = None,
         memory: Memory | None = None,
     ) -> SpeedPlan:
-        """Return the plan for a task; ``found`` is False when the solver gave none.
+        """Return the plan for a task; ``found`` is False when it was not solved.
 
-        ``warm``, ``kind`` and ``memory`` as for :meth:`controllers.programs.qp.Program.solve`.
+        ``start`` and ``memory`` as for :func:`controllers.optimisation.solve.solve`.
         """
         free = self.build(task)
-        solution = self.program.solve(warm, kind, memory)
-        return self.plan(task, free, solution.z, solution.cost, solution.found)
+        solution = solve(self.problem, self.solver, memory, start)
+        return self.plan(task, free, solution.z, solution.cost, solution.solved)
 
     def worth_another_pass(self, task: SpeedTask, plan: SpeedPlan) -> bool:
         """Return whether a plan is far from the speeds about which its braking distance was linearised."""
-        return bool(self._code.departs(task.expected, plan.speed, task.stoppable))
+        return speed_program.departs(task.expected, plan.speed, task.stoppable)
 
     def plan(self, task: SpeedTask, free: FloatArray, z: FloatArray, cost: float, found: bool) -> SpeedPlan:
         """Return what inputs and slacks mean.
@@ -209,10 +219,10 @@ class LongitudinalProgram:
         task : as built
         free : states without input, shape (4, N)
         z : inputs and slacks
-        cost : objective of the program at ``z``
+        cost : objective of the problem at ``z``
         found : whether that is a solution
         """
-        states, constant = self._code.states(free, self._gain, z, task.reference, self.dt, self._tracking)
+        states, constant = speed_program.states(free, self._gain, z, task.reference, self.dt, self._tracking)
         slack = z[self.steps :]
         return SpeedPlan(
             found=found,
@@ -229,24 +239,6 @@ class LongitudinalProgram:
     def _rows(self, block: int) -> slice:
         return slice(block * self.steps, (block + 1) * self.steps)
 
-    def _cost_pattern(self, n: int) -> NDArray[np.bool_]:
-        pattern = np.zeros((n + self.SLACKS, n + self.SLACKS), dtype=bool)
-        pattern[:n, :n] = True
-        np.fill_diagonal(pattern, True)
-        return pattern
-
-    def _row_pattern(self, n: int) -> NDArray[np.bool_]:
-        pattern = np.zeros((BLOCKS * n, n + self.SLACKS), dtype=bool)
-        lower_triangle = np.tril(np.ones((n, n), dtype=bool))
-        diagonal = np.eye(n, dtype=bool)
-        neighbours = diagonal | np.eye(n, k=-1, dtype=bool)
-        for block in range(BLOCKS):
-            sparse = {BRAKE: diagonal, JERK_UP: neighbours, JERK_DOWN: neighbours}
-            pattern[self._rows(block), :n] = sparse.get(block, lower_triangle)
-        for block, slack in self._softened():
-            pattern[self._rows(block), n + slack] = True
-        return pattern
-
     def _softened(self) -> tuple[tuple[int, int], ...]:
         return (
             (UPPER, self.SLACK_UPPER),
@@ -258,7 +250,7 @@ class LongitudinalProgram:
 
     def _fill_constant_parts(self) -> tuple[speed_program.Layout, speed_program.Program]:
         """Write what does not change; return what the rest is worked out from, and where it goes."""
-        n, p, w, limits = self.steps, self.program, self.weights, self.limits
+        n, p, w, limits = self.steps, self.problem, self.weights, self.limits
         s, v, a, c = self.horizon.gain
         jerk = self.horizon.jerk
         p.P[:n, :n] = 2.0 * (

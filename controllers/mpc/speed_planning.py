@@ -17,9 +17,8 @@ from controllers.interface import Lane, Perception
 from controllers.mpc.lateral import SteeringPlan
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.numerics import passing_classes, position_bounds
-from controllers.numerics.compiling import code_of
+from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
-from controllers.programs.qp import Memory
 
 FloatArray = NDArray[np.float64]
 
@@ -81,7 +80,8 @@ class SpeedPlanner:
     right_of_way: RightOfWay
     predictor: Predictor | None = None
     """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
-    _memory: Memory = field(default_factory=Memory)
+    solves: Memory = field(default_factory=Memory)
+    """Of the speed programs."""
     _forecast: Forecast | None = None
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
@@ -99,10 +99,6 @@ class SpeedPlanner:
         wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
         self._demands = np.array([wanted, ceiling])
         self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
-
-    @property
-    def _compiled(self) -> bool:
-        return self.program.compiled
 
     def look(self, perception: Perception, waiting_place: float = np.inf) -> None:
         """Take note of signals, of vehicles with priority, and of where people will be; once per plan.
@@ -152,7 +148,6 @@ class SpeedPlanner:
             float(times[-1]),
             s.assume,
             self._forecast,
-            self._compiled,
         )
         task, because = self._task(perception, lane, leaving_for)
         best: Chosen | None = None
@@ -178,16 +173,19 @@ class SpeedPlanner:
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
         """Return the plan for one passing class, with its steering where that was planned too."""
-        return self._solve(self._bounded(perception, task, conflicts, behind), behind), None
+        return self._solve(self._bounded(perception, task, conflicts, behind)), None
 
-    def _solve(self, task: SpeedTask, behind: int) -> SpeedPlan:
+    def _solve(self, task: SpeedTask) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
-        plan = self.program.solve(task, kind=behind, memory=self._memory)
+        plan = self.program.solve(task, memory=self.solves)
         for _ in range(self.settings.passes - 1):
             if not plan.found or not self.program.worth_another_pass(task, plan):
                 break
             task = task._replace(expected=plan.speed)
-            plan = self.program.solve(task, warm=plan.inputs, kind=behind, memory=self._memory)
+            better = self.program.solve(task, start=plan.inputs, memory=self.solves)
+            if not better.found:
+                break
+            plan = better
         return plan
 
     def _candidates(
@@ -199,7 +197,7 @@ class SpeedPlanner:
             return [0]
         bounds = self._class_bounds(perception, task, conflicts)
         limits, speed = self.program.limits, perception.ego.speed
-        short = code_of(passing_classes, self._compiled).shortfalls(
+        short = passing_classes.shortfalls(
             bounds.lower,
             bounds.upper,
             task.upper,
@@ -261,14 +259,13 @@ class SpeedPlanner:
         ahead = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, ahead.rest)
         gap_now = s.standstill_gap + limits.headway * ego.speed
-        upper, stoppable, headway = code_of(position_bounds, self._compiled).position_bounds(
+        upper, stoppable, headway = position_bounds.position_bounds(
             ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
         )
         reference, ceiling = road_profile.reference_speeds(
             perception,
             positions,
             self._demands,
-            self._compiled,
         )
         ceiling += CEILING_MARGIN
         for along in self._watch.carefully_past(perception, s.assume):
@@ -298,12 +295,12 @@ class SpeedPlanner:
         ego, times = perception.ego, self.memory.times
         reach = 0.5 * ego.body.width + SIDE_CLEARANCE
         offset = lane.offset if lane is not None else 0.0
-        then = traffic.blockade(perception, (offset - reach, offset + reach), times, self._compiled)
+        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
             return then
         # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
         body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
-        now = traffic.blockade(perception, (at - body, at + body), times, self._compiled)
+        now = traffic.blockade(perception, (at - body, at + body), times)
         left = times > leaving_for
         return traffic.Blockade(
             np.minimum(np.where(left, np.inf, now.rear), then.rear),
@@ -351,7 +348,6 @@ class SpeedPlanner:
                 body.rear_overhang,
                 self.settings.margin_along,
                 task.expected,
-                self._compiled,
             )
             known = self._bounds = (conflicts, task, bounds)
         return known[2]

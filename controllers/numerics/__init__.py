@@ -1,1 +1,1 @@
-"""Arithmetic on arrays that runs as it stands or compiled: functions of numbers and arrays, nothing else."""
+"""Arithmetic on arrays: functions of numbers and arrays, nothing else."""

@@ -104,45 +104,6 @@ def class_bounds(
     return upper, lower, freeze
 
 
-def class_bounds_in_loops(
-    enter: FloatArray,
-    leave: FloatArray,
-    stop_line: FloatArray,
-    x: FloatArray,
-    reach: FloatArray,
-    times: FloatArray,
-    speed: FloatArray,
-    front: float,
-    rear: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Do the same in one pass."""
-    n, count = len(enter), len(times)
-    upper, lower, freeze = np.empty((n + 1, count)), np.empty((n + 1, count)), np.empty((n + 1, count))
-    upper[0], freeze[0], lower[n] = np.inf, np.inf, -np.inf
-    for i in range(n):
-        upper[i + 1], freeze[i + 1], lower[i] = upper[i], freeze[i], -np.inf
-        held = front <= stop_line[i] + 0.3
-        line = max(stop_line[i], front)
-        for k in range(count):
-            previous = times[k - 1] if k > 0 else 0.0
-            if previous >= leave[i]:
-                break
-            limit = x[i, k] - reach[i, k]
-            if held:
-                limit = min(limit, line)
-            late = speed[k] * (times[k] - leave[i]) if times[k] > leave[i] else 0.0
-            upper[i + 1, k] = min(upper[i + 1, k], limit - front + late)
-            if k == count - 1 or times[k + 1] > enter[i]:
-                freeze[i + 1, k] = min(freeze[i + 1, k], limit - 0.25 - front)
-            if times[k] >= enter[i]:
-                late = speed[k] * (times[k] - enter[i]) if previous < enter[i] else 0.0
-                lower[i, k] = x[i, k] + reach[i, k] + rear + late
-    for i in range(n - 1, -1, -1):
-        for k in range(count):
-            lower[i, k] = max(lower[i, k], lower[i + 1, k])
-    return upper, lower, freeze
-
-
 def straight_class_bounds(
     enter: FloatArray,
     leave: FloatArray,
@@ -187,18 +148,5 @@ def shortfalls(
     farthest = np.minimum(speed * t + 0.5 * acceleration * t**2 + (times - t) * top, largest)
     t = np.minimum(times, speed / braking)
     nearest = speed * t - 0.5 * braking * t**2
-    late, soon = highest_in_rows(lower - farthest), highest_in_rows(nearest - upper)
-    return np.maximum(late, 0.0) + np.maximum(soon, 0.0)
-
-
-def highest_in_rows(rows: FloatArray) -> FloatArray:
-    """Return the largest value of each row."""
-    return np.asarray(rows.max(axis=1))
-
-
-def highest_in_rows_in_loops(rows: FloatArray) -> FloatArray:
-    """Do the same; Numba has no maximum along an axis."""
-    largest = np.empty(len(rows))
-    for i in range(len(rows)):
-        largest[i] = rows[i].max()
-    return largest
+    late, soon = (lower - farthest).max(axis=1), (nearest - upper).max(axis=1)
+    return np.asarray(np.maximum(late, 0.0) + np.maximum(soon, 0.0))

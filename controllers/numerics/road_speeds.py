@@ -51,18 +51,5 @@ def reference_speeds(
     for i in range(len(demands)):
         lateral, braking = demands[i]
         squares = np.concatenate((lateral / bend, limit**2))
-        speeds[i] = np.sqrt(np.minimum(lowest_in_rows(squares + 2.0 * braking * distance), HIGHEST**2))
+        speeds[i] = np.sqrt(np.minimum((squares + 2.0 * braking * distance).min(axis=1), HIGHEST**2))
     return speeds
-
-
-def lowest_in_rows(rows: FloatArray) -> FloatArray:
-    """Return the least value of each row."""
-    return np.asarray(rows.min(axis=1))
-
-
-def lowest_in_rows_in_loops(rows: FloatArray) -> FloatArray:
-    """Do the same; Numba has no minimum along an axis."""
-    least = np.empty(len(rows))
-    for i in range(len(rows)):
-        least[i] = rows[i].min()
-    return least

@@ -115,8 +115,7 @@ def write(
     errors[2] = free[STEERING] - bicycle.wheelbase * curvature
     weighted = gain * (2.0 * weights).reshape(-1, 1)
     program.P[:] = gain.T @ weighted
-    for k in range(n):
-        program.P[k, k] += limits.rate_cost[k]
+    program.P[np.diag_indices(n)] += limits.rate_cost
     program.q[:] = errors.reshape(-1) @ weighted
     rows, h = program.rows, program.bounds
     rows[:n], rows[n : 2 * n] = gain[:n], -gain[:n]
@@ -137,15 +136,3 @@ def accumulated(
     steps = (speed * per_wheelbase)[:, None] * moved
     steps[1:] += travelled[1:, None] * heading[:-1]
     return heading, np.add.accumulate(steps, axis=0)
-
-
-def accumulated_in_loops(
-    turned: FloatArray, moved: FloatArray, per_wheelbase: FloatArray, speed: FloatArray, travelled: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Do the same; Numba has no sums along an axis that keep their steps."""
-    heading, across = per_wheelbase.reshape(-1, 1) * turned, np.empty_like(moved)
-    across[0] = speed[0] * per_wheelbase[0] * moved[0]
-    for k in range(1, len(speed)):
-        across[k] = across[k - 1] + (speed[k] * per_wheelbase[k] * moved[k] + travelled[k] * heading[k - 1])
-        heading[k] += heading[k - 1]
-    return heading, across

@@ -89,7 +89,13 @@ def blockade(
     rest = rear + speed**2 / (2.0 * HARD_BRAKING)
     blocking = np.flatnonzero(soon[chosen])
     nearest = int(chosen[np.argmin(box.rear[chosen])])
-    return lowest(rear[blocking]), lowest(rest[blocking]), lowest(rear), nearest
+    nobody = np.inf
+    return (
+        rear[blocking].min(axis=0, initial=nobody),
+        rest[blocking].min(axis=0, initial=nobody),
+        rear.min(axis=0, initial=nobody),
+        nearest,
+    )
 
 
 def ahead(
@@ -141,16 +147,3 @@ def predicted(
         + gain * push * (times - 0.5 * push)
     )
     return rear, slowed + gain * push
-
-
-def lowest(rows: FloatArray) -> FloatArray:
-    """Return the least value of each column; inf where there are no rows."""
-    return np.asarray(rows.min(axis=0, initial=np.inf))
-
-
-def lowest_in_loops(rows: FloatArray) -> FloatArray:
-    """Do the same; Numba has no minimum along an axis."""
-    least = np.full(rows.shape[1], np.inf)
-    for row in rows:
-        least = np.minimum(least, row)
-    return least

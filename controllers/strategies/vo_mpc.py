@@ -22,9 +22,8 @@ from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import SteeringWeights
 from controllers.mpc.longitudinal import SpeedLimits, SpeedWeights
 from controllers.mpc.speed_planning import PassingSettings
-from controllers.numerics.compiling import check_compiler
+from controllers.optimisation.settings import SolverSettings
 from controllers.prediction import named
-from controllers.programs.qp import check_solver
 
 
 def build(
@@ -57,9 +56,8 @@ def build(
     shape: Shape = Shape.RECTANGLE,
     disc_radius_m: float = 2.0,
     truncation_s: float = float("inf"),
-    solver: str = "osqp",
+    solver: str | None = None,
     tolerance: float = 2e-4,
-    compiled: bool = False,
     model: Model = Model.CLOSED_LOOP,
     euler_step_s: float = 1.0,
     euler_steps: int = 11,
@@ -121,10 +119,8 @@ def build(
     truncation_s
         Time within which a collision course counts for those cones; inf for the paper's infinite cone.
     solver, tolerance
-        A solver that qpsolvers knows; tolerance of OSQP.
-    compiled
-        Whether the arithmetic is compiled by Numba (extra ``fast``): quicker once it has been compiled, the
-        same up to rounding. Not with ``model=paper``.
+        A solver that qpsolvers knows, None for ``daqp``, with ``model=paper`` for ``osqp``; the tolerance is
+        OSQP's, the others keep their own. ``run.json`` says which one ran.
     model
         ``closed_loop``, or ``paper`` for the formulation of the paper. That one takes the parameters from
         here on, and of those above ``cone`` (about a disc of ``disc_radius_m``), ``truncation_s``,
@@ -198,10 +194,9 @@ def build(
     for name, value in above_zero.items():
         if not value > 0.0:
             raise ValueError(f"{name} must be above 0, not {value}")
-    check_solver(solver)
-    if compiled:
-        check_compiler()
-    if Model(model) is Model.PAPER:
+    paper = Model(model) is Model.PAPER
+    solving = SolverSettings(solver or ("osqp" if paper else "daqp"), tolerance)
+    if paper:
         if euler_passes < 1:
             raise ValueError(f"euler_passes must be at least 1, not {euler_passes}")
         return AvoidanceDriver(
@@ -221,7 +216,7 @@ def build(
                     change_steps=change_steps,
                 )
             ),
-            QuadraticOptimiser(euler_passes, max(max_classes, 1), solver, tolerance),
+            QuadraticOptimiser(euler_passes, max(max_classes, 1), solving),
             named.sampled(predictor, seed=seed),
             EmergencyBraking() if emergency_brake else None,
         )
@@ -267,9 +262,7 @@ def build(
                 headway=headway_s,
             ),
             steering=SteeringWeights(),
-            solver=solver,
-            tolerance=tolerance,
-            compiled=compiled,
+            solver=solving,
         ),
         named.sampled(predictor, seed=seed),
     )

@@ -16,6 +16,7 @@ from controllers.avoidance.program import AvoidancePlan, AvoidanceProgram
 from controllers.avoidance.velocity_cones import People
 from controllers.conflicts.velocity_obstacle import Cone
 from controllers.interface import FloatArray
+from controllers.optimisation.settings import SolverSettings
 
 STEP = 1.0
 WHEELBASE = 2.6
@@ -108,7 +109,7 @@ def lane_change(steering_weight: float, *, along: float | None = None, side: int
 
 def optimum(one: AvoidanceProblem, behind: int) -> AvoidancePlan:
     """Return the optimum of a passing class: sequential quadratic programs until nothing changes."""
-    optimiser = QuadraticOptimiser(passes=CONVERGED, tolerance=1e-6)
+    optimiser = QuadraticOptimiser(passes=CONVERGED, solver=SolverSettings("osqp", tolerance=1e-6))
     return optimiser.solve_class(one, behind, class_jumps(one)[1][behind])
 
 

@@ -24,8 +24,10 @@ from controllers.avoidance.program import AvoidanceProgram
 from controllers.avoidance.septic_path import PROFILE, SepticPath
 from controllers.avoidance.velocity_cones import People, clearances, cone_margins
 from controllers.conflicts.velocity_obstacle import Cone
+from controllers.optimisation.settings import SolverSettings
 
 STEPS = 8
+EXACTLY = SolverSettings("osqp", 1e-7)
 
 
 def crossing(
@@ -118,7 +120,7 @@ def test_the_two_half_planes_cover_exactly_the_complement_of_the_cone(
 @pytest.mark.parametrize("steers", [False, True])
 def test_an_optimum_satisfies_the_optimality_conditions(behind: int, steers: bool) -> None:
     problem = crossing(steers=steers)
-    plan = QuadraticOptimiser(passes=60, tolerance=1e-7).solve_class(
+    plan = QuadraticOptimiser(passes=60, solver=EXACTLY).solve_class(
         problem, behind, class_jumps(problem)[1][behind]
     )
     assert plan.violation < 1e-4
@@ -141,7 +143,7 @@ def test_an_optimum_satisfies_the_optimality_conditions(behind: int, steers: boo
 
 def test_the_cone_at_every_step_keeps_the_distance_in_between_as_well() -> None:
     problem = crossing(steers=False)
-    plan = QuadraticOptimiser(passes=60, tolerance=1e-7).solve(problem, None)
+    plan = QuadraticOptimiser(passes=60, solver=EXACTLY).solve(problem, None)
     assert clearances(problem.people, plan.states, 1.0).min() > -1e-3
 
 
@@ -171,7 +173,7 @@ def test_speed_stays_below_its_limit_and_gaps_are_kept() -> None:
 def test_the_search_gives_the_same_plan_for_the_same_seed_and_none_that_is_cheaper() -> None:
     pytest.importorskip("pymoo")
     problem = crossing(steers=False)
-    best = QuadraticOptimiser(passes=60, tolerance=1e-7, classes=2).solve(problem, None)
+    best = QuadraticOptimiser(passes=60, solver=EXACTLY, classes=2).solve(problem, None)
     budget = GeneticBudget(40, 40)
     one, again, other = (solve_genetically(problem, budget, seed) for seed in (1, 1, 2))
     np.testing.assert_array_equal(one.inputs, again.inputs)

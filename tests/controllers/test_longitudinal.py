@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import qpsolvers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.interface import FloatArray
 from controllers.mpc.horizon import growing_grid
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedTask, SpeedWeights
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory
 
 N = 20
 DT = growing_grid(N, 0.1, 0.7)
@@ -20,8 +21,8 @@ LIMITS = SpeedLimits()
 TOLERANCE = 0.02
 
 
-def _program(solver: str = "osqp") -> LongitudinalProgram:
-    return LongitudinalProgram(DT, 0.3, SpeedWeights(), LIMITS, solver)
+def _program(solver: str = "daqp") -> LongitudinalProgram:
+    return LongitudinalProgram(DT, 0.3, SpeedWeights(), LIMITS, SolverSettings(solver))
 
 
 def _task(
@@ -148,9 +149,8 @@ def test_cost_is_the_objective_with_its_constant() -> None:
 
 
 def test_another_solver_finds_the_same_plan() -> None:
-    pytest.importorskip("daqp")
     for task in (_task(10.0, upper=np.full(N, 30.0)), _task(12.0, upper=np.full(N, 17.0)), _task(3.0)):
-        ours, other = _program().solve(task), _program("daqp").solve(task)
+        ours, other = _program().solve(task), _program("osqp").solve(task)
         assert ours.position == pytest.approx(other.position, abs=0.05)
         assert ours.cost == pytest.approx(other.cost, rel=0.02, abs=0.05)
 
@@ -168,30 +168,29 @@ def test_the_program_has_a_solution_from_any_state(
     speed: float, acceleration: float, command: float, wanted: float, bound: float | None, gap: float | None
 ) -> None:
     """Standing with a braking command too: the model would roll backwards, the bounds give way."""
-    pytest.importorskip("daqp")
     upper = FREE if bound is None else np.full(N, bound)
     headway = FREE if gap is None else gap + 5.0 * TIMES
     task = _task(speed, wanted, acceleration, command, upper=upper, stoppable=upper, headway=headway)
-    plan = _EXACT.solve(task)
+    plan = _KEPT.solve(task)
     assert plan.found
     for values in (plan.position, plan.speed, plan.command, plan.acceleration):
         assert np.isfinite(values).all()
     assert np.abs(_jerk(plan, command)).max() <= LIMITS.jerk + 1e-6
 
 
-_EXACT = _program("daqp") if "daqp" in qpsolvers.available_solvers else _program()
+_KEPT = _program()
 
 
-def test_the_default_solver_finds_nearly_every_stop_in_one_warm_workspace() -> None:
-    """OSQP gives up at its iteration limit now and then, near a standstill; that is what fallbacks are for."""
+@pytest.mark.parametrize(("solver", "most"), [("daqp", 0), ("osqp", 1)])
+def test_stops_are_found_one_after_the_other(solver: str, most: int) -> None:
+    """OSQP may give up at its iteration limit now and then; that is what fallbacks are for."""
     drawn = np.random.default_rng(3)
-    program, missed = _program(), 0
+    program, memory, missed = _program(solver), Memory(), 0
     for _ in range(500):
         speed = float(drawn.choice([0.0, drawn.uniform(0.0, 1.0), drawn.uniform(0.0, 15.0)]))
         acceleration = float(drawn.uniform(-4.0, 1.8)) if speed > 0.0 else 0.0
         command = acceleration + float(drawn.uniform(-0.5, 0.5))
         upper = np.full(N, speed**2 / 2.0 / drawn.uniform(1.0, 8.0) + drawn.uniform(-1.0, 2.0))
-        missed += not program.solve(
-            _task(speed, 14.0, acceleration, command, upper=upper, stoppable=upper)
-        ).found
-    assert missed <= 3
+        task = _task(speed, 14.0, acceleration, command, upper=upper, stoppable=upper)
+        missed += not program.solve(task, memory=memory).found
+    assert missed <= most

@@ -9,7 +9,6 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import FloatArray, Perception
-from controllers.programs import qp
 from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyWorld, walk
 
 
@@ -36,26 +35,14 @@ def _planned(driver: Any, perception: Perception) -> FloatArray:
     return np.concatenate((command.acceleration, command.steering))
 
 
-def _settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    if name == "osqp alone":
-        # A tolerance of its own: a program that is always handed to OSQP must not be kept for other tests.
-        monkeypatch.setitem(qp.CHANGES, "osqp", -1)
-        return {"tolerance": 1.7e-4}
-    if name == "compiled":
-        pytest.importorskip("numba")
-        return {"compiled": True}
-    return {}
-
-
-@pytest.mark.parametrize("name", ["osqp", "osqp alone", "compiled"])
-def test_who_else_drives_changes_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = _settings(name, monkeypatch)
+@pytest.mark.parametrize("solver", ["daqp", "osqp"])
+def test_who_else_drives_changes_nothing(solver: str) -> None:
     approaches = _approach(4, 12.0), _approach(2, 9.0)
     alone = []
     for approach in approaches:
-        driver = catalog.build("vo_mpc", seed=1, **settings)
+        driver = catalog.build("vo_mpc", seed=1, solver=solver)
         alone.append([_planned(driver, perception) for perception in approach])
-    drivers = [catalog.build("vo_mpc", seed=1, **settings) for _ in approaches]
+    drivers = [catalog.build("vo_mpc", seed=1, solver=solver) for _ in approaches]
     pairs = list(zip(*approaches, strict=True))
     assert len(pairs) > 20
     together = [[_planned(*one) for one in zip(drivers, pair, strict=True)] for pair in pairs]

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import qpsolvers
 
 from controllers import catalog
-from controllers.interface import Manoeuvre, Plan, Rule
-from controllers.mpc import driver
+from controllers.interface import Manoeuvre, Plan, Rule, Solves
 from controllers.mpc.driver import VelocityObstacleMpc
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
+from tests.controllers.faulty_solvers import fails, installed
 from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
 
@@ -155,12 +156,22 @@ def test_the_same_inputs_give_the_same_outputs() -> None:
     assert [plan.passing for plan in first.plans] == [plan.passing for plan in second.plans]
 
 
-def _break(controller: object) -> None:
-    """Let no program of the controller be solvable any more: a NaN where no task writes."""
-    assert isinstance(controller, VelocityObstacleMpc)
-    assert controller._speed is not None
-    controller._speed.program.program.P[0, 0] = np.nan
-    driver.forget_programs()  # nobody else is to share what is broken
+class Moody:
+    """A solver that works until it does not."""
+
+    works = True
+
+    def __call__(self, problem: qpsolvers.Problem) -> qpsolvers.Solution:
+        """Solve, or fail."""
+        return qpsolvers.solve_problem(problem, "daqp") if self.works else fails(problem)
+
+
+@pytest.fixture
+def moody(monkeypatch: pytest.MonkeyPatch) -> Moody:
+    """Install it as ``moody``."""
+    solver = Moody()
+    installed(monkeypatch, "moody", solver)
+    return solver
 
 
 def _plan(controller: object, time: float, walkers: list[Walker]) -> Plan:
@@ -170,13 +181,15 @@ def _plan(controller: object, time: float, walkers: list[Walker]) -> Plan:
     return controller.plan(seen, controller.decide(seen))
 
 
-def test_when_the_solver_fails_the_last_plan_is_followed_and_then_a_stop() -> None:
-    controller = catalog.build("vo_mpc")
+def test_when_the_solver_fails_the_last_plan_is_followed_and_then_a_stop(moody: Moody) -> None:
+    controller = catalog.build("vo_mpc", solver="moody")
     good = _plan(controller, 0.0, [])
     assert good.solved
-    _break(controller)
+    assert good.solves == Solves("moody", 2, 0)
+    moody.works = False
     after = _plan(controller, 0.2, [])
     assert (after.solved, after.status) == (False, "fallback_last_plan")
+    assert after.solves == Solves("moody", 1, 1)
     # What is left of the last command: its fifth entry begins 0.2 s in.
     assert np.array_equal(after.command.acceleration, good.command.acceleration[4:])
     stopping = _plan(controller, 1.0, [])
@@ -187,21 +200,29 @@ def test_when_the_solver_fails_the_last_plan_is_followed_and_then_a_stop() -> No
     assert emergency.command.acceleration.tolist() == [-8.0]
 
 
-def test_a_first_plan_that_fails_stops_at_once() -> None:
-    controller = catalog.build("vo_mpc")
-    assert isinstance(controller, VelocityObstacleMpc)
-    controller._planner(perception())
-    _break(controller)
+def test_a_first_plan_that_fails_stops_at_once(moody: Moody) -> None:
+    moody.works = False
+    controller = catalog.build("vo_mpc", solver="moody")
     assert _plan(controller, 0.0, []).status == "fallback_comfortable_stop"
 
 
-def test_a_solver_by_name_drives_the_same_way() -> None:
-    pytest.importorskip("daqp")
+@pytest.mark.parametrize("solver", ["osqp", "piqp"])
+def test_a_solver_by_name_drives_the_same_way(solver: str) -> None:
     scene = [walk(62.0, -6.0, 0.0, 1.3)]
     ours = ride(ONE_LANE, scene, duration=8.0)
-    other = ride(ONE_LANE, scene, duration=8.0, parameters={"solver": "daqp"})
+    other = ride(ONE_LANE, scene, duration=8.0, parameters={"solver": solver})
+    assert {plan.solves.solver for plan in other.plans if plan.solves} == {solver}
     assert other.clearance() > 1.0
-    assert np.abs(ours.track[0] - other.track[0]).max() < 1.0
+    assert np.abs(ours.track[0] - other.track[0]).max() < 0.1
+
+
+@pytest.mark.parametrize(("parameters", "solver"), [({}, "daqp"), ({"model": "paper"}, "osqp")])
+def test_the_default_solver_is_the_one_that_runs(parameters: dict[str, str], solver: str) -> None:
+    record = ride(ONE_LANE, [walk(62.0, -6.0, 0.0, 1.3)], duration=5.0, parameters=parameters)
+    solves = [plan.solves for plan in record.plans if plan.solves is not None]
+    assert {one.solver for one in solves} == {solver}
+    assert sum(one.programs for one in solves) > 10
+    assert not any(one.unsolved for one in solves)
 
 
 @pytest.mark.parametrize(
@@ -221,6 +242,9 @@ def test_a_parameter_out_of_range_is_refused_by_name(parameters: dict[str, Any],
         catalog.build("vo_mpc", **parameters)
 
 
-def test_an_unknown_solver_is_refused_with_those_that_exist() -> None:
+@pytest.mark.parametrize("model", ["closed_loop", "paper"])
+def test_a_solver_that_is_not_there_is_refused(model: str) -> None:
     with pytest.raises(ValueError, match=r"unknown solver 'no such'; installed are.*osqp"):
-        catalog.build("vo_mpc", solver="no such")
+        catalog.build("vo_mpc", solver="no such", model=model)
+    with pytest.raises(ValueError, match=r"pip install 'qpsolvers\[gurobi\]'"):
+        catalog.build("vo_mpc", solver="gurobi", model=model)

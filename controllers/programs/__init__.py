@@ -1,1 +1,0 @@
-"""Quadratic programs of a fixed layout, and what solves them."""
