@@ -4,6 +4,7 @@
 # make papers the papers' claims and figures     make study-papers  their methods in traffic
 # make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
+# make study-solvers   the same drives with five solvers
 # make screenshots     the pictures of a report and of a replay in docs/images
 # make docs            the documentation as a site: build/site/index.html
 
@@ -18,7 +19,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside protocols screenshots docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols screenshots docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -95,6 +96,10 @@ study-papers: $(VENV)/installed-papers
 study-roadside: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/roadside.toml --out runs/study-roadside --jobs $(JOBS)
 	$(BIN)/python -m cosim.study_roadside runs/study-roadside docs/study-roadside.md
+
+study-solvers: $(VENV)/installed-bench
+	$(BIN)/cosim batch studies/solvers.toml --out runs/study-solvers --jobs $(JOBS)
+	$(BIN)/python benchmarks/solver_study.py runs/study-solvers
 
 # 1: a controller fails a case, which is what the table is to show.
 protocols: $(VENV)/installed-papers

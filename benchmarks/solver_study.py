@@ -1,0 +1,88 @@
+"""The table of ``make study-solvers``: what the choice of a solver changes in closed loop.
+
+    python benchmarks/solver_study.py FOLDER
+
+FOLDER is that of the batch of ``studies/solvers.toml``; the table is printed as Markdown.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from measuring.markdown import table
+
+MODELS = {"closed_loop": "vo_mpc", "paper": "vo_mpc, model=paper"}
+
+
+def read(folder: Path) -> pd.DataFrame:
+    """Return one row for each finished run of a batch.
+
+    Raises
+    ------
+    SystemExit
+        If the folder holds no finished run.
+    """
+    rows = []
+    for path in sorted(folder.rglob("run.json")):
+        about = json.loads(path.read_text(encoding="utf-8"))
+        if not about["valid"]:
+            continue
+        run = pd.read_csv(path.with_name("runs.csv")).iloc[0]
+        # Which solver ran is what the run counted, not what was asked for.
+        (solver, solves), *others = about["solvers"].items()
+        assert not others, f"{path}: several solvers ran"
+        rows.append(
+            {
+                "model": about["parameters"]["controller"]["model"],
+                "solver": solver,
+                "programs": solves["programs"],
+                "unsolved": solves["unsolved"],
+                "entered": run["n_entered"],
+                "contacts": run["n_collisions"],
+                "egos": run["ego_count"],
+                "delay_s": run["ego_delay_mean_s"],
+                "steps": run["n_plans"],
+                "unsolved_steps": run["n_solver_fail"],
+                "p50": run["compute_p50_ms"],
+                "p95": run["compute_p95_ms"],
+                "p99": run["compute_p99_ms"],
+            }
+        )
+    if not rows:
+        raise SystemExit(f"{folder}: no finished run")
+    return pd.DataFrame(rows)
+
+
+def lines(runs: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return a line for each model and solver; times are medians over the runs."""
+    found = []
+    for (model, solver), group in runs.groupby(["model", "solver"]):
+        total = group.sum(numeric_only=True)
+        delay = (group["delay_s"] * group["egos"]).sum() / total["egos"]
+        found.append(
+            {
+                "controller": MODELS[str(model)],
+                "solver": solver,
+                "runs": len(group),
+                "entered encounters": f"{total['entered']:.0f}",
+                "contacts": f"{total['contacts']:.0f}",
+                "mean delay s": f"{delay:.2f}",
+                "programs": f"{total['programs']:.0f}",
+                "unsolved": f"{total['unsolved']:.0f} ({total['unsolved'] / total['programs']:.2%})",
+                "fallback steps": f"{total['unsolved_steps'] / total['steps']:.2%}",
+                "step median ms": f"{group['p50'].median():.2f}",
+                "p95 ms": f"{group['p95'].median():.2f}",
+                "p99 ms": f"{group['p99'].median():.2f}",
+            }
+        )
+    return found
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    print(table(lines(read(Path(sys.argv[1])))))
