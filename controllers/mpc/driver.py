@@ -126,10 +126,6 @@ class VelocityObstacleMpc:
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
-        plan = self._plan(perception, decision)
-        return replace(plan, solves=Solves(self.settings.solver.name, *self._tally.take()))
-
-    def _plan(self, perception: Perception, decision: Decision) -> Plan:
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
@@ -157,7 +153,12 @@ class VelocityObstacleMpc:
             across=steering.across,
             speed=chosen.plan.speed,
             overlay=_overlay(chosen.conflicts, float(self._times[-1])),
+            solves=self._solves(),
         )
+
+    def _solves(self) -> Solves:
+        """Return what was solved since this was asked last."""
+        return Solves(self.settings.solver.name, *self._tally.take())
 
     def _seen(self, perception: Perception) -> Perception:
         """Return the perception with blocked lanes told as ending; worked out once per plan."""
@@ -238,13 +239,13 @@ class VelocityObstacleMpc:
         ego, limits = perception.ego, self._planner(perception).program.limits
         rest = self._memory.rest(ego.time)
         if rest is not None and self._memory.age(ego.time) < FRESH:
-            return Plan(rest, solved=False, status="fallback_last_plan")
+            return Plan(rest, solved=False, status="fallback_last_plan", solves=self._solves())
         stopping = ego.speed**2 / (2.0 * limits.comfortable_braking) + 2.0
         near = chosen.conflicts.along - ego.body.front < stopping
         braking = limits.emergency_braking if near.any() else limits.comfortable_braking
         status = "fallback_emergency_stop" if near.any() else "fallback_comfortable_stop"
         angle = self._memory.commanded(ego)[1]
-        return Plan(constant_command(-braking, angle), solved=False, status=status)
+        return Plan(constant_command(-braking, angle), False, status, solves=self._solves())
 
     def _planner(self, perception: Perception) -> SpeedPlanner:
         """Return the speed planner, built once the vehicle is known."""

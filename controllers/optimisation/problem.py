@@ -64,14 +64,6 @@ class Problem:
         found |= {name: float(bounds[at].max(initial=0.0)) for name, at in self.variables.items()}
         return {name: value for name, value in found.items() if value > 0.0}
 
-    def is_finite(self) -> bool:
-        """Return whether every value is a number, infinite ones standing for absent bounds only."""
-        # A sum is NaN or infinite when any of its terms is.
-        terms = self.P.sum() + self.q.sum() + self.G.sum()
-        numbers = np.isfinite(terms) and not np.isnan(self.h.sum())
-        ordered = (self.lower <= self.upper).all()  # False where either is NaN
-        return bool(numbers and ordered)
-
     def __str__(self) -> str:
         """Return the problem as a text: what is minimised, over what, subject to what."""
         lines = [f"minimise {self.objective}", "over"]

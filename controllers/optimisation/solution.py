@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,16 @@ CLOSED = 1e-3
 """Largest duality gap, relative to the largest of the terms it is the sum of."""
 
 
-@dataclass(frozen=True, slots=True)
-class Certificate:
+class Rows(NamedTuple):
+    """The rows of a problem that have a bound."""
+
+    numbers: NDArray[np.intp]
+    """Which rows these are, shape (k,)."""
+    G: FloatArray
+    h: FloatArray
+
+
+class Certificate(NamedTuple):
     """How far a point and its multipliers are from meeting the optimality conditions; 0 at an optimum.
 
     Notes
@@ -53,62 +61,65 @@ class Certificate:
         return ", ".join(missed)
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+NOTHING = Certificate(np.inf, np.inf, np.inf)
+"""Of no point at all."""
+
+
+class Solution(NamedTuple):
     """What a solver found. Only where ``solved`` may it be used: its certificate holds."""
 
     z: FloatArray
-    """Variables, shape (n,); zeros where nothing was found."""
+    """Variables, shape (n,); zeros where it is not solved."""
     solved: bool
     status: str
     """``solved``, or why not."""
     cost: float
-    """Objective at ``z``; inf where nothing was found."""
+    """Objective at ``z``; inf where it is not solved."""
     certificate: Certificate
-    row_multipliers: FloatArray
-    """Of the rows ``G z <= h``, non-negative, shape (m,)."""
+    rows: Rows
+    """The rows that were bounded."""
+    multipliers: FloatArray
+    """Of those, non-negative."""
     bound_multipliers: FloatArray
     """Of the variables: positive at the upper, negative at the lower bound, shape (n,)."""
 
 
-def certify(problem: Problem, z: FloatArray, rows: FloatArray, bounds: FloatArray) -> Solution:
+def certify(problem: Problem, rows: Rows, z: FloatArray, y: FloatArray, box: FloatArray) -> Solution:
     """Return a point as a solution, which is ``solved`` only if it is proven to be one.
 
     Parameters
     ----------
     problem
         What was to be solved.
-    z, rows, bounds
-        Point and multipliers as a solver gives them, shapes (n,), (m,) and (n,).
+    rows
+        Its rows with a bound, k of them.
+    z
+        The point, shape (n,).
+    y, box
+        Multipliers of rows and variables as a solver gives them, shapes (k,) and (n,).
     """
-    upper = np.where(np.isfinite(problem.upper), np.maximum(bounds, 0.0), 0.0)
-    lower = np.where(np.isfinite(problem.lower), np.minimum(bounds, 0.0), 0.0)
-    rows = np.where(np.isfinite(problem.h), np.maximum(rows, 0.0), 0.0)
-    bounds = upper + lower
-    Pz, pulls = problem.P @ z, rows @ problem.G
-    over = problem.G @ z - problem.h
-    violated = max(over.max(initial=0.0), (problem.lower - z).max(), (z - problem.upper).max(), 0.0)
-    gradient = np.stack((Pz, problem.q, pulls, bounds))
-    at_bounds = _product(problem.upper, upper) + _product(problem.lower, lower)
-    gap = np.array((z @ Pz, problem.q @ z, _product(problem.h, rows), at_bounds))
+    y = np.maximum(y, 0.0)
+    limits = np.where(box > 0.0, problem.upper, problem.lower)
+    absent = np.isinf(limits)
+    if absent.any():
+        limits[absent], box = 0.0, np.where(absent, 0.0, box)
+    Pz, pull = problem.P @ z, y @ rows.G
+    terms = np.array((Pz, problem.q, pull, box))
+    products = (float(Pz @ z), float(problem.q @ z), float(rows.h @ y), float(limits @ box))
+    over = rows.G @ z - rows.h, problem.lower - z, z - problem.upper
     certificate = Certificate(
-        primal_residual=float(violated),
-        dual_residual=float(np.abs(gradient.sum(axis=0)).max() / max(1.0, np.abs(gradient).max())),
-        duality_gap=float(abs(gap.sum()) / max(1.0, np.abs(gap).max())),
+        # Unlike max(), this does not overlook NaN.
+        primal_residual=float(np.concatenate(over).max(initial=0.0)),
+        dual_residual=float(np.abs(terms.sum(axis=0)).max() / max(1.0, np.abs(terms).max())),
+        duality_gap=abs(sum(products)) / max(1.0, *map(abs, products)),
     )
     complaint = certificate.complaint()
-    cost = float(0.5 * gap[0] + gap[1])
-    return Solution(z, not complaint, complaint or "solved", cost, certificate, rows, bounds)
+    if complaint:
+        return unsolved(problem, complaint, certificate)
+    return Solution(z, True, "solved", 0.5 * products[0] + products[1], certificate, rows, y, box)
 
 
-def unsolved(problem: Problem, status: str) -> Solution:
-    """Return that there is no solution, and why."""
-    n, m = len(problem.q), len(problem.h)
-    nothing = Certificate(np.inf, np.inf, np.inf)
-    return Solution(np.zeros(n), False, status, np.inf, nothing, np.zeros(m), np.zeros(n))
-
-
-def _product(limits: FloatArray, multipliers: FloatArray) -> float:
-    """Return the sum of limits times multipliers, over those that bind; the others may be infinite."""
-    binding = np.flatnonzero(multipliers)
-    return float(limits[binding] @ multipliers[binding])
+def unsolved(problem: Problem, status: str, certificate: Certificate = NOTHING) -> Solution:
+    """Return that there is no solution, and why; what a solver may have found is not in it."""
+    n, none = len(problem.q), Rows(np.empty(0, np.intp), np.empty((0, len(problem.q))), np.empty(0))
+    return Solution(np.zeros(n), False, status, np.inf, certificate, none, np.empty(0), np.zeros(n))

@@ -6,7 +6,6 @@ A solver's word is not enough: what it gives is used only when its certificate h
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import qpsolvers
@@ -15,7 +14,7 @@ from scipy.sparse import csc_matrix
 
 from controllers.optimisation.problem import Problem
 from controllers.optimisation.settings import SolverSettings
-from controllers.optimisation.solution import Solution, certify, unsolved
+from controllers.optimisation.solution import Rows, Solution, certify, unsolved
 from controllers.optimisation.warm_osqp import WARM_OSQP, Workspace
 
 FloatArray = NDArray[np.float64]
@@ -79,60 +78,65 @@ def solve(
 
 
 def _solve(problem: Problem, settings: SolverSettings, memory: Memory, start: FloatArray | None) -> Solution:
-    # NaN in a warm workspace spoils the solves after it, and some solvers report success on NaN.
-    if not problem.is_finite():
-        return unsolved(problem, "the problem holds values that are no numbers")
+    # Whatever is no number stays in, so that the certificate meets it.
+    rows = np.flatnonzero(problem.h != np.inf)
+    bounded = Rows(rows, problem.G[rows], problem.h[rows])
     if settings.name != OSQP:
-        return _by_name(problem, settings)
-    solution = _by_warm_osqp(problem, memory, start, settings.tolerance)
+        return _by_name(problem, bounded, settings.name)
+    solution = _by_warm_osqp(problem, bounded, memory, start, settings.tolerance)
     for digits in range(1, REFINED + 1):
         if solution.solved:
             break
         # OSQP stops at residuals that are small beside the largest numbers of the problem. It goes on from
         # where it has come to.
-        solution = _by_warm_osqp(problem, memory, None, settings.tolerance * 0.1**digits)
+        solution = _by_warm_osqp(problem, bounded, memory, None, settings.tolerance * 0.1**digits)
     return solution
 
 
-def _by_name(problem: Problem, settings: SolverSettings) -> Solution:
+def _by_name(problem: Problem, rows: Rows, solver: str) -> Solution:
     """Solve it without the rows that bound nothing, matrices dense or sparse as the solver wants them."""
-    rows = np.flatnonzero(np.isfinite(problem.h))
-    sparse = settings.name not in qpsolvers.dense_solvers
-    P, G = (csc_matrix(one) if sparse else one for one in (problem.P, problem.G[rows]))
+    dense = solver in qpsolvers.dense_solvers
     given = qpsolvers.Problem(
-        P,
+        problem.P if dense else csc_matrix(problem.P),
         problem.q,
-        G if len(rows) else None,
-        problem.h[rows] if len(rows) else None,
+        (rows.G if dense else csc_matrix(rows.G)) if len(rows.h) else None,
+        rows.h if len(rows.h) else None,
         lb=problem.lower,
         ub=problem.upper,
     )
-    return _certified(problem, rows, given, settings.name)
+    try:
+        answer = qpsolvers.solve_problem(given, solver)
+    except _FAILURES as error:
+        return unsolved(problem, f"{solver} raised {type(error).__name__}")
+    return _certified(problem, rows, solver, answer, answer.z)
 
 
-def _by_warm_osqp(problem: Problem, memory: Memory, start: FloatArray | None, tolerance: float) -> Solution:
+def _by_warm_osqp(
+    problem: Problem, rows: Rows, memory: Memory, start: FloatArray | None, tolerance: float
+) -> Solution:
+    """Solve it with all rows, which keeps the sparsity pattern."""
     if memory.workspace is None:
         memory.workspace = Workspace()
-    rows = np.arange(len(problem.h))
-    given = qpsolvers.Problem(problem.P, problem.q, problem.G, problem.h, lb=problem.lower, ub=problem.upper)
-    return _certified(
-        problem, rows, given, WARM_OSQP, initvals=start, workspace=memory.workspace, tolerance=tolerance
+    given = qpsolvers.Problem(
+        problem.P, problem.q, problem.G, problem.h, None, None, problem.lower, problem.upper
     )
+    try:
+        answer = qpsolvers.solve_problem(
+            given, WARM_OSQP, initvals=start, workspace=memory.workspace, tolerance=tolerance
+        )
+    except _FAILURES as error:
+        return unsolved(problem, f"{OSQP} raised {type(error).__name__}")
+    return _certified(problem, rows, OSQP, answer, None if answer.z is None else answer.z[rows.numbers])
 
 
 def _certified(
-    problem: Problem, rows: NDArray[np.intp], given: qpsolvers.Problem, solver: str, **options: Any
+    problem: Problem, rows: Rows, solver: str, answer: qpsolvers.Solution, multipliers: FloatArray | None
 ) -> Solution:
-    """Have a solver solve what it is given, which are some rows of a problem, and check what it says."""
-    try:
-        answer = qpsolvers.solve_problem(given, solver, **options)
-    except _FAILURES as error:
-        return unsolved(problem, f"{solver} raised {type(error).__name__}")
-    if not answer.found or answer.x is None or not np.isfinite(answer.x).all():
+    """Check what a solver says; multipliers that it does not give count as 0."""
+    if not answer.found or answer.x is None:
         return unsolved(problem, f"{solver} found nothing")
-    multipliers, box = np.zeros(len(problem.h)), np.zeros(len(problem.q))
-    if answer.z is not None:
-        multipliers[rows] = answer.z
-    if answer.z_box is not None and len(answer.z_box):
-        box[:] = answer.z_box
-    return certify(problem, np.asarray(answer.x, dtype=np.float64), multipliers, box)
+    y = np.zeros(len(rows.h)) if multipliers is None else multipliers
+    box = answer.z_box
+    if box is None or not len(box):
+        box = np.zeros(len(problem.q))
+    return certify(problem, rows, answer.x, y, box)

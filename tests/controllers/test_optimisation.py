@@ -11,7 +11,7 @@ from controllers.interface import FloatArray
 from controllers.optimisation import warm_osqp
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings
-from controllers.optimisation.solution import CLOSED, FEASIBLE, STATIONARY, certify
+from controllers.optimisation.solution import CLOSED, FEASIBLE, STATIONARY, Rows, certify
 from controllers.optimisation.solve import Memory, Tally, solve
 from tests.controllers.faulty_solvers import FAULTS, Answer, fails, installed
 
@@ -32,6 +32,11 @@ def _problem(seed: int, bounded_rows: int = ROWS) -> Problem:
     p.h[bounded_rows:] = np.inf
     p.lower[:], p.upper[:] = -0.5, 0.5
     return p
+
+
+def bounded(problem: Problem) -> Rows:
+    """Return all rows of a problem that has no others."""
+    return Rows(np.arange(len(problem.h)), problem.G, problem.h)
 
 
 def _spoil(problem: Problem, how: str) -> None:
@@ -92,7 +97,7 @@ def test_the_certificate_is_that_of_qpsolvers(name: str) -> None:
             qpsolvers.Problem(problem.P, problem.q, problem.G, problem.h, lb=problem.lower, ub=problem.upper),
             found=True,
             x=solution.z,
-            z=solution.row_multipliers,
+            z=solution.multipliers,
             z_box=solution.bound_multipliers,
         )
         ours = solution.certificate
@@ -106,38 +111,40 @@ def test_the_certificate_of_a_hand_made_problem_is_what_one_gets_by_hand() -> No
     """Minimise ``(v - 8)^2`` below 7: at 7 the limit pulls with a multiplier of 2."""
     problem = blank("(v - 8)^2", {"speed [m/s]": 1}, {"limit [m/s]": 1})
     problem.P[0, 0], problem.q[0], problem.G[0, 0], problem.h[0] = 2.0, -16.0, 1.0, 7.0
-    best = certify(problem, np.array([7.0]), np.array([2.0]), np.zeros(1))
+    rows = bounded(problem)
+    best = certify(problem, rows, np.array([7.0]), np.array([2.0]), np.zeros(1))
     assert best.solved
     assert best.cost == pytest.approx(49.0 - 112.0)
     assert (best.certificate.dual_residual, best.certificate.duality_gap) == (0.0, 0.0)
-    free = certify(problem, np.array([8.0]), np.zeros(1), np.zeros(1))
+    free = certify(problem, rows, np.array([8.0]), np.zeros(1), np.zeros(1))
     assert not free.solved
     assert free.certificate.primal_residual == 1.0
     assert free.status == f"primal residual 1 above {FEASIBLE:g}"
-    short = certify(problem, np.array([6.0]), np.zeros(1), np.zeros(1))
+    short = certify(problem, rows, np.array([6.0]), np.zeros(1), np.zeros(1))
     # The gradient there is 12 - 16 = -4, beside terms of up to 16.
     assert short.certificate.dual_residual == pytest.approx(0.25)
     assert "dual residual 0.25" in short.status
 
 
-@pytest.mark.parametrize("by", ["z", "rows", "bounds"])
+@pytest.mark.parametrize("by", ["z", "y", "box"])
 def test_a_solution_that_is_moved_away_is_no_solution_any_more(by: str) -> None:
     problem = _problem(3)
     good = solve(problem, SolverSettings())
-    parts = {"z": good.z, "rows": good.row_multipliers, "bounds": good.bound_multipliers}
-    assert certify(problem, **parts).solved
+    parts = {"z": good.z, "y": good.multipliers, "box": good.bound_multipliers}
+    assert certify(problem, good.rows, **parts).solved
     for seed in range(5):
         moved = parts | {by: parts[by] + np.random.default_rng(seed).choice((-0.3, 0.3), len(parts[by]))}
-        assert not certify(problem, **moved).solved
+        assert not certify(problem, good.rows, **moved).solved
 
 
 def test_multipliers_of_bounds_that_do_not_exist_prove_nothing() -> None:
     problem = _problem(4, bounded_rows=5)
     problem.upper[:] = np.inf
     good = solve(problem, SolverSettings())
-    rows, bounds = good.row_multipliers.copy(), good.bound_multipliers.copy()
-    rows[10], bounds[0] = 50.0, 50.0
-    again = certify(problem, good.z, rows, bounds)
+    assert good.rows.numbers.tolist() == [0, 1, 2, 3, 4]
+    box = good.bound_multipliers.copy()
+    box[np.argmax(box == 0.0)] = 50.0
+    again = certify(problem, good.rows, good.z, good.multipliers, box)
     assert again.solved
     assert again.certificate == good.certificate
 
