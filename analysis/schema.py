@@ -205,7 +205,11 @@ ENCOUNTERS = Table(
         _text(
             "controller_status", "whether every plan was solved", "ok", "infeasible", "timeout", required=True
         ),
-        _flag("preventable_r157", "a careful driver could have stopped; empty where undefined"),
+        _flag(
+            "preventable_r157",
+            "a careful driver would have prevented the contact, without one: could have stopped; "
+            "empty where undefined",
+        ),
         _at_least_0(
             "visible_before_conflict_s",
             "s",
@@ -264,6 +268,7 @@ RUNS = Table(
         _count("n_drac_gt_3p4", "encounters with DRAC above 3.4 m/s^2 or unbounded", required=True),
         _count("n_mdrac_gt_3p4", "encounters with MDRAC above 3.4 m/s^2 or unavoidable", required=True),
         _count("n_collisions", "contacts with a moving ego", required=True),
+        _count("n_collisions_preventable", "those that a careful driver prevents", required=True),
         _count("n_contacts_standing", "encounters with a contact with the standing ego", required=True),
         _count("n_severity_severe", "severe encounters", required=True),
         _count("n_severity_serious", "serious encounters", required=True),
