@@ -140,6 +140,7 @@ def read_run(folder: Path) -> RecordedRun:
         ("heading_rad",),
         (),
         _OBJECT_TEXTS,
+        "object_kind",  # SUMO lets a vehicle and a person share an id
         "object_id",
     )
     timing = _read_table(
