@@ -117,11 +117,16 @@ def replay_contact(
     return Replay(float(after.time[0]), _first_touch(after, way, speed, thresholds.standing_speed_mps))
 
 
+def eye_of(ego: Track, samples: slice, thresholds: Thresholds) -> tuple[FloatArray, FloatArray]:
+    """Return where the driver's eye was [m]."""
+    ahead = 0.5 * ego.length - thresholds.r157_eye_m
+    heading = ego.heading[samples]
+    return ego.x[samples] + ahead * np.cos(heading), ego.y[samples] + ahead * np.sin(heading)
+
+
 def _observable(scene: Scene, vehicles: Sequence[Track], thresholds: Thresholds) -> BoolArray:
     ego = scene.ego
-    ahead = 0.5 * ego.length - thresholds.r157_eye_m
-    eye_x = ego.x[scene.own] + ahead * np.cos(ego.heading[scene.own])
-    eye_y = ego.y[scene.own] + ahead * np.sin(ego.heading[scene.own])
+    eye_x, eye_y = eye_of(ego, scene.own, thresholds)
     x, y = scene.person.x[scene.other], scene.person.y[scene.other]
     near = np.hypot(x - eye_x, y - eye_y) <= thresholds.r157_view_m
     others = [one for one in vehicles if one.name != ego.name]
