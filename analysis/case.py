@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.careful_driver import Replay, replay_contact
 from analysis.contacts import Approach, Contact, closest_approaches, find_contacts
 from analysis.crossings import Traversal, traversals
 from analysis.ego_steps import EgoSteps, ego_steps
@@ -37,11 +38,15 @@ class Case:
     grid: Grid
     egos: Sequence[Track]
     persons: Sequence[Track]
+    vehicles: Sequence[Track]
+    """All recorded vehicles; egos are among them while another ego is near."""
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
     encounters: Sequence[Encounter]
     samples: Samples
     predicted: PredictedArea
     contacts: Sequence[Contact]
+    replays: Mapping[Contact, Replay]
+    """Each contact with the careful driver at the wheel."""
     approach: Approach
     steps: EgoSteps
     overlaps: Sequence[VehicleOverlap]
@@ -71,6 +76,14 @@ class Case:
             first[contact.encounter] = contact
         return first
 
+    def first_contact(self) -> list[Contact | None]:
+        """Return each encounter's first collision, else its first contact of any kind, or ``None``."""
+        first = self.first_collision()
+        for contact in self.contacts:
+            if first[contact.encounter] is None:
+                first[contact.encounter] = contact
+        return first
+
     def smallest_ttc(self) -> FloatArray:
         """Return each encounter's smallest TTC: 0 after a collision, inf without a collision course [s]."""
         low, _ = self.samples.smallest(self.samples.ttc)
@@ -95,26 +108,30 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
     grid = make_grid(run, thresholds)
     egos = ego_tracks(run, grid, thresholds)
     persons = object_tracks(run, grid, "pedestrian")
+    vehicles = object_tracks(run, grid, "vehicle")
     passed = traversals(egos, run.crossings(), grid)
     kinds = {area.name: area.crossing_kind for area in run.crossings()}
     around = Surroundings(run, grid, thresholds, passed, kinds)
     encounters = find_encounters(egos, persons, around)
     samples = gather(encounters, run, grid, thresholds)
     areas = [one.area for one in encounters]
+    contacts = find_contacts(samples, thresholds.contact_separation_s, thresholds.standing_speed_mps)
     return Case(
         run=run,
         thresholds=thresholds,
         grid=grid,
         egos=egos,
         persons=persons,
+        vehicles=vehicles,
         traversals=passed,
         encounters=encounters,
         samples=samples,
         predicted=predict_area(samples, thresholds.longitudinal_angle_deg),
-        contacts=find_contacts(samples, thresholds.contact_separation_s, thresholds.standing_speed_mps),
+        contacts=contacts,
+        replays=_replays(run, grid, thresholds, encounters, contacts, [*vehicles, *egos]),
         approach=closest_approaches(samples),
         steps=ego_steps(run, egos, grid, thresholds),
-        overlaps=find_overlaps(egos, object_tracks(run, grid, "vehicle"), grid),
+        overlaps=find_overlaps(egos, vehicles, grid),
         ego_rows=[_ego_rows(one, grid) for one in encounters],
         ego_enter=np.array([np.nan if area is None else area.ego.enter for area in areas]),
         ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),
@@ -123,6 +140,24 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
         knowledge=knowledge_of(run),
         entered=np.array([area is not None for area in areas], dtype=np.bool_) | samples.any(samples.exposed),
     )
+
+
+def _replays(
+    run: RecordedRun,
+    grid: Grid,
+    thresholds: Thresholds,
+    encounters: Sequence[Encounter],
+    contacts: Sequence[Contact],
+    vehicles: Sequence[Track],
+) -> Mapping[Contact, Replay]:
+    limits = run.egos.numbers["speed_limit_mps"]
+    found = {}
+    for contact in contacts:
+        one = encounters[contact.encounter]
+        found[contact] = replay_contact(
+            one.ego, one.person, contact, limits[one.ego.rows], vehicles, grid, thresholds
+        )
+    return found
 
 
 def _ego_rows(encounter: Encounter, grid: Grid) -> IntArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ class Contact:
     y: float
     standing: bool
     """The ego stood: the pedestrian walked into it."""
+    began: float
+    """First touch, which may be before ``time`` where the ego stood at first [s]."""
 
     def side(self, half_length: float, half_width: float) -> str:
         """Return the side of the rectangle that was touched: front, rear, left or right."""
@@ -69,7 +71,8 @@ def find_contacts(samples: Samples, separation_s: float, standing_speed: float) 
 
 def _merged(touches: list[Contact]) -> Contact:
     """Return the first touch with the ego moving, the first of all where it stood throughout."""
-    return next((touch for touch in touches if not touch.standing), touches[0])
+    chosen = next((touch for touch in touches if not touch.standing), touches[0])
+    return replace(chosen, began=touches[0].time)
 
 
 def _touch(samples: Samples, i: int, share: float, standing_speed: float) -> Contact:
@@ -87,6 +90,7 @@ def _touch(samples: Samples, i: int, share: float, standing_speed: float) -> Con
         x=_between(samples.x, i, j, share),
         y=_between(samples.y, i, j, share),
         standing=speed <= standing_speed,
+        began=_between(samples.time, i, j, share),
     )
 
 

@@ -39,13 +39,6 @@ class Knowledge:
         breaks = np.flatnonzero(~self.told[:last] | apart)
         return float(self.time[breaks[-1] + 1 if len(breaks) else 0])
 
-    def first_from(self, instant: float) -> float:
-        """Return the first instant from that one on at which it was told; inf where there is none [s]."""
-        if not np.isnan(self.since(instant)):
-            return instant
-        later = np.flatnonzero(self.told & (self.time >= instant))
-        return float(self.time[later[0]]) if len(later) else float("inf")
-
 
 NOTHING = Knowledge(np.zeros(0), np.zeros(0, dtype=np.bool_), 0.0)
 """He was never near when the ego looked."""

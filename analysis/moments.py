@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from analysis.case import Case
 from analysis.encounters import Encounter
 from analysis.geometry import BoolArray, FloatArray
-from analysis.knowledge import NOTHING
 from analysis.tracks import Track
 
 IntArray = NDArray[np.int64]
@@ -134,25 +133,6 @@ def entries(case: Case) -> Entries:
         ride = ride_of(case, one.ego)
         time[i], distance[i] = seen, ride.way(seen, one.area.ego.enter)
         speed[i] = ride.speed_at(seen)
-    return Entries(time, distance, speed)
-
-
-def visible_entries(case: Case) -> Entries:
-    """Return the entries, each no earlier than the ego was told of that pedestrian.
-
-    Where it was not told before it was in the area itself, there is no way left.
-    """
-    found = entries(case)
-    if case.knowledge is None:
-        return found
-    time, distance, speed = found.time.copy(), found.distance.copy(), found.ego_speed.copy()
-    for i in np.flatnonzero(~np.isnan(time)).tolist():
-        one = case.encounters[i]
-        assert one.area is not None, "an entry is into an area"
-        known = case.knowledge.get((one.ego.name, one.person.name), NOTHING)
-        time[i] = min(known.first_from(float(time[i])), one.area.ego.enter)
-        ride = ride_of(case, one.ego)
-        distance[i], speed[i] = ride.way(time[i], one.area.ego.enter), ride.speed_at(time[i])
     return Entries(time, distance, speed)
 
 

@@ -33,9 +33,9 @@ _EGO_NUMBERS = (
 )
 _EGO_OPTIONAL = ("speed_limit_mps", "route_position_m", "lane_number", "gap_ahead_m", "slack_m")
 _EGO_FLAGS = ("intervention", "handed_back", "planned", "solved")
-_EGO_TEXTS = ("ego_id", "rule", "plan_status", "passing")
+_EGO_TEXTS = ("ego_id", "lane", "rule", "plan_status", "passing")
 _OBJECT_NUMBERS = ("time_s", "x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m")
-_OBJECT_TEXTS = ("object_id", "object_kind", "object_type", "crossing_id", "phase")
+_OBJECT_TEXTS = ("object_id", "object_kind", "object_type", "edge_or_lane", "crossing_id", "phase")
 _PERFECT = "perfect"
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
@@ -140,6 +140,7 @@ def read_run(folder: Path) -> RecordedRun:
         ("heading_rad",),
         (),
         _OBJECT_TEXTS,
+        "object_kind",  # SUMO lets a vehicle and a person share an id
         "object_id",
     )
     timing = _read_table(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-SCHEMA_VERSION = "1"
+SCHEMA_VERSION = "2"
 """Of the CSV files; changes whenever a column changes its name or meaning."""
 
 
@@ -205,7 +205,39 @@ ENCOUNTERS = Table(
         _text(
             "controller_status", "whether every plan was solved", "ok", "infeasible", "timeout", required=True
         ),
-        _flag("preventable_r157", "a careful driver could have stopped; empty where undefined"),
+        _text(
+            "contact_place",
+            "where the pedestrian was touched; empty without a contact",
+            "crossing",
+            "carriageway",
+            "walking_area_or_kerb",
+        ),
+        _text(
+            "contact_moved_by",
+            "whose motion closed the last gap; empty without a contact, or without a gap before it",
+            "ego",
+            "pedestrian",
+            "both",
+        ),
+        _text(
+            "contact_class",
+            "kind of contact; empty without one",
+            "ego",
+            "rolled_off",
+            "walked_in",
+            "appeared",
+            "touching_at_start",
+        ),
+        _at_least_0(
+            "contact_risk_seen_s",
+            "s",
+            "time from when a careful driver could see the risk to the contact; empty where he could not",
+        ),
+        _flag(
+            "preventable_r157",
+            "a careful driver would have prevented the contact, without one: could have stopped; "
+            "empty where undefined",
+        ),
         _at_least_0(
             "visible_before_conflict_s",
             "s",
@@ -264,6 +296,25 @@ RUNS = Table(
         _count("n_drac_gt_3p4", "encounters with DRAC above 3.4 m/s^2 or unbounded", required=True),
         _count("n_mdrac_gt_3p4", "encounters with MDRAC above 3.4 m/s^2 or unavoidable", required=True),
         _count("n_collisions", "contacts with a moving ego", required=True),
+        _count("n_collisions_preventable", "those that a careful driver prevents", required=True),
+        _count("n_collisions_crossing", "those on a crossing", required=True),
+        _count("n_collisions_carriageway", "those on the carriageway", required=True),
+        _count("n_collisions_walking_area_or_kerb", "those on a walking area or at the kerb", required=True),
+        _count("n_collisions_moved_by_ego", "those in which the ego closed the last gap", required=True),
+        _count("n_collisions_moved_by_pedestrian", "those in which the pedestrian closed it", required=True),
+        _count("n_collisions_moved_by_both", "those in which both closed it", required=True),
+        _count("n_collisions_class_ego", "collisions of no other class", required=True),
+        _count(
+            "n_collisions_class_rolled_off",
+            "those in which the ego began to move while a pedestrian touched it",
+            required=True,
+        ),
+        _count(
+            "n_collisions_class_appeared",
+            "those with a pedestrian who appeared in view inside the stopping distance",
+            required=True,
+        ),
+        _count("n_collisions_class_touching_at_start", "those there from the first sample on", required=True),
         _count("n_contacts_standing", "encounters with a contact with the standing ego", required=True),
         _count("n_severity_severe", "severe encounters", required=True),
         _count("n_severity_serious", "serious encounters", required=True),

@@ -73,8 +73,8 @@ def export_ssam(folder: Path) -> tuple[Path, Path]:
     """
     run = read_run(folder)
     tables = [_egos(run), _objects(run)]
-    names = {name: kind for table in tables for name, kind in zip(table.names, table.kinds, strict=True)}
-    numbers = {name: number for number, name in enumerate(sorted(names), start=1)}
+    bodies = {body for table in tables for body in zip(table.names, table.kinds, strict=True)}
+    numbers = {body: number for number, body in enumerate(sorted(bodies), start=1)}
     trajectories, ids = folder / TRAJECTORY_FILE, folder / ID_FILE
     part = trajectories.with_name(trajectories.name + ".part")
     with part.open("wb") as file:
@@ -84,7 +84,7 @@ def export_ssam(folder: Path) -> tuple[Path, Path]:
     with part.open("w", encoding="utf-8", newline="") as text:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(("ssam_id", "sumo_id", "type"))
-        writer.writerows((number, name, names[name]) for name, number in numbers.items())
+        writer.writerows((number, name, kind) for (name, kind), number in numbers.items())
     part.replace(ids)
     return trajectories, ids
 
@@ -130,7 +130,9 @@ def _instants(path: Path, data: bytes, offset: int, scale: float) -> Iterator[tu
         yield time, bodies
 
 
-def _records(run: RecordedRun, tables: list[_Rows], numbers: Mapping[str, int]) -> Iterator[bytes]:
+def _records(
+    run: RecordedRun, tables: list[_Rows], numbers: Mapping[tuple[str, str], int]
+) -> Iterator[bytes]:
     yield _FORMAT.pack(0, b"L", _VERSION)
     x = np.concatenate([np.concatenate([table.front_x, table.rear_x]) for table in tables])
     y = np.concatenate([np.concatenate([table.front_y, table.rear_y]) for table in tables])
@@ -144,7 +146,7 @@ def _records(run: RecordedRun, tables: list[_Rows], numbers: Mapping[str, int]) 
             for i in range(int(starts[k]), int(ends[k])):
                 yield _VEHICLE.pack(
                     3,
-                    numbers[table.names[i]],
+                    numbers[table.names[i], table.kinds[i]],
                     0,
                     0,
                     table.front_x[i],
@@ -182,7 +184,11 @@ def _egos(run: RecordedRun) -> _Rows:
 
 
 def _objects(run: RecordedRun) -> _Rows:
-    """Return pedestrians and vehicles; a pedestrian is recorded by centre, a vehicle by front bumper."""
+    """Return pedestrians and vehicles; a pedestrian is recorded by centre, a vehicle by front bumper.
+
+    Egos that are recorded among the vehicles, where another ego is near, are left out: they have rows of
+    their own.
+    """
     number = run.neighbours.numbers
     person = run.neighbours.texts["object_kind"].equal("pedestrian")
     heading = np.nan_to_num(number["heading_rad"])
@@ -190,31 +196,36 @@ def _objects(run: RecordedRun) -> _Rows:
     ahead = np.where(person, 0.5 * number["length_m"], 0.0)
     behind = number["length_m"] - ahead
     kinds = _names(run.neighbours, "object_kind")
+    names = _names(run.neighbours, "object_id")
+    egos = set(_names(run.egos, "ego_id"))
+    kept = np.array(
+        [bool(one) or name not in egos for name, one in zip(names, person, strict=True)], np.bool_
+    )
     return _Rows(
-        time=number["time_s"],
-        names=_names(run.neighbours, "object_id"),
-        kinds=kinds,
-        front_x=number["x_m"] + ahead * cos,
-        front_y=number["y_m"] + ahead * sin,
-        rear_x=number["x_m"] - behind * cos,
-        rear_y=number["y_m"] - behind * sin,
-        length=number["length_m"],
-        width=number["width_m"],
-        speed=np.hypot(number["x_speed_mps"], number["y_speed_mps"]),
-        acceleration=_acceleration(run),
+        time=number["time_s"][kept],
+        names=[name for name, keep in zip(names, kept, strict=True) if keep],
+        kinds=[kind for kind, keep in zip(kinds, kept, strict=True) if keep],
+        front_x=(number["x_m"] + ahead * cos)[kept],
+        front_y=(number["y_m"] + ahead * sin)[kept],
+        rear_x=(number["x_m"] - behind * cos)[kept],
+        rear_y=(number["y_m"] - behind * sin)[kept],
+        length=number["length_m"][kept],
+        width=number["width_m"][kept],
+        speed=np.hypot(number["x_speed_mps"], number["y_speed_mps"])[kept],
+        acceleration=_acceleration(run)[kept],
     )
 
 
 def _acceleration(run: RecordedRun) -> FloatArray:
     """Return the change of each object's speed since its row before, 0 at its first one [m/s^2]."""
     number = run.neighbours.numbers
-    codes = run.neighbours.texts["object_id"].codes
-    order = np.lexsort((number["time_s"], codes))
+    codes = np.array([run.neighbours.texts[name].codes for name in ("object_kind", "object_id")])
+    order = np.lexsort((number["time_s"], *codes))
     speed = np.hypot(number["x_speed_mps"], number["y_speed_mps"])[order]
     time = number["time_s"][order]
     change = np.zeros(len(order))
     if len(order) > 1:
-        same = np.diff(codes[order]) == 0
+        same = (np.diff(codes[:, order]) == 0).all(axis=0)
         step = np.where(same, np.diff(time), 1.0)
         change[1:] = np.where(same, np.diff(speed) / step, 0.0)
     back = np.empty_like(change)

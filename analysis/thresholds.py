@@ -64,6 +64,16 @@ class Thresholds:
     r157_reaction_s: float = 0.75
     r157_deceleration_mps2: float = 7.59
     r157_ramp_s: float = 0.6
+    r157_wander_m: float = 0.375
+    """A pedestrian nearer to the ego's corridor than this is a risk."""
+    r157_foresight_s: float = 2.0
+    """One who would be there within this time is a risk, too."""
+    r157_view_m: float = 100.0
+    """The careful driver sees no further."""
+    r157_eye_m: float = 2.0
+    """Front bumper to the careful driver's eye."""
+    r157_after_s: float = 5.0
+    """The careful driver must not touch anybody until so long after the recorded contact."""
     ego_mass_kg: float = 1500.0
     pedestrian_mass_kg: float = 75.0
     hood_leading_edge_cm: float = 75.0

@@ -102,6 +102,7 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
                 f"{name}: {hit:.0f} collisions in {met:.0f} encounters, at most {bound:.2%} of them "
                 "(one-sided 95 %, as if encounters were independent)."
             )
+        said.extend(_contacts(str(name), [run for seed in side for run in seed]))
     lost = [
         f"{number} {reason}"
         for number, reason in (
@@ -115,6 +116,28 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
     if len({run.versions for run in runs}) > 1:
         said.append("The runs were made by different versions; run.json says which.")
     return said
+
+
+def _contacts(name: str, runs: Sequence[StudyRun]) -> list[str]:
+    """Return a sentence on what kind of contacts there were; nothing without any."""
+    total, spared, crossing, carriageway, beside, appeared = (
+        sum(run.numbers.get(f"n_collisions{kind}", 0.0) for run in runs)
+        for kind in (
+            "",
+            "_preventable",
+            "_crossing",
+            "_carriageway",
+            "_walking_area_or_kerb",
+            "_class_appeared",
+        )
+    )
+    if total == 0.0:
+        return []
+    return [
+        f"{name}: a careful driver prevents {spared:.0f} of the {total:.0f} contacts; {crossing:.0f} on a "
+        f"crossing, {carriageway:.0f} on the carriageway, {beside:.0f} on a walking area or at the kerb; in "
+        f"{appeared:.0f} the pedestrian appeared inside the stopping distance."
+    ]
 
 
 def _label(measure: Measure) -> str:

@@ -1,13 +1,22 @@
-"""Whether a competent and careful driver could have stopped in time.
+"""Whether the competent and careful driver of UN R157 would have prevented the contact.
 
-1 where the time to the conflict area at constant speed, at the instant the pedestrian steps on the
-crossing (away from crossings: at the encounter's beginning), or at which the ego's sensors first tell of
-him if that is later, is at least that driver's stopping
-distance over speed: reaction r157_reaction_s, braking that rises to r157_deceleration_mps2 within
-r157_ramp_s. Independent of what the controller did.
+With a contact, that driver is put at the wheel and the recording is replayed (analysis/careful_driver.py):
+he drives the ego's own path at the recorded speed, at most the limit, until r157_reaction_s after the first
+instant at which he could see that the pedestrian was, or within r157_foresight_s would be, in the way or
+within r157_wander_m of it; then he brakes, with r157_deceleration_mps2 within r157_ramp_s, until he stands.
+The pedestrian moves as recorded. 1 where the replayed ego does not touch him while it moves, until
+r157_after_s after the recorded contact; else 0. That holds for turning egos and for people who stand in the
+lane, too. What counts is what could be seen: vehicles hide people, the ego's own sensors do not matter. The
+first collision counts, without one the first contact with the standing ego.
 
-Undefined: empty without a conflict area, and where the ego was in it before he could be seen to enter; 0
-where sensors told of him only then, or never.
+Without a contact nothing is replayed. Then it says whether he could have stopped: 1 where the way to the
+conflict area, at the instant the pedestrian steps on the crossing (away from crossings: at the encounter's
+beginning), is at least that driver's stopping distance.
+
+For a driver who also takes 0.4 s to evaluate the risk, set r157_reaction_s to 1.15.
+
+Undefined: never with a contact. Without one, empty where there is no conflict area, or where the ego was in
+it before he could be seen to enter.
 """
 
 from __future__ import annotations
@@ -15,21 +24,31 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
-from analysis.moments import stopping_distance, visible_entries
+from analysis.moments import entries, stopping_distance
 
 SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
-SOURCE = "[R157], reference driver, after a transcription"
+SOURCE = "[R157], reference driver, after a transcription; the replay is our own definition"
 COLUMNS = ("preventable_r157",)
-RUN_COLUMNS = ()
+RUN_COLUMNS = ("n_collisions_preventable",)
 
 
 def compute(case: Case) -> Values:
     """Return 1, 0, or nan where it is undefined."""
-    seen = visible_entries(case)
+    entry = entries(case)
     limits = case.thresholds
     needed = stopping_distance(
-        seen.ego_speed, limits.r157_reaction_s, limits.r157_deceleration_mps2, limits.r157_ramp_s
+        entry.ego_speed, limits.r157_reaction_s, limits.r157_deceleration_mps2, limits.r157_ramp_s
     )
-    return {"preventable_r157": np.where(np.isnan(seen.time), np.nan, seen.distance >= needed)}
+    values = np.where(np.isnan(entry.time), np.nan, entry.distance >= needed)
+    for i, contact in enumerate(case.first_contact()):
+        if contact is not None:
+            values[i] = case.replays[contact].prevented
+    return {"preventable_r157": values}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count the collisions that the careful driver prevents."""
+    prevented = [case.replays[contact].prevented for contact in case.collisions()]
+    return {"n_collisions_preventable": sum(prevented)}

@@ -31,8 +31,9 @@ _NUMBERS = (
     "ego_max_decel_mps2",
     "impact_speed_kmh",
     "ped_delay_s",
+    "preventable_r157",
 )
-_TEXTS = ("ego_id", "ped_id", "crossing_id", "severity")
+_TEXTS = ("ego_id", "ped_id", "crossing_id", "severity", "contact_place", "contact_class")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,16 @@ class Found:
     def key(self) -> str:
         """Name of the replay."""
         return f"{self.run.run_id}-{self.number}"
+
+    @property
+    def contact(self) -> str:
+        """What kind of contact it was, in a few words; empty without one."""
+        if not self.values["contact_class"]:
+            return ""
+        kind = {"ego": ""}.get(self.values["contact_class"], self.values["contact_class"])
+        spared = {0.0: "not preventable"}.get(self.values["preventable_r157"], "preventable")
+        words = (self.values["contact_place"], kind, spared)
+        return ", ".join(word.replace("_", " ") for word in words if word)
 
     @property
     def moment_s(self) -> float:

@@ -126,7 +126,7 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
         "ego": _ego(mine),
         "ttc_s": ttc,
         "distance_m": distance,
-        "objects": _objects(recording.neighbours, times, front, one.person.name),
+        "objects": _objects(recording.neighbours, times, front, one.ego.name, one.person.name),
         "plans": _plans(recording.plans, one.ego.name, times),
         "map": _map(case, front),
     }
@@ -166,24 +166,30 @@ def _measured(
 
 
 def _objects(
-    rows: pd.DataFrame, times: np.ndarray[Any, Any], front: np.ndarray[Any, Any], person: str
+    rows: pd.DataFrame, times: np.ndarray[Any, Any], front: np.ndarray[Any, Any], ego: str, person: str
 ) -> list[dict[str, Any]]:
-    """Return the others near the ego: per object its first frame and one value for each frame from there."""
+    """Return the others near the ego: per object its first frame and one value for each frame from there.
+
+    A vehicle and a person with one id are two objects; the ego itself, which is recorded among the vehicles
+    where another ego is near, is none.
+    """
+    rows = rows[(rows["object_kind"] != "vehicle") | (rows["object_id"] != ego)]
     frame = pd.Series(np.arange(len(times)), index=times)
     now = rows["time_s"].round(6)
     rows = rows[now.isin(frame.index)].assign(frame=lambda some: some["time_s"].round(6).map(frame))
     at = front[rows["frame"].to_numpy(dtype=np.int64)]
     gap = np.hypot(rows["x_m"].to_numpy() - at[:, 0], rows["y_m"].to_numpy() - at[:, 1])
-    near = set(rows.loc[gap < NEAR_M, "object_id"])
+    rows = rows.assign(near=gap < NEAR_M)
     found = []
-    for name, own in rows[rows["object_id"].isin(near)].groupby("object_id", sort=True):
+    for (name, kind), own in rows.groupby(["object_id", "object_kind"], sort=True):
+        if not own["near"].any():
+            continue
         frames = own["frame"].to_numpy(dtype=np.int64)
         first, count = int(frames[0]), int(frames[-1] - frames[0] + 1)
         whole = own.set_index(frames).reindex(range(first, first + count))
-        kind = str(own["object_kind"].iloc[0])
         one: dict[str, Any] = {
             "id": str(name),
-            "kind": kind,
+            "kind": str(kind),
             "type": str(own["object_type"].iloc[0]),
             "length_m": _number(float(own["length_m"].iloc[0])),
             "width_m": _number(float(own["width_m"].iloc[0])),

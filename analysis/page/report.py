@@ -191,11 +191,18 @@ def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str,
         {"name": "valid runs", "value": f"{len(found.runs)} of {len(study.runs) + failed}"},
         {"name": "encounters", "value": str(len(found))},
         {"name": "collisions", "value": str(severity.count("collision"))},
+        {"name": "of them preventable", "value": str(_preventable(found))},
         {"name": "standing contacts", "value": str(standing)},
         {"name": "serious or worse", "value": str(bad)},
         {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},
         {"name": "smallest distance", "value": "–" if distance is None else f"{distance:.2f} m"},
     ]
+
+
+def _preventable(found: Encounters) -> int:
+    """Return the collisions that a careful driver prevents; an undefined one counts as one of them."""
+    hit = np.array([text == "collision" for text in found.texts.get("severity", ())], dtype=np.bool_)
+    return int(np.count_nonzero(hit & (found.numbers["preventable_r157"] != 0.0)))
 
 
 def _replays(listed: Sequence[Found], folder: Path, most: int) -> tuple[set[str], dict[str, str]]:
@@ -241,6 +248,7 @@ def _line(
         "run_id": run.run_id,
         "folder": relative_name(run.folder, out),
         "number": one.number,
+        "contact": one.contact,
         "moment_s": one.moment_s,
         "state": state,
         "problem": problems.get(one.key, ""),

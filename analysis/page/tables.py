@@ -18,7 +18,16 @@ Row = Mapping[str, Any]
 
 _SHARES = ("share", "yes_no")
 _ENCOUNTER_ROWS = ("min_ttc_s", "pet_area_s", "clearance_min_m", "ego_max_decel_mps2")
-_RUN_ROWS = ("n_interventions", "n_solver_fail")
+_RUN_ROWS = (
+    "n_collisions",
+    "n_collisions_preventable",
+    "n_collisions_crossing",
+    "n_collisions_carriageway",
+    "n_collisions_walking_area_or_kerb",
+    "n_collisions_class_appeared",
+    "n_interventions",
+    "n_solver_fail",
+)
 _WORDS = {"no_difference_shown": "no difference shown"}
 
 

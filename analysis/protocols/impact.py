@@ -87,7 +87,10 @@ def _impact(case: Case, contact: Contact) -> Impact:
 
 
 def _preventable(case: Case) -> bool | None:
-    """Return 1 of the first encounter in which it is defined: a test has one pedestrian."""
+    """Return it for the first contact, else of the first encounter in which it is defined."""
+    first = min(case.collisions(), key=lambda one: one.time, default=None)
+    if first is not None:
+        return case.replays[first].prevented
     values = preventable_r157.compute(case)["preventable_r157"]
     defined = values[~np.isnan(values)] if len(values) else values
     return bool(defined[0]) if len(defined) else None

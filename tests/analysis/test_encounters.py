@@ -229,9 +229,13 @@ def test_the_waiting_of_a_pedestrian_is_his_delay(tmp_path: Path) -> None:
 
 
 def test_one_who_steps_out_late_could_not_have_been_spared(tmp_path: Path) -> None:
-    # On the crossing from 2.5 s on, the ego then 5 m short of the area: 9.6 m are needed to stop.
-    person = Person(line(32.5, -5, 0, 1.25), phase=crosses(2.5, 9.0))
+    # He stands 0.85 m beside the ego's way until 2.4 s and is struck at 3.08 s, before anybody reacts.
+    def steps_out(t: float) -> tuple[float, float]:
+        return 32.5, -2.0 + 1.25 * max(t - 2.4, 0.0)
+
+    person = Person(steps_out, phase=crosses(2.4, 9.0))
     row = only(analyse(tmp_path, Ego(line(0, 0, 10, 0)), person))
+    assert row["collision"] is True
     assert row["preventable_r157"] == 0.0
     assert row["late_entry"] == 1.0
 

@@ -68,6 +68,32 @@ def test_the_first_line_says_safer_and_slower_and_by_how_much(
     assert max(map(len, lines[2:-4])) <= 110
 
 
+def test_contacts_are_told_apart_by_place_and_by_what_a_careful_driver_prevents(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for seed in (1, 2):
+        write_study_run(tmp_path / f"sumo-{seed}", "sumo", seed, encounters=[{"min_ttc_s": 4.0}])
+        write_study_run(
+            tmp_path / f"bold-{seed}",
+            "bold",
+            seed,
+            encounters=[{"collision": True, "n_collisions": 1, "severity": "collision"}] * 3,
+            numbers={
+                "n_collisions": 3,
+                "n_collisions_preventable": seed,
+                "n_collisions_carriageway": 2,
+                "n_collisions_walking_area_or_kerb": 1,
+                "n_collisions_class_appeared": seed - 1,
+            },
+        )
+    lines = shown(capsys, str(tmp_path), "--alt", "bold")
+    assert (
+        "bold: a careful driver prevents 3 of the 6 contacts; 0 on a crossing, 4 on the carriageway, 2 on a "
+        "walking area or at the kerb; in 1 the pedestrian appeared inside the stopping distance."
+    ) in lines
+    assert not any(line.startswith("sumo: a careful driver") for line in lines)
+
+
 def test_twins_show_no_difference(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = shown(capsys, str(study), "--alt", "twin")
     assert "no difference in safety shown, and no difference in delay shown" in lines[0]

@@ -188,6 +188,24 @@ def test_a_contact_with_the_standing_ego_is_told_beside_the_collisions(tmp_path:
     assert values == ["0", "1"]
 
 
+def test_each_collision_says_where_it_was_and_whether_a_careful_driver_prevents_it(tmp_path: Path) -> None:
+    hit = {"collision": True, "severity": "collision", "contact_place": "carriageway"}
+    folder = write_study_run(
+        tmp_path / "alone",
+        "sumo",
+        1,
+        encounters=[
+            {**hit, "contact_class": "appeared", "preventable_r157": False},
+            {**hit, "contact_class": "ego", "preventable_r157": True},
+        ],
+    )
+    _, page, _ = written(folder)
+    assert "carriageway, appeared, not preventable" in page.texts
+    assert "carriageway, preventable" in page.texts
+    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "of them preventable")]
+    assert values == ["2", "1"]
+
+
 def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
     name = "<script>alert(1)</script>"
     write_study_run(tmp_path / "study/runs/a", "sumo", 1, scenario=name, encounters=[WORST])

@@ -1,0 +1,77 @@
+"""What kind of contact it was: where, who moved into whom, and what class of contact.
+
+By geometry and recorded motion alone (analysis/contact_classes.py, analysis/contact_places.py); the total of
+collisions keeps all of them. The place is that of the pedestrian's middle. contact_moved_by says whose motion
+closed the last gap: who closed less than a tenth of it did not move into the other; somebody who walks into
+the side of a moving car moved into it, though the class is ego. The classes:
+
+- touching_at_start: they touch in the first sample that holds both;
+- walked_in: the ego had stood for 0.5 s, and did not move while they touched (never a collision);
+- rolled_off: the ego had stood for 0.5 s, and then began to move while they touched;
+- appeared: the careful driver of preventable_r157 does not prevent it, and the first sample that holds both
+  has the pedestrian in view and nearer than that driver's stopping distance;
+- ego: any other.
+
+contact_risk_seen_s is the time from when the careful driver could see the risk to the contact. As for
+preventable_r157 the first collision counts, without one the first contact with the standing ego; runs.csv
+counts every collision.
+
+Undefined: empty without a contact; contact_moved_by also where they touch at the first sample,
+contact_risk_seen_s where the risk could not be seen before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+from analysis.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
+from analysis.contact_places import PLACES, place_of, places_of
+from analysis.contacts import Contact
+
+SCOPE = "encounter"
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "own definition"
+COLUMNS = ("contact_place", "contact_moved_by", "contact_class", "contact_risk_seen_s")
+RUN_COLUMNS = (
+    *(f"n_collisions_{place}" for place in PLACES),
+    *(f"n_collisions_moved_by_{mover}" for mover in MOVERS),
+    *(f"n_collisions_class_{name}" for name in CLASSES if name != "walked_in"),
+)
+
+
+def compute(case: Case) -> Values:
+    """Return place, mover, class and time of each encounter's contact."""
+    found: dict[str, list[str | None]] = {name: [None] * len(case) for name in COLUMNS[:3]}
+    seen = np.full(len(case), np.nan)
+    for i, contact in enumerate(case.first_contact()):
+        if contact is None:
+            continue
+        for name, value in zip(COLUMNS, _kind(case, contact), strict=False):
+            found[name][i] = value
+        seen[i] = contact.time - case.replays[contact].onset
+    return {**found, "contact_risk_seen_s": seen}
+
+
+def _kind(case: Case, contact: Contact) -> tuple[str, str | None, str]:
+    encounter = case.encounters[contact.encounter]
+    one = Circumstances(
+        encounter.ego, encounter.person, contact, case.replays[contact], case.grid, case.thresholds
+    )
+    return (
+        place_of(encounter.person, contact.time, case.run, case.grid, places_of(case.run)),
+        moved_by(one),
+        contact_class(one, [*case.vehicles, *case.egos]),
+    )
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Count the collisions of each kind."""
+    kinds = [_kind(case, contact) for contact in case.collisions()]
+    places, movers, classes = zip(*kinds, strict=True) if kinds else ((), (), ())
+    return {
+        **{f"n_collisions_{place}": places.count(place) for place in PLACES},
+        **{f"n_collisions_moved_by_{mover}": movers.count(mover) for mover in MOVERS},
+        **{f"n_collisions_class_{name}": classes.count(name) for name in CLASSES if name != "walked_in"},
+    }
