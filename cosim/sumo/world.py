@@ -21,6 +21,7 @@ from cosim.sumo.egos import EgoSources
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
+from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
@@ -78,6 +79,7 @@ class SumoWorld:
         self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
+        self._present = Present()
         self._any_ego = False
         self._warm = False
         self._connection = start(prepared.options, gui)
@@ -96,7 +98,7 @@ class SumoWorld:
             self._perceiver = Perceiver(
                 self._sumo, self._network, self._plan_every * self.step, self._knowledge.eyesight
             )
-            self._surroundings: Surroundings = self._observer.read((), {})
+            self._surroundings: Surroundings = self._observer.read((), {}, Present())
         except BaseException:
             self._connection.close()
             raise
@@ -240,6 +242,7 @@ class SumoWorld:
         self._sumo.simulationStep()
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()
+        self._present = everybody_present(self._sumo)
 
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
@@ -249,16 +252,15 @@ class SumoWorld:
         return self._sources.ends or self._sumo.simulation.getMinExpectedNumber() == 0
 
     def _drop_gone(self) -> None:
-        """Forget egos that SUMO has taken off the road."""
+        """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""
         if not self._egos:
             return
-        simulation = self._sumo.simulation
-        arrived = set(simulation.getArrivedIDList())
-        teleporting = set(simulation.getStartingTeleportIDList())
-        for name in [name for name in self._egos if name in arrived or name in teleporting]:
+        teleporting = set(self._sumo.simulation.getStartingTeleportIDList())
+        there = self._present.vehicles
+        for name in [name for name in self._egos if name not in there or name in teleporting]:
             if name in teleporting or not self._egos[name].track.on_last_edge:
                 self._teleports += 1
-            if name not in arrived:
+            if name in teleporting:
                 self._remove(name)
             self._forget(name)
 
@@ -304,10 +306,13 @@ class SumoWorld:
         # A step with a subscription around a vehicle that has been removed fails.
         self._observer.leave(name)
         self._sumo.vehicle.remove(name)
+        self._present = self._present._replace(vehicles=self._present.vehicles - {name})
         self._connection.pending = True
 
     def _take_over_departed(self) -> None:
-        departed = self._sumo.simulation.getDepartedIDList()
+        # In a long step a vehicle may depart and be gone again.
+        there = self._present.vehicles
+        departed = [name for name in self._sumo.simulation.getDepartedIDList() if name in there]
         if not departed:
             return
         for name in self._sources.choose(self._sumo, departed, self._time):
@@ -342,7 +347,7 @@ class SumoWorld:
             ego.name: KnownState(*ego.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
             for ego in self._egos.values()
         }
-        surroundings = self._observer.read(tuple(self._egos), known)
+        surroundings = self._observer.read(tuple(self._egos), known, self._present)
         places = {name: ego.front for name, ego in self._egos.items()}
         self._surroundings = self._scripted.among(surroundings, places, self._time)
 
