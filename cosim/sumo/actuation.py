@@ -115,6 +115,8 @@ class Actuation:
         self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
+        self.routes_restored_of_all = 0
+        """How often a route had to be set again, of all vehicles so far."""
 
     def take_over(self, name: str) -> None:
         """Begin to drive a vehicle that is on the road; SUMO no longer decides anything for it.
@@ -328,6 +330,7 @@ class Actuation:
             vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
             ego.route_id = vehicle.getRouteID(name)
             ego.routes_restored += 1
+            self.routes_restored_of_all += 1
 
 
 def _edge_of(lane: str) -> str:

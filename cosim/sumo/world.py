@@ -16,7 +16,7 @@ from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
-from cosim.sumo.driven_ego import DrivenEgo, let_go, own_limit
+from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
@@ -28,7 +28,7 @@ from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
-from cosim.world import MapArea, PersonsTruth, Snapshot, VehiclesTruth
+from cosim.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 
@@ -40,6 +40,8 @@ POSITION_TOLERANCE = 0.02
 """SUMO differs from the plant by an intervention when it is further off than this [m]."""
 SPEED_TOLERANCE = 0.1
 """The same for speeds [m/s]."""
+GIVEN_UP = 15.0
+"""An ego further than this from where SUMO can have it on its way is handed back [m]."""
 
 
 class SumoWorld:
@@ -79,6 +81,11 @@ class SumoWorld:
         self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
+        self._off_the_way = 0
+        self._given_up: list[str] = []
+        self._not_taken: list[str] = []
+        self._to_take: list[str] = []
+        """Chosen as egos, but not on a lane yet."""
         self._present = Present()
         self._any_ego = False
         self._warm = False
@@ -124,7 +131,7 @@ class SumoWorld:
         """Set what the ego tries to do from now on."""
         ego = self._egos[name]
         ego.command, ego.elapsed = command, 0.0
-        if command.hand_back == ego.handed_back:
+        if ego.given_up or command.hand_back == ego.handed_back:
             return
         with self._connection.reporting(f"changing the driver of {name} at {self._time:.2f} s"):
             if command.hand_back:
@@ -145,6 +152,8 @@ class SumoWorld:
                     plant.follow(ego.command, ego.elapsed, self.step)
                     self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed)
                     self._connection.pending = True
+                    if not self._actuation.strayed(ego.name) <= GIVEN_UP:
+                        self._give_up(ego)
                 ego.elapsed += self.step
             self._step()
             self._drop_gone()
@@ -187,6 +196,12 @@ class SumoWorld:
             ),
             self._teleports,
             self._knowledge.now,
+            Mishaps(
+                self._actuation.routes_restored_of_all,
+                self._off_the_way,
+                tuple(self._given_up),
+                tuple(self._not_taken),
+            ),
         )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -285,11 +300,19 @@ class SumoWorld:
             ego.executed = self._actuation.executed(ego.name)
             off = math.dist(before, (ego.executed.x, ego.executed.y))
             slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
-            ego.intervention = off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
+            astray = self._actuation.astray(ego.name)
+            ego.intervention = astray or off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
+            self._off_the_way += self._actuation.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
+
+    def _give_up(self, ego: DrivenEgo) -> None:
+        """Let SUMO drive an ego that has left its way, from where it was last on it."""
+        self._actuation.release(ego.name)
+        ego.handed_back = ego.given_up = True
+        self._given_up.append(ego.name)
 
     def _seen(self, name: str) -> Executed:
         vehicle = self._sumo.vehicle
@@ -313,10 +336,15 @@ class SumoWorld:
         # In a long step a vehicle may depart and be gone again.
         there = self._present.vehicles
         departed = [name for name in self._sumo.simulation.getDepartedIDList() if name in there]
-        if not departed:
-            return
-        for name in self._sources.choose(self._sumo, departed, self._time):
-            self._take_over(name)
+        chosen = [name for name in self._to_take if name in there]
+        if departed:
+            chosen += self._sources.choose(self._sumo, departed, self._time)
+        self._to_take = []
+        for name in chosen:
+            if is_on_lane(self._sumo, name):
+                self._take_over(name)
+            else:
+                self._to_take.append(name)
 
     def _take_over(self, name: str) -> None:
         vehicle = self._sumo.vehicle
@@ -327,6 +355,9 @@ class SumoWorld:
             try:
                 self._routes[key] = Route(self._network, edges, kind)
             except InputError as error:
+                if self._sources.is_of_share(name):
+                    self._not_taken.append(name)
+                    return
                 raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
         body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         seen = self._seen(name)
