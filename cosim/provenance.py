@@ -101,6 +101,10 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),
         "n_teleports": 0,
+        "n_routes_restored": 0,
+        "n_steps_off_the_way": 0,
+        "egos_given_up": [],
+        "cars_not_taken": [],
         "solvers": {},
         "recording_schema_version": schema_version,
     }

@@ -15,7 +15,7 @@ from analysis import recording
 from controllers.interface import Decision, FloatArray, Neighbour, Perception, Plan
 from cosim.loop import ToWorld
 from cosim.parquet_sink import ParquetSink
-from cosim.world import EgoTruth, MapArea, Sensed, Snapshot
+from cosim.world import EgoTruth, MapArea, Mishaps, Sensed, Snapshot
 
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
@@ -47,6 +47,7 @@ class Recorder:
         self.first_time: float | None = None
         self.last_time: float | None = None
         self.teleports = 0
+        self.mishaps = Mishaps()
         self.ego_names: set[str] = set()
         self.solves: dict[str, dict[str, int]] = {}
         """Programs by solver: how many, and how many of them were left unsolved."""
@@ -81,6 +82,7 @@ class Recorder:
             self.first_time = snapshot.time
         self.last_time = snapshot.time
         self.teleports = snapshot.teleports
+        self.mishaps = snapshot.mishaps
         for ego in snapshot.egos:
             self.ego_names.add(ego.name)
             planned = self._planned_now.get(ego.name)

@@ -101,6 +101,20 @@ class Sensed:
 
 
 @dataclass(frozen=True, slots=True)
+class Mishaps:
+    """What went wrong between a simulator and egos since the start, and was mended or given up."""
+
+    routes_restored: int = 0
+    """How often an ego had another route than its own, and was given it back."""
+    off_the_way: int = 0
+    """Steps in which an ego was so far off its way that the simulator has it elsewhere."""
+    given_up: tuple[str, ...] = ()
+    """Egos handed back to the simulator's driver, because they had left their way for good."""
+    not_taken: tuple[str, ...] = ()
+    """Cars of a share that could not be taken over: nobody can drive their route."""
+
+
+@dataclass(frozen=True, slots=True)
 class Snapshot:
     """The world's truth at one instant; what the judge sees, whatever the egos could sense."""
 
@@ -112,6 +126,7 @@ class Snapshot:
     """Egos teleported by SUMO since the start."""
     sensed: tuple[Sensed, ...] | None = None
     """What egos knew at the beginning of the step, if they planned; ``None`` where they know the truth."""
+    mishaps: Mishaps = Mishaps()
 
 
 @dataclass(frozen=True, slots=True)

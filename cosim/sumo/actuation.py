@@ -66,8 +66,10 @@ class _Ego:
     """Where we believe it to be."""
     speed: float
     """At the beginning of the step [m/s]."""
-    route: tuple[str, ...] = ()
-    """Edges still to drive, as they were before the first of a series of moves."""
+    route: tuple[str, ...]
+    """Edges still to drive, as they were when SUMO's route was last seen to be the ego's own."""
+    route_id: str
+    """SUMO's name of that route; a changed route has another one."""
     moved: bool = False
     """The last step was a move."""
     moves_on: str = ""
@@ -77,6 +79,10 @@ class _Ego:
     asked_speed: float = 0.0
     moves: int = 0
     routes_restored: int = 0
+    astray: bool = False
+    """After the last step SUMO had another route than the ego's own, or the ego on a foreign lane."""
+    strayed: float = 0.0
+    """From where the front bumper is to where it was put, in the last move [m]."""
 
 
 class Actuation:
@@ -109,6 +115,8 @@ class Actuation:
         self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
+        self.routes_restored_of_all = 0
+        """How often a route had to be set again, of all vehicles so far."""
 
     def take_over(self, name: str) -> None:
         """Begin to drive a vehicle that is on the road; SUMO no longer decides anything for it.
@@ -134,6 +142,8 @@ class Actuation:
             else (),
             lane=lane,
             speed=vehicle.getSpeed(name),
+            route=tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :]),
+            route_id=vehicle.getRouteID(name),
         )
         vehicle.setSpeedMode(name, OBEY_SPEED)
         vehicle.setLaneChangeMode(name, OBEY_LANE)
@@ -158,7 +168,8 @@ class Actuation:
             ego.moves_on = ""
         believed = self._lanes.shape(ego.lane)
         # After a move SUMO may have taken a crossing lane for ours; a lane beside ours is a matter of taste.
-        trusted = bool(found) and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
+        trusted = bool(found) and not ego.astray
+        trusted = trusted and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
         here = self._lanes.shape(found) if trusted else believed
         native = trusted and self._method is Method.HYBRID
         if not native or not self._native(name, ego, here, ego.aim, speed):
@@ -168,17 +179,17 @@ class Actuation:
     def executed(self, name: str) -> Executed:
         """Return where SUMO put the vehicle, after the step; repairs what the step broke.
 
-        A route that a move changed is set again, and a position more than `POSITION_TOLERANCE` off makes
-        the next steps moves.
+        A route that is no longer the ego's own is set again, and a position more than `POSITION_TOLERANCE`
+        off makes the next steps moves.
         """
         ego = self._ego(name)
         vehicle = self._connection.vehicle
         x, y = vehicle.getPosition(name)
         lane = vehicle.getLaneID(name)
         if ego.aim is not None:
-            if ego.moved:
-                self._keep_route(name, ego)
-            else:
+            if ego.moved or ego.astray or vehicle.getRouteID(name) != ego.route_id:
+                self._keep_route(name, ego, lane)
+            if not ego.moved:
                 ego.lane = lane or ego.lane
                 if math.dist((x, y), ego.aim) > POSITION_TOLERANCE:
                     ego.moves_on = lane
@@ -200,6 +211,17 @@ class Actuation:
     def routes_restored(self, name: str) -> int:
         """Return how often the rest of the route had to be set again after a move."""
         return self._ego(name).routes_restored
+
+    def astray(self, name: str) -> bool:
+        """Return whether after the last step SUMO had another route or a lane that is none of the ego's way.
+
+        What could be mended at once has been; else the next step is a move that mends it.
+        """
+        return self._ego(name).astray
+
+    def strayed(self, name: str) -> float:
+        """Return how far from the plant [m] the vehicle was put, because SUMO cannot place it there."""
+        return self._ego(name).strayed
 
     def drives(self, name: str) -> bool:
         """Return whether the vehicle is ours at the moment."""
@@ -252,6 +274,7 @@ class Actuation:
         vehicle.setSpeed(name, ego.asked_speed)
         vehicle.changeSublane(name, shift)
         ego.moved = False
+        ego.strayed = 0.0
         return True
 
     def _move(
@@ -266,8 +289,8 @@ class Actuation:
     ) -> None:
         """Put the vehicle there, with the lane that the route says as the hint."""
         vehicle = self._connection.vehicle
-        if not ego.moved:
-            ego.route = tuple(vehicle.getRoute(name)[vehicle.getRouteIndex(name) :])
+        if not ego.moved and not ego.astray:
+            ego.route = self._rest(name)
         lane, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
         ego.asked_speed = speed
         if self._method is Method.HYBRID and trusted:
@@ -275,21 +298,40 @@ class Actuation:
             slowest, fastest = sorted((ego.speed, speed))
             ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
-        vehicle.moveToXY(name, lane.edge, lane.index, *aim, degrees_of(heading), EXACT_POSITION)
+        x, y, angle = self._lanes.placeable(lane, ego.width, *aim, heading)
+        ego.strayed = math.dist((x, y), aim)
+        vehicle.moveToXY(name, lane.edge, lane.index, x, y, degrees_of(angle), EXACT_POSITION)
         ego.lane = lane.name
         ego.moved = True
         ego.moves += 1
 
-    def _keep_route(self, name: str, ego: _Ego) -> None:
-        """Set the rest of the route again if the move changed it."""
+    def _rest(self, name: str) -> tuple[str, ...]:
+        """Return the edges that SUMO has the vehicle still drive, its present one included."""
         vehicle = self._connection.vehicle
-        rest = tuple(vehicle.getRoute(name)[vehicle.getRouteIndex(name) :])
-        if rest and ego.route[-len(rest) :] == rest:
-            ego.route = rest
+        return tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :])
+
+    def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
+        """Compare SUMO's route and lane with the ego's own, and set the rest of the route again if it changed.
+
+        Where SUMO takes no route that leads on from the lane on which it has the ego, the next step puts it
+        back on its way first.
+        """
+        vehicle = self._connection.vehicle
+        rest = self._rest(name)
+        kept = bool(rest) and ego.route[-len(rest) :] == rest
+        ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
+        if kept:
+            if not ego.astray:
+                ego.route, ego.route_id = rest, vehicle.getRouteID(name)
             return
-        lane = vehicle.getLaneID(name)
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
         if lane and fits:  # else again after the next step
             vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            ego.route_id = vehicle.getRouteID(name)
             ego.routes_restored += 1
+            self.routes_restored_of_all += 1
+
+
+def _edge_of(lane: str) -> str:
+    return lane.rpartition("_")[0]

@@ -34,6 +34,8 @@ class DrivenEgo:
     travelled: float = 0.0
     intervention: bool = False
     handed_back: bool = False
+    given_up: bool = False
+    """Handed back for good: it had left its way."""
     frame: Frame | None = None
     """As last sensed."""
 
@@ -82,6 +84,12 @@ def own_limit(sumo: Any, name: str) -> float:
     allowed: float = vehicle.getAllowedSpeed(name)
     on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
     return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
+
+
+def is_on_lane(sumo: Any, name: str) -> bool:
+    """Return whether a vehicle drives: it is neither parked beside its lane, nor waits at a stop for people."""
+    vehicle = sumo.vehicle
+    return bool(vehicle.getLaneID(name)) and not vehicle.isStopped(name)
 
 
 def let_go(sumo: Any, name: str) -> None:

@@ -153,11 +153,15 @@ class EgoSources:
                 if kind in ROADLESS_CLASSES:
                     raise InputError(f'vehicle "{name}" is of class {kind}; an ego has to drive on a road')
                 chosen.append(name)
-            elif self._egos.share and sumo.vehicle.getVehicleClass(name) == PASSENGER:
+            elif self._egos.share and is_private_car(sumo, name):
                 self._cars_seen += 1
                 if time > self._start and drawn(self._seed, name) < self._egos.share:
                     chosen.append(name)
         return chosen
+
+    def is_of_share(self, name: str) -> bool:
+        """Return whether a vehicle became an ego by the share alone, so that another one would do as well."""
+        return name not in self._egos.vehicles and bool(self._egos.share)
 
     def check_seen(self, any_ego: bool, end: float) -> None:
         """Check at the end of a run that everybody came who was expected.
@@ -178,6 +182,14 @@ class EgoSources:
                 f"no ego: {self._cars_seen} passenger cars departed until {end:g} s, of "
                 f"{self._departed_seen} vehicles; expected cars of which {self._egos.share:g} can be egos"
             )
+
+
+def is_private_car(sumo: Any, name: str) -> bool:
+    """Return whether a vehicle is a car on a way of its own, not one that fetches or carries people."""
+    vehicle = sumo.vehicle
+    if vehicle.getVehicleClass(name) != PASSENGER or vehicle.getPersonNumber(name) > 0:
+        return False
+    return bool(vehicle.getParameter(name, "has.taxi.device") != "true")
 
 
 def drawn(seed: int, name: str) -> float:

@@ -19,6 +19,7 @@ from controllers.interface import JunctionFoe
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
+from cosim.sumo.present import forget_absent
 from cosim.sumo.surroundings import Cars
 
 FloatArray = NDArray[np.float64]
@@ -58,7 +59,12 @@ class FoeFinder:
         self._sumo = sumo
         self._network = network
         self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
-        self._ways: dict[str, tuple[str, tuple[tuple[str, float], ...]]] = {}
+        self._ways: dict[str, tuple[tuple[str, str], tuple[tuple[str, float], ...]]] = {}
+        """By vehicle: the lane and the route for which its next ways were found, and these."""
+
+    def begin(self, cars: Cars) -> None:
+        """Begin an instant: forget vehicles that are not near any ego now."""
+        forget_absent(self._ways, cars.names)
 
     def find(
         self,
@@ -99,7 +105,7 @@ class FoeFinder:
         has_priority = lights.letter(own.signal, own.signal_index) == "G"
         found = []
         for row in near:
-            for way, offset in self._ways_of(cars.names[row], cars.lane[row]):
+            for way, offset in self._ways_of(cars.names[row], cars.lane[row], cars.route[row]):
                 for conflict in conflicts.get(way, ()):
                     before = offset - float(cars.lane_position[row])
                     foe_entry = before + conflict.foe_entry
@@ -121,15 +127,15 @@ class FoeFinder:
                     )
         return found
 
-    def _ways_of(self, name: str, lane: str) -> tuple[tuple[str, float], ...]:
+    def _ways_of(self, name: str, lane: str, route: str) -> tuple[tuple[str, float], ...]:
         """Return the ways through junctions that a vehicle on a lane takes next.
 
         Each is named by its last internal lane, and has its distance from the beginning of the present lane;
         negative when the vehicle is on the way's second part.
         """
         known = self._ways.get(name)
-        if known is None or known[0] != lane:
-            known = self._ways[name] = (lane, tuple(self._next_ways(name, lane)))
+        if known is None or known[0] != (lane, route):
+            known = self._ways[name] = ((lane, route), tuple(self._next_ways(name, lane)))
         return known[1]
 
     def _next_ways(self, name: str, lane: str) -> list[tuple[str, float]]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,8 @@ JOG_TURN = math.radians(25.0)
 """Edges in line differ by less than this."""
 JOG_ANGLE = math.radians(8.0)
 """A side step leaves the direction of its edge by more than this."""
+PASSED_AXIS = 6.0
+"""A crossing whose axis ends nearer to the path than this is on the path [m]."""
 DIVERGED = 12.0
 """Lanes further apart than this are not beside each other [m]."""
 
@@ -180,14 +183,20 @@ class LanePath:
     def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
         axis = _lengthened(crossing.axis, 0.5)
         meeting = crossing_point(self.curve.points, axis)
-        if meeting is None:
-            return None
-        station, _, axis_direction = meeting
-        middle = float(self.curve.along[0]) + station
+        if meeting is not None:
+            station, _, axis_direction = meeting
+            middle = float(self.curve.along[0]) + station
+        else:
+            passed = self._passing(crossing.axis)
+            if passed is None:
+                return None
+            middle, axis_direction = passed
         heading = self.curve.heading_at(middle)
         forward = np.array([math.cos(heading), math.sin(heading)])
         leftward = np.array([-forward[1], forward[0]])
-        sine = max(abs(float(forward[0] * axis_direction[1] - forward[1] * axis_direction[0])), 0.3)
+        # Rounding may leave a unit vector a little longer than 1.
+        sine = abs(float(forward[0] * axis_direction[1] - forward[1] * axis_direction[0]))
+        sine = min(max(sine, 0.3), 1.0)
         half = 0.5 * crossing.width / sine
         entry = middle - half
         # An oblique crossing begins earlier for a corner of the car than for its centre line.
@@ -201,6 +210,25 @@ class LanePath:
         return PathCrossing(
             crossing, middle, entry, middle + half, stop_line, origin, heading, sides.min(), sides.max()
         )
+
+
+    def _passing(self, axis: FloatArray) -> tuple[float, FloatArray] | None:
+        """Return where the path passes an axis that it does not meet [m], and the axis' direction there.
+
+        Where SUMO draws a crossing shorter than the road is wide, its people are in the way all the same.
+        """
+        distance, nearest = float("inf"), None
+        for start, end in pairwise(axis):
+            way = end - start
+            length = float(np.hypot(*way))
+            if length == 0.0:
+                continue
+            share = np.clip((self.curve.points - start) @ way / length**2, 0.0, 1.0)
+            away = np.hypot(*(self.curve.points - start - share[:, None] * way).T)
+            number = int(away.argmin())
+            if away[number] < distance:
+                distance, nearest = float(away[number]), (float(self.curve.along[number]), way / length)
+        return nearest if distance <= PASSED_AXIS else None
 
 
 def _lengthened(line: FloatArray, by: float) -> FloatArray:

@@ -9,6 +9,18 @@ from itertools import pairwise
 from typing import Any
 
 
+PAST_END = 1.0
+"""So far before or beyond a lane's ends SUMO takes a vehicle for one of that lane, if it is in the middle [m]."""
+MIDDLE = 0.5
+"""Offset from the lane's centre line up to which that holds [m]."""
+INSIDE_END = 0.01
+"""Vehicles that would be past a lane's ends are put so far inside them [m]."""
+TOUCH = 0.05
+"""A body has to reach so far into its lane [m]."""
+NEXT_EDGES = 8
+"""A vehicle's lane is looked for among so many edges of the rest of its route."""
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
     """A point seen from a lane."""
@@ -78,6 +90,13 @@ class LaneShape:
                 found = Place(self.stations[number] + inside, across)
         return found
 
+    def heading(self, x: float, y: float) -> float:
+        """Return the direction of the shape [rad] where it is nearest to a point [m]."""
+        number = bisect_right(self.stations, self.place(x, y).along) - 1
+        number = min(max(number, 0), len(self.points) - 2)
+        (x0, y0), (x1, y1) = self.points[number], self.points[number + 1]
+        return math.atan2(y1 - y0, x1 - x0)
+
     def point(self, along: float, across: float) -> tuple[float, float]:
         """Return the point [m] that has this place; the inverse of `place` where the lane is straight."""
         number = min(max(bisect_right(self.stations, along) - 1, 0), len(self.points) - 2)
@@ -112,6 +131,7 @@ class Lanes:
         self._links: dict[str, tuple[LaneLink, ...]] = {}
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
+        self._inside: dict[tuple[str, str], frozenset[str]] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -160,6 +180,55 @@ class Lanes:
                     left += other.width
             sides = self._paved[key] = right, left
         return 0.5 * width - sides[0] <= across <= sides[1] - 0.5 * width
+
+    def on_way(self, edge: str, route: tuple[str, ...]) -> bool:
+        """Return whether an edge, perhaps one inside a junction, belongs to the next edges of a route."""
+        if not edge.startswith(":"):
+            return edge in route
+        return any(edge in self.inside(*pair) for pair in pairwise(route[:NEXT_EDGES]))
+
+    def inside(self, edge: str, onward: str) -> frozenset[str]:
+        """Return the edges inside the junction on the ways from one edge to the next."""
+        key = (edge, onward)
+        found = self._inside.get(key)
+        if found is None:
+            ways: set[str] = set()
+            for index in range(self._connection.edge.getLaneNumber(edge)):
+                for link in self.links(f"{edge}_{index}"):
+                    via = link.via if _edge(link.lane) == onward else ""
+                    while via and _edge(via) not in ways:
+                        ways.add(_edge(via))
+                        via = next((on.via for on in self.links(via)), "")
+            found = self._inside[key] = frozenset(ways)
+        return found
+
+    def placeable(
+        self, lane: LaneShape, width: float, x: float, y: float, heading: float
+    ) -> tuple[float, float, float]:
+        """Return the pose nearest to the given one at which SUMO keeps a vehicle on a lane.
+
+        A vehicle whose body does not reach into its lane is on none for SUMO. One just before or beyond its
+        lane's ends, as in the wedge outside a bend, is taken for a vehicle of some lane that fits better and
+        loses its route: there SUMO disregards the lane that it is told.
+
+        Parameters
+        ----------
+        lane : that the vehicle is to be on
+        width : of the vehicle [m]
+        x, y : centre of the front bumper [m]
+        heading : of the vehicle [rad]
+        """
+        if lane.shape_length == 0.0:
+            return x, y, heading
+        place = lane.place(x, y)
+        aside = 0.5 * (lane.width + width) - TOUCH
+        past = max(-place.along, place.along - lane.shape_length)
+        if (past <= 0.0 and abs(place.across) <= aside) or (past <= PAST_END and abs(place.across) <= MIDDLE):
+            return x, y, heading
+        inside = min(INSIDE_END, 0.5 * lane.shape_length)
+        along = min(max(place.along, inside), lane.shape_length - inside)
+        x, y = lane.point(along, min(max(place.across, -aside), aside))
+        return x, y, lane.heading(x, y) if past > PAST_END else heading
 
     def counted(
         self, lane: LaneShape, place: Place, vehicle_class: str, x: float, y: float

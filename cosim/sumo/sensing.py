@@ -53,6 +53,7 @@ class Perceiver:
             ego.frame = frame
         near = NearEgos([ego.name for ego in egos], frames, known)
         lights = Lights(self._sumo)
+        self._foes.begin(known.cars)
         crossings = [frame.crossings() for frame in frames]
         roads: list[RoadAhead] = []
         lines: list[dict[int, LaneLine]] = []

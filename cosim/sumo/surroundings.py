@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from controllers.interface import PedestrianPhase
 from cosim.frames import heading_of
 from cosim.sumo.network import Network
+from cosim.sumo.present import Present, forget_absent
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -59,6 +60,8 @@ class Cars:
     lane: tuple[str, ...]
     lane_position: FloatArray
     kind: tuple[str, ...]
+    route: tuple[str, ...]
+    """Id of the route; SUMO gives another one to a vehicle whose route changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,13 +127,16 @@ class Observer:
         ):
             sumo.vehicle.unsubscribeContext(ego, sumo_constant(sumo, name), reach)
 
-    def read(self, egos: Sequence[str], known: Mapping[str, KnownState]) -> Surroundings:
+    def read(
+        self, egos: Sequence[str], known: Mapping[str, KnownState], present: Present
+    ) -> Surroundings:
         """Return what is near these egos after the last step.
 
         Parameters
         ----------
         egos : names
         known : states to be believed instead of SUMO's, by name
+        present : who is there; others that SUMO still names do not exist
         """
         sumo = self._sumo
         two, three, rider = self._person_keys[0], self._car_keys[0], self._rider_key
@@ -145,14 +151,14 @@ class Observer:
             near_cars: list[int] = []
             for name, values in sumo.vehicle.getContextSubscriptionResults(ego).items():
                 place = values.get(two)
-                if place is not None and not values[rider] and abs(place[0]) < INVALID:
+                if place is not None and _there(place) and name in present.persons and not values[rider]:
                     row = person_rows.get(name)
                     if row is None:
                         row = person_rows[name] = len(found_persons)
                         found_persons.append(values)
                     near_persons.append(row)
                 place = values.get(three)
-                if place is not None and abs(place[0]) < INVALID:
+                if place is not None and _there(place) and name in present.vehicles:
                     row = car_rows.get(name)
                     if row is None:
                         row = car_rows[name] = len(found_cars)
@@ -161,6 +167,8 @@ class Observer:
                         near_cars.append(row)
             persons_near[ego] = np.array(near_persons, dtype=np.int64)
             cars_near[ego] = np.array(near_cars, dtype=np.int64)
+        forget_absent(self._person_kinds, present.persons)
+        forget_absent(self._car_types, present.vehicles)
         return Surroundings(
             self._persons(tuple(person_rows), found_persons),
             self._cars(tuple(car_rows), found_cars, known),
@@ -218,7 +226,7 @@ class Observer:
         self, names: tuple[str, ...], found: Sequence[Mapping[int, Any]], known: Mapping[str, KnownState]
     ) -> Cars:
         vehicle, types = self._sumo.vehicle, self._car_types
-        at, speed, angle, acceleration, lane, lane_position = self._car_keys
+        at, speed, angle, acceleration, lane, lane_position, route = self._car_keys
         for name in names:
             if name not in types:
                 size = (vehicle.getLength(name), vehicle.getWidth(name))
@@ -255,7 +263,13 @@ class Observer:
             tuple(values[lane] for values in found),
             table[:, 5],
             tuple(size[2] for size in sizes),
+            tuple(values[route] for values in found),
         )
+
+
+def _there(place: Sequence[float]) -> bool:
+    """Return whether a position is one; SUMO's of somebody who is nowhere is far away, or no number."""
+    return abs(place[0]) < INVALID and abs(place[1]) < INVALID
 
 
 _NOWHERE = (math.nan, math.nan)
@@ -272,6 +286,7 @@ _CAR_VARIABLES = (
     "VAR_ACCELERATION",
     "VAR_LANE_ID",
     "VAR_LANEPOSITION",
+    "VAR_ROUTE_ID",
 )
 
 

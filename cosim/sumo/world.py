@@ -16,18 +16,19 @@ from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.connection import start
-from cosim.sumo.driven_ego import DrivenEgo, let_go, own_limit
+from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
+from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
-from cosim.world import MapArea, PersonsTruth, Snapshot, VehiclesTruth
+from cosim.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 
@@ -39,6 +40,8 @@ POSITION_TOLERANCE = 0.02
 """SUMO differs from the plant by an intervention when it is further off than this [m]."""
 SPEED_TOLERANCE = 0.1
 """The same for speeds [m/s]."""
+GIVEN_UP = 15.0
+"""An ego further than this from where SUMO can have it on its way is handed back [m]."""
 
 
 class SumoWorld:
@@ -78,6 +81,12 @@ class SumoWorld:
         self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
+        self._off_the_way = 0
+        self._given_up: list[str] = []
+        self._not_taken: list[str] = []
+        self._to_take: list[str] = []
+        """Chosen as egos, but not on a lane yet."""
+        self._present = Present()
         self._any_ego = False
         self._warm = False
         self._connection = start(prepared.options, gui)
@@ -96,7 +105,7 @@ class SumoWorld:
             self._perceiver = Perceiver(
                 self._sumo, self._network, self._plan_every * self.step, self._knowledge.eyesight
             )
-            self._surroundings: Surroundings = self._observer.read((), {})
+            self._surroundings: Surroundings = self._observer.read((), {}, Present())
         except BaseException:
             self._connection.close()
             raise
@@ -122,7 +131,7 @@ class SumoWorld:
         """Set what the ego tries to do from now on."""
         ego = self._egos[name]
         ego.command, ego.elapsed = command, 0.0
-        if command.hand_back == ego.handed_back:
+        if ego.given_up or command.hand_back == ego.handed_back:
             return
         with self._connection.reporting(f"changing the driver of {name} at {self._time:.2f} s"):
             if command.hand_back:
@@ -143,6 +152,8 @@ class SumoWorld:
                     plant.follow(ego.command, ego.elapsed, self.step)
                     self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed)
                     self._connection.pending = True
+                    if not self._actuation.strayed(ego.name) <= GIVEN_UP:
+                        self._give_up(ego)
                 ego.elapsed += self.step
             self._step()
             self._drop_gone()
@@ -185,6 +196,12 @@ class SumoWorld:
             ),
             self._teleports,
             self._knowledge.now,
+            Mishaps(
+                self._actuation.routes_restored_of_all,
+                self._off_the_way,
+                tuple(self._given_up),
+                tuple(self._not_taken),
+            ),
         )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -240,6 +257,7 @@ class SumoWorld:
         self._sumo.simulationStep()
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()
+        self._present = everybody_present(self._sumo)
 
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
@@ -249,16 +267,15 @@ class SumoWorld:
         return self._sources.ends or self._sumo.simulation.getMinExpectedNumber() == 0
 
     def _drop_gone(self) -> None:
-        """Forget egos that SUMO has taken off the road."""
+        """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""
         if not self._egos:
             return
-        simulation = self._sumo.simulation
-        arrived = set(simulation.getArrivedIDList())
-        teleporting = set(simulation.getStartingTeleportIDList())
-        for name in [name for name in self._egos if name in arrived or name in teleporting]:
+        teleporting = set(self._sumo.simulation.getStartingTeleportIDList())
+        there = self._present.vehicles
+        for name in [name for name in self._egos if name not in there or name in teleporting]:
             if name in teleporting or not self._egos[name].track.on_last_edge:
                 self._teleports += 1
-            if name not in arrived:
+            if name in teleporting:
                 self._remove(name)
             self._forget(name)
 
@@ -283,11 +300,19 @@ class SumoWorld:
             ego.executed = self._actuation.executed(ego.name)
             off = math.dist(before, (ego.executed.x, ego.executed.y))
             slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
-            ego.intervention = off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
+            astray = self._actuation.astray(ego.name)
+            ego.intervention = astray or off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
+            self._off_the_way += self._actuation.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
+
+    def _give_up(self, ego: DrivenEgo) -> None:
+        """Let SUMO drive an ego that has left its way, from where it was last on it."""
+        self._actuation.release(ego.name)
+        ego.handed_back = ego.given_up = True
+        self._given_up.append(ego.name)
 
     def _seen(self, name: str) -> Executed:
         vehicle = self._sumo.vehicle
@@ -304,14 +329,22 @@ class SumoWorld:
         # A step with a subscription around a vehicle that has been removed fails.
         self._observer.leave(name)
         self._sumo.vehicle.remove(name)
+        self._present = self._present._replace(vehicles=self._present.vehicles - {name})
         self._connection.pending = True
 
     def _take_over_departed(self) -> None:
-        departed = self._sumo.simulation.getDepartedIDList()
-        if not departed:
-            return
-        for name in self._sources.choose(self._sumo, departed, self._time):
-            self._take_over(name)
+        # In a long step a vehicle may depart and be gone again.
+        there = self._present.vehicles
+        departed = [name for name in self._sumo.simulation.getDepartedIDList() if name in there]
+        chosen = [name for name in self._to_take if name in there]
+        if departed:
+            chosen += self._sources.choose(self._sumo, departed, self._time)
+        self._to_take = []
+        for name in chosen:
+            if is_on_lane(self._sumo, name):
+                self._take_over(name)
+            else:
+                self._to_take.append(name)
 
     def _take_over(self, name: str) -> None:
         vehicle = self._sumo.vehicle
@@ -322,6 +355,9 @@ class SumoWorld:
             try:
                 self._routes[key] = Route(self._network, edges, kind)
             except InputError as error:
+                if self._sources.is_of_share(name):
+                    self._not_taken.append(name)
+                    return
                 raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
         body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         seen = self._seen(name)
@@ -342,7 +378,7 @@ class SumoWorld:
             ego.name: KnownState(*ego.front, ego.plant.heading, ego.plant.speed, ego.plant.acceleration)
             for ego in self._egos.values()
         }
-        surroundings = self._observer.read(tuple(self._egos), known)
+        surroundings = self._observer.read(tuple(self._egos), known, self._present)
         places = {name: ego.front for name, ego in self._egos.items()}
         self._surroundings = self._scripted.among(surroundings, places, self._time)
 

@@ -1,6 +1,7 @@
 """Routes, and the paths along their lanes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,3 +121,38 @@ def test_every_connected_pair_of_the_measured_intersection_has_paths(braunschwei
                 assert crossing.stop_line < crossing.entry < crossing.exit
                 assert crossing.right < 0.6
                 assert crossing.left > -0.6
+
+
+@pytest.mark.parametrize("short_of_the_lane", [0.0, 1.0, 3.0])
+def test_a_crossing_drawn_too_short_for_the_lane_is_on_its_path_all_the_same(
+    town: Network, short_of_the_lane: float
+) -> None:
+    path = Route(town, ["am", "mj", "jb"], "passenger").path(0, 1)
+    zebra = town.crossings[":m_c0"]
+    whole = path.crossings[0]
+    left = path.curve.at(np.array([whole.middle]), np.array([whole.left]))[0]
+    beside = path.curve.at(np.array([whole.middle]), np.array([short_of_the_lane]))[0]
+    path.meet([replace(zebra, axis=np.array([left, beside]))], [])
+    (found,) = path.crossings
+    assert found.middle == pytest.approx(whole.middle, abs=0.6)
+    assert found.right == pytest.approx(short_of_the_lane, abs=0.1)
+
+
+def test_a_crossing_beside_the_road_is_not_on_its_path(town: Network) -> None:
+    path = Route(town, ["am", "mj", "jb"], "passenger").path(0, 1)
+    whole = path.crossings[0]
+    axis = path.curve.at(np.array([whole.middle] * 2), np.array([12.0, 8.0]))
+    path.meet([replace(town.crossings[":m_c0"], axis=axis)], [])
+    assert path.crossings == ()
+
+
+def test_a_crossing_square_to_the_path_is_met_whatever_rounding_does(town: Network) -> None:
+    # The sine of a right angle comes out a little above 1 for some directions.
+    path = Route(town, ["am", "mj", "jb"], "passenger").path(0, 1)
+    at = path.crossings[0].middle
+    heading = path.curve.heading_at(at)
+    here = path.curve.at(np.array([at]), np.zeros(1))[0]
+    for turn in np.linspace(-1e-7, 1e-7, 400).tolist():
+        across = 6.0 * np.array([-math.sin(heading + turn), math.cos(heading + turn)])
+        path.meet([replace(town.crossings[":m_c0"], axis=np.array([here - across, here + across]))], [])
+        assert len(path.crossings) == 1

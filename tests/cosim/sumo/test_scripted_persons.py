@@ -15,6 +15,7 @@ from cosim.conformance.stage import separation
 from cosim.errors import InputError
 from cosim.frames import heading_of
 from cosim.sumo.network import read_network
+from cosim.sumo.present import everybody_present
 from cosim.sumo.scripted_persons import ScriptedPersons
 from cosim.sumo.surroundings import Observer
 from cosim.sumo.yielding import stopping_speed
@@ -233,7 +234,7 @@ def test_observers_and_scripted_persons_agree_on_the_types_of_their_arrays(scene
     observer = Observer(libsumo, scene.scripted._network, STEP)
     observer.follow("car")
     libsumo.simulationStep()
-    known = observer.read(("car",), {})
+    known = observer.read(("car",), {}, everybody_present(libsumo))
     merged = scene.scripted.among(known, {"car": (20.0, 195.2)}, 1.0)
     assert merged.persons.names == ("walker",)
     assert merged.persons_near["car"].tolist() == [0]
