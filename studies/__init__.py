@@ -1,0 +1,1 @@
+"""Published studies: files that ``cosim batch`` reads, and the Python that makes their pages; not installed."""
