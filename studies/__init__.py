@@ -1,1 +1,1 @@
-"""Published studies: files that ``cosim batch`` reads, and the Python that makes their pages; not installed."""
+"""Published studies: files for ``cosim batch``, and the Python that makes their pages; not installed."""

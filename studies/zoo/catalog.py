@@ -34,6 +34,8 @@ class Plan:
     """Simulated time of a run [s]."""
     runs: int = 2
     """Runs of each controller on each network, with seeds of their own."""
+    ego_share: float = EGO_SHARE
+    """Share of the passenger cars that a controller drives."""
     controllers: tuple[str, ...] = CONTROLLERS
 
     @property

@@ -1,4 +1,4 @@
-"""Networks inside installed packages: SUMO's games and RiLSA examples, and those of ``sumo-rl`` where it is."""
+"""Networks inside installed packages: SUMO's games and RiLSA examples, and those of ``sumo-rl``."""
 
 from __future__ import annotations
 

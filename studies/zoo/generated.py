@@ -16,7 +16,9 @@ Options = list[object]
 Draw = Callable[[random.Random], Options]
 
 
-def grid(junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2), length: tuple[int, int] = (90, 190)) -> Draw:
+def grid(
+    junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2), length: tuple[int, int] = (90, 190)
+) -> Draw:
     """Return how the options of a grid are drawn.
 
     Parameters

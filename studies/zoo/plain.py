@@ -20,7 +20,13 @@ RING_SPEED_MPS = 8.3
 STREET_SPEED_MPS = 13.89
 """netconvert guesses crossings at streets no faster than this [m/s]."""
 WIZARD = (
-    *("--geometry.remove", "--junctions.join", "--ramps.guess", "--tls.guess-signals", "--tls.discard-simple"),
+    *(
+        "--geometry.remove",
+        "--junctions.join",
+        "--ramps.guess",
+        "--tls.guess-signals",
+        "--tls.discard-simple",
+    ),
     *("--tls.join", "--tls.default-type", "actuated", "--crossings.guess", "--sidewalks.guess"),
 )
 """What osmWebWizard hands to ``netconvert``, apart from what needs OpenStreetMap's tags."""
@@ -57,7 +63,9 @@ def _roundabouts(folder: Path, rng: random.Random) -> None:
                 following = (number + 1) % 4
                 shape = _arc(centre, radius, number * math.pi / 2)
                 ring = f'speed="{RING_SPEED_MPS}" numLanes="1" priority="9" shape="{shape}"'
-                edges.append(_edge(f"ring{place}.{number}", f"{place}.{number}", f"{place}.{following}", ring))
+                edges.append(
+                    _edge(f"ring{place}.{number}", f"{place}.{number}", f"{place}.{following}", ring)
+                )
                 there = (column + arm[0], row + arm[1])
                 if 0 <= there[0] <= 1 and 0 <= there[1] <= 1:
                     other = f"{there[0]:.0f}{there[1]:.0f}.{(number + 2) % 4}"

@@ -1,4 +1,4 @@
-"""A town of the zoo: its network, its demand and its configuration, in a folder; the same for the same seed."""
+"""A town of the zoo: network, demand and configuration in a folder, the same for the same seed."""
 
 from __future__ import annotations
 
@@ -64,7 +64,15 @@ def _demand(folder: Path, demand: Demand, duration_s: float, rng: random.Random)
     routes = [CARS]
     if 'function="crossing"' in (folder / NET).read_text("utf-8"):
         period = ("--period", round(demand.person_period_s / times, 2), "--seed", seed + 1)
-        people = ("randomTrips.py", *common[:4], *period, "--pedestrians", *demand.person_options, "-o", PEOPLE)
+        people = (
+            "randomTrips.py",
+            *common[:4],
+            *period,
+            "--pedestrians",
+            *demand.person_options,
+            "-o",
+            PEOPLE,
+        )
         call(*people, folder=folder)
         routes.append(PEOPLE)
     for path in folder.glob("*.rou.alt.xml"):
