@@ -52,7 +52,7 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
     teleported = [run for run in runs if run.of_sumo]
     sudden = [contact for contact in contacts if APPEARED in contact.kind]
     rest = [contact.impact_kmh or 0.0 for contact in contacts if APPEARED not in contact.kind]
-    ran = bool(judged.valid)
+    ran, met = bool(judged.valid), bool(entered or contacts)
     return [
         Bar("every run ends, is analysed and reported", f"{len(lost)} of {len(runs)} failed", not lost),
         Bar(
@@ -73,19 +73,19 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
         Bar(
             "0 preventable contacts",
             f"{judged.preventable} of {len(contacts)}",
-            _zero(judged.preventable, ran),
+            _zero(judged.preventable, met),
         ),
         _against_sumo(runs),
         _against_rival(runs),
         Bar(
             "impact speed at most 5 km/h, but for people who appeared out of nothing",
             f"largest {max(rest):.1f} km/h" if rest else "no such contact",
-            max(rest, default=0.0) <= 5.0 if ran else None,
+            max(rest, default=0.0) <= 5.0 if met else None,
         ),
         Bar(
             "contacts with people who appeared out of nothing: at most 1 in 200 encounters",
             f"{len(sudden)} in {entered:,}",
-            200 * len(sudden) <= entered if ran else None,
+            200 * len(sudden) <= entered if met else None,
         ),
         _none(
             "0 overlaps with vehicles that the ego closed", judged.total("n_vehicle_overlaps_ego_closed"), ran
@@ -111,7 +111,7 @@ def _against_sumo(runs: Sequence[Run]) -> Bar:
     return Bar(
         "contacts at most a fifth of those of SUMO's driver, same runs",
         f"{count} against {other}",
-        5 * count <= other if mine.valid else None,
+        5 * count <= other if mine.entered or count else None,
     )
 
 
@@ -121,7 +121,7 @@ def _against_rival(runs: Sequence[Run]) -> Bar:
     return Bar(
         f"fewer contacts than {RIVAL}, same runs",
         f"{count} against {other}",
-        (count < other or other == 0 == count) if mine.valid else None,
+        (count < other or other == 0 == count) if mine.entered or count else None,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ from studies.zoo.catalog import EGO_SHARE, Plan
 from studies.zoo.driving import RESULTS, STATE, seeds_of
 from studies.zoo.recipe import Recipe
 
+_WORK = re.compile(rf"{RESULTS}/\.work/[^\s:]*/run/?")
+"""Folder of a run in flight, which is gone when its reason is read."""
 DEFAULT_DURATION_S = Plan(0).duration_s
 
 
@@ -107,7 +110,7 @@ def _run(recipe: Recipe, plan: Plan, controller: str, seed: int, reason: str, pl
         network=recipe.name,
         controller=controller,
         seed=seed,
-        reason=row["invalid_reason"] or "not valid" if of_sumo else reason,
+        reason=row["invalid_reason"] or "not valid" if of_sumo else _WORK.sub("", reason),
         of_sumo=of_sumo,
         command=command(recipe, plan, controller, seed),
         numbers={name: value for name, cell in row.items() if (value := _number(cell)) is not None},
