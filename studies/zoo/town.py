@@ -75,8 +75,8 @@ def _demand(folder: Path, demand: Demand, duration_s: float, rng: random.Random)
         )
         call(*people, folder=folder)
         routes.append(PEOPLE)
-    for path in folder.glob("*.rou.alt.xml"):
-        path.unlink()
+    for path in (*folder.glob("*.rou.alt.xml"), folder / "routes.rou.xml"):  # routing left them
+        path.unlink(missing_ok=True)
     for name in routes:
         if not (folder / name).exists():
             raise ZooError(f"randomTrips.py wrote no {name}")
