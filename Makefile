@@ -5,6 +5,7 @@
 # make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
 # make study-solvers   the same drives with five solvers
+# make zoo  networks that nobody tuned for, hours; SEED=7: fresh ones; QUICK=1: a few of them, minutes
 # make screenshots     the pictures of a report and of a replay in docs/images
 # make docs            the documentation as a site: build/site/index.html
 
@@ -19,7 +20,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols screenshots docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo screenshots docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -50,6 +51,10 @@ $(VENV)/installed-docs: $(VENV)/installed
 
 $(VENV)/installed-bench: $(VENV)/installed
 	$(PIP) install --quiet -c constraints.txt -e '.[bench]'
+	@touch $@
+
+$(VENV)/installed-zoo: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[zoo]'
 	@touch $@
 
 install: $(VENV)/installed
@@ -105,6 +110,11 @@ study-solvers: $(VENV)/installed-bench
 protocols: $(VENV)/installed-papers
 	$(BIN)/python -m cosim.suites all --controller all --out runs/protocols --jobs $(JOBS) || test $$? -eq 1
 	$(BIN)/python -m cosim.suites.page runs/protocols docs/protocols.md
+
+# Goes on where it was interrupted. The whole zoo of a seed writes docs/zoo.md, a quick one only its folder.
+SEED ?= 1
+zoo: $(VENV)/installed-zoo
+	$(BIN)/python -m studies.zoo all $(SEED) --jobs $(JOBS) $(if $(QUICK),--quick,--page docs/zoo.md) $(if $(OUT),--out $(OUT))
 
 screenshots: $(VENV)/installed-dev
 	rm -rf runs/screenshots

@@ -38,7 +38,7 @@ from tests.documentation import command_blocks
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = [
     path
-    for name in ("cosim", "controllers", "analysis", "sumo_scenarios")
+    for name in ("cosim", "controllers", "analysis", "sumo_scenarios", "studies")
     for path in (ROOT / name).rglob("*.py")
 ]
 PAGES = ("CHANGELOG.md", *command_blocks.pages())

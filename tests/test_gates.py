@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios")
+PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios", "studies")
 
 # File to write, and the contract of pyproject.toml that it breaks.
 VIOLATIONS = {
     "nobody knows cosim": ("controllers/intruder.py", "import cosim.errors\n"),
+    "nobody imports a study": ("analysis/intruder.py", "import studies.zoo\n"),
     "only cosim.sumo talks to SUMO": ("cosim/intruder.py", "import libsumo\n"),
     "load no SUMO": ("cosim/world.py", "import traci\n"),
     "name the SUMO world": ("cosim/second_intruder.py", "import cosim.sumo.first\n"),
@@ -65,8 +66,10 @@ def skeleton(folder: Path) -> Path:
         path.write_text("")
         for parent in path.relative_to(folder).parents[:-1]:
             (folder / parent / "__init__.py").touch()
-    (folder / "sumo_scenarios").mkdir()
-    (folder / "sumo_scenarios/__init__.py").touch()
+    for name in ("sumo_scenarios", "studies/zoo"):
+        (folder / name).mkdir(parents=True)
+        (folder / name / "__init__.py").touch()
+    (folder / "studies/__init__.py").touch()
     return folder
 
 

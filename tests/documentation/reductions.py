@@ -63,6 +63,7 @@ MADE: Mapping[str, Sequence[str]] = {
     ),
     "docs/batches.md": ("results/study/runs.csv", "results/study/study.toml"),
     "docs/ci.md": ("check/junit.xml", "junit.xml", "checks/today/criteria.csv", "summary.md"),
+    "docs/first-network.md": ("results/vo_mpc/runs.csv", "report/report.html"),
     "docs/inspect.md": ("town.png", "scenarios/town/scenario.toml"),
     "docs/own-controller.md": ("runs/midblock_zebra-patient-1-1/report.html", "checks/patient"),
     "docs/own-network.md": ("town.png", "results/town/report.html"),

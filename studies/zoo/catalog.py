@@ -1,0 +1,68 @@
+"""Every network of the zoo, by name, and how much each is driven."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from studies.zoo import collected, generated, plain
+from studies.zoo.programs import ZooError
+from studies.zoo.recipe import Recipe
+
+CONTROLLERS = ("vo_mpc", "aeb", "sumo")
+EGO_SHARE = 0.2
+QUICK = (
+    "grid-signals",
+    "grid-right-first",
+    "grid-left-hand",
+    "random-short",
+    "spider-priority",
+    "roundabouts",
+    "refuges",
+    "rilsa1",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How much of the zoo is driven."""
+
+    seed: int
+    """Decides networks and demand."""
+    duration_s: float = 300.0
+    """Simulated time of a run [s]."""
+    runs: int = 2
+    """Runs of each controller on each network, with seeds of their own."""
+    ego_share: float = EGO_SHARE
+    """Share of the passenger cars that a controller drives."""
+    controllers: tuple[str, ...] = CONTROLLERS
+
+    @property
+    def run_seeds(self) -> list[int]:
+        """Return the seeds of the runs, other ones for each seed of the zoo."""
+        rng = random.Random(f"{self.seed}-runs")
+        return sorted(rng.sample(range(1, 10**6), self.runs))
+
+
+def all_recipes() -> tuple[list[Recipe], list[str]]:
+    """Return every network that can be made here, and one line for each source that is not there."""
+    found, missing = collected.recipes()
+    return [*generated.recipes(), *plain.recipes(), *found, *collected.as_they_are()], missing
+
+
+def chosen(names: Sequence[str]) -> list[Recipe]:
+    """Return the networks of these names.
+
+    Raises
+    ------
+    ZooError
+        For a name that does not exist.
+    """
+    recipes, missing = all_recipes()
+    by_name = {recipe.name: recipe for recipe in recipes}
+    for name in names:
+        if name not in by_name:
+            exist = ", ".join(by_name)
+            raise ZooError(f"no network {name!r}; there are {exist}{''.join(f'; {one}' for one in missing)}")
+    return [by_name[name] for name in names]

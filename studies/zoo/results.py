@@ -1,0 +1,155 @@
+"""Reads what became of every run of the zoo."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from studies.zoo.catalog import EGO_SHARE, Plan
+from studies.zoo.driving import RESULTS, STATE, seeds_of
+from studies.zoo.recipe import Recipe
+
+_WORK = re.compile(rf"{RESULTS}/\.work/[^\s:]*/run/?")
+"""Folder of a run in flight, which is gone when its reason is read."""
+DEFAULT_DURATION_S = Plan(0).duration_s
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """One encounter in which an ego and a pedestrian touched."""
+
+    ego: str
+    person: str
+    time_s: float | None
+    impact_kmh: float | None
+    """``None`` where the ego stood."""
+    preventable: bool
+    """Whether the careful driver would have avoided it; undefined counts as preventable."""
+    place: str = ""
+    """Empty where the analysis does not say."""
+    moved_by: str = ""
+    kind: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One run that was asked for."""
+
+    network: str
+    controller: str
+    seed: int
+    reason: str
+    """Why it is not valid; empty where it is."""
+    of_sumo: bool
+    """Whether it ended, but SUMO teleported an ego."""
+    command: str
+    """Makes the same run by itself."""
+    numbers: Mapping[str, float]
+    """Its row of ``runs.csv``; empty where there is none."""
+    contacts: tuple[Contact, ...]
+    """With a moving ego; those of a run that failed later are among them."""
+
+    @property
+    def valid(self) -> bool:
+        """Whether it went to its end without a fault."""
+        return not self.reason
+
+    def number(self, name: str) -> float:
+        """Return a column of ``runs.csv``, 0 where it is empty."""
+        return self.numbers.get(name, 0.0)
+
+
+def read(recipe: Recipe, plan: Plan, folder: Path) -> list[Run]:
+    """Return every run that a network was to have, made or not.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    plan : Plan
+    folder : Path
+        Of this network.
+    """
+    results = folder / RESULTS
+    made = {
+        _key(json.loads((one / "job.json").read_text("utf-8"))): one for one in _folders(results / "runs")
+    }
+    failures: dict[tuple[str, int], tuple[str, Path]] = {}
+    for one in _folders(results / "failed"):
+        failure = json.loads((one / "failure.json").read_text("utf-8"))
+        failures[_key(failure)] = (str(failure["reason"]), one / "run")
+    state = json.loads((folder / STATE).read_text("utf-8")) if (folder / STATE).exists() else {}
+    otherwise = str(state.get("said") or "not run")
+    runs = []
+    for controller in plan.controllers:
+        for seed in seeds_of(recipe, plan):
+            key = (controller, seed)
+            reason, place = ("", made[key]) if key in made else failures.get(key, (otherwise, None))
+            runs.append(_run(recipe, plan, controller, seed, reason, place))
+    return runs
+
+
+def command(recipe: Recipe, plan: Plan, controller: str, seed: int) -> str:
+    """Return the command that makes a network and one run on it."""
+    words = f"python -m studies.zoo one {plan.seed} {recipe.name} --controller {controller} --run-seed {seed}"
+    if plan.duration_s != DEFAULT_DURATION_S:
+        words += f" --duration-s {plan.duration_s:g}"
+    if plan.ego_share != EGO_SHARE:
+        words += f" --ego-share {plan.ego_share:g}"
+    return words
+
+
+def _run(recipe: Recipe, plan: Plan, controller: str, seed: int, reason: str, place: Path | None) -> Run:
+    rows = _rows(place / "runs.csv") if place is not None else []
+    row = rows[0] if rows else {}
+    of_sumo = not reason and row.get("valid") == "0"
+    return Run(
+        network=recipe.name,
+        controller=controller,
+        seed=seed,
+        reason=row["invalid_reason"] or "not valid" if of_sumo else _WORK.sub("", reason),
+        of_sumo=of_sumo,
+        command=command(recipe, plan, controller, seed),
+        numbers={name: value for name, cell in row.items() if (value := _number(cell)) is not None},
+        contacts=tuple(_contacts(place / "encounters.csv")) if place is not None else (),
+    )
+
+
+def _contacts(path: Path) -> Iterator[Contact]:
+    for row in _rows(path):
+        if row["collision"] == "1":
+            yield Contact(
+                ego=row["ego_id"],
+                person=row["ped_id"],
+                time_s=_number(row["t_collision_s"]),
+                impact_kmh=_number(row["impact_speed_kmh"]),
+                preventable=row["preventable_r157"] != "0",
+                place=row.get("contact_place", ""),
+                moved_by=row.get("contact_moved_by", ""),
+                kind=row.get("contact_class", ""),
+            )
+
+
+def _folders(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+
+
+def _key(note: Mapping[str, object]) -> tuple[str, int]:
+    return str(note["controller"]), int(str(note["seed"]))
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
