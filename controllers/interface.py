@@ -110,6 +110,10 @@ class Pedestrians:
     """True for those whose next edge is that crossing (phase WAITING)."""
     uncertainty: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Standard deviation of the position along either axis [m]; not given: zeros, the truth is known."""
+    position: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    """In the world, (n, 2) [m]; without any the places along the route are all that is known."""
+    velocity: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    """In the world, (n, 2) [m/s]."""
 
     def __post_init__(self) -> None:
         """Fill in what is not given."""

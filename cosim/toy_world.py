@@ -387,6 +387,8 @@ class ToyWorld:
             on[told] >= 0,
             np.zeros(len(told), dtype=bool),
             uncertainty[told],
+            c[:2, told].T,
+            c[2:4, told].T,
         )
 
     def _scene(self, names: tuple[str, ...], motion: FloatArray, radius: FloatArray) -> Scene:

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray, Perception, RoadAhead
+from controllers.driving.plane import to_plane
+from controllers.interface import FloatArray, Perception
 
 RADIUS = 0.25
 """Of a hidden pedestrian [m]."""
@@ -194,28 +195,6 @@ def shadows(perception: Perception, band: tuple[float, float]) -> Shadows | None
     outward = side[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
     edge = np.where(side < 0.0, -band[0], band[1])
     return Shadows(_corners(perception, rows), side, along, foot, outward, edge)
-
-
-def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return places (n, 2) of the route frame in the plane [m], and the centre line's heading there [rad].
-
-    The plane's origin and axes are those of the route frame at the rear axle; before it the road is straight.
-    """
-    if not len(road.curvature):
-        return np.column_stack((along, across)), np.zeros(len(along))
-    step = road.curvature_step
-    heading = np.concatenate(([0.0], np.cumsum(road.curvature) * step))
-    middle = heading[:-1] + 0.5 * road.curvature * step
-    x = np.concatenate(([0.0], np.cumsum(np.cos(middle)) * step))
-    y = np.concatenate(([0.0], np.cumsum(np.sin(middle)) * step))
-    at = np.clip((along / step).astype(np.int64), 0, len(x) - 1)
-    beyond = along - at * step
-    bend = road.curvature[np.minimum(at, len(road.curvature) - 1)]
-    turned = heading[at] + np.where((along > 0.0) & (at < len(x) - 1), beyond * bend, 0.0)
-    course = 0.5 * (heading[at] + turned)
-    place_x = x[at] + beyond * np.cos(course) - across * np.sin(turned)
-    place_y = y[at] + beyond * np.sin(course) + across * np.cos(turned)
-    return np.column_stack((place_x, place_y)), turned
 
 
 def _extents(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

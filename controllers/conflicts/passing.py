@@ -26,6 +26,8 @@ STRAIGHT_ON = 3.0
 """How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
 KERB = 0.5
 """Nearer to the road than this counts as on it [m]."""
+OCCUPIED = 0.15
+"""Whoever is nearer than this to what the body sweeps is in its way, whatever he is expected to do [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,19 +162,23 @@ def find(
     if n == 0:
         return _empty()
     watch.look(perception, assume)
-    across_speed, considered, assumed = _expected_motion(perception, watch, assume)
-    low = band[0] - people.radius - side_margin
-    high = band[1] + people.radius + side_margin
+    across_speed, enters, assumed = _expected_motion(perception, watch, assume)
+    if forecast is not None:
+        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
+        enters |= on_road.any(axis=1) & (people.crossing < 0)
+    # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
+    # is he counts.
+    across_speed = np.where(enters, across_speed, 0.0)
+    margin = np.where(enters, side_margin, OCCUPIED)
+    low = band[0] - people.radius - margin
+    high = band[1] + people.radius + margin
     if forecast is None:
         enter, leave = passing_classes.overlap(people.across, across_speed, low, high)
     else:
-        forecast = _with_assumptions(forecast, people, across_speed, assumed)
-        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
-        considered |= on_road.any(axis=1) & (people.crossing < 0)
+        forecast = _with_assumptions(forecast, people, across_speed, assumed | ~enters)
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
-    rear = perception.ego.body.rear_overhang
-    chosen = passing_classes.by_entry(people.along, people.radius, considered, enter, horizon, rear)
+    chosen = passing_classes.by_entry(people.along, people.radius, enter, horizon, perception.ego.body.front)
     if not len(chosen):
         return _empty()
     stop = [road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen].tolist()]
@@ -194,7 +200,7 @@ def find(
 def _expected_motion(
     perception: Perception, watch: Watch, assume: PedestrianAssumptions
 ) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return the expected speed across the path, who has to be considered, and whose speed is assumed."""
+    """Return the expected speed across the path, who may enter it, and whose speed is assumed."""
     people = perception.pedestrians
     road = perception.road
     speed = people.across_speed.tolist()
@@ -224,6 +230,13 @@ def _expected_motion(
             outside = across[i] > road.left_edge + KERB or across[i] < road.right_edge - KERB
             considered[i] = not (outside and abs(speed[i]) < 0.5)
     return np.array(speed), np.array(considered), np.array(assumed)
+
+
+def who_may_enter(perception: Perception, watch: Watch, assume: PedestrianAssumptions) -> NDArray[np.bool_]:
+    """Return who may come into the way who is not there yet; the others count where they are, shape (n,)."""
+    if not len(perception.pedestrians):
+        return np.zeros(0, dtype=np.bool_)
+    return _expected_motion(perception, watch, assume)[1]
 
 
 def _with_assumptions(

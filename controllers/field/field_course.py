@@ -245,6 +245,9 @@ def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
         people.crossing[chosen],
         people.on_crossing[chosen],
         people.waiting[chosen],
+        people.uncertainty[chosen],
+        people.position[chosen] if len(people.position) else people.position,
+        people.velocity[chosen] if len(people.velocity) else people.velocity,
     )
     return replace(perception, pedestrians=some)
 

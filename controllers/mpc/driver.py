@@ -43,6 +43,7 @@ from controllers.numerics import last_plan
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, Tally
 from controllers.prediction.forecast import Predictor
+from controllers.safety.last_check import LastCheck
 
 FloatArray = NDArray[np.float64]
 
@@ -101,6 +102,7 @@ class VelocityObstacleMpc:
         self._lanes = LaneManoeuvre(settings.change_duration)
         self._decision = LaneDecision(settings.change, self._lanes)
         self._blocked = BlockedLanes()
+        self._last_check = LastCheck()
         self._view: tuple[Perception, Perception] | None = None
         self._kept: Chosen | None = None
         self._speed: SpeedPlanner | None = None
@@ -125,7 +127,15 @@ class VelocityObstacleMpc:
         return decision if decision.because else replace(decision, because=planner.nearest_stop())
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Solve the speed program for each passing class, take the cheapest, then solve the steering."""
+        """Solve the speed program for each passing class, take the cheapest, then solve the steering.
+
+        Whatever comes of it is checked with the true body before it is carried out.
+        """
+        plan = self._plan(perception, decision)
+        seen = self._seen(perception)
+        return self._last_check.checked(seen, plan, self._planner(seen).may_enter(seen))
+
+    def _plan(self, perception: Perception, decision: Decision) -> Plan:
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)

@@ -117,6 +117,10 @@ class SpeedPlanner:
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
             self._forecast = self.predictor.predict(perception, times)
 
+    def may_enter(self, perception: Perception) -> NDArray[np.bool_]:
+        """Return who of the pedestrians may come into the way who is not there yet, shape (n,)."""
+        return passing.who_may_enter(perception, self._watch, self.settings.assume)
+
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
         return min(self._stops, key=lambda stop: stop.along).name if self._stops else ""
@@ -173,7 +177,8 @@ class SpeedPlanner:
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
         """Return the plan for one passing class, with its steering where that was planned too."""
-        return self._solve(self._bounded(perception, task, conflicts, behind)), None
+        plan = self._solve(self._bounded(perception, task, conflicts, behind))
+        return self._priced(perception, task, conflicts, behind, plan), None
 
     def _solve(self, task: SpeedTask) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
@@ -328,11 +333,32 @@ class SpeedPlanner:
         if not len(conflicts):
             return task
         bounds = self._class_bounds(perception, task, conflicts)
+        upper = np.minimum(task.upper, bounds.upper[behind])
         return task._replace(
-            upper=np.minimum(task.upper, bounds.upper[behind]),
-            lower=np.maximum(task.lower, bounds.lower[behind]),
+            upper=upper,
+            # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
+            lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),
             stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),
         )
+
+    def _priced(
+        self,
+        perception: Perception,
+        task: SpeedTask,
+        conflicts: passing.Conflicts,
+        behind: int,
+        plan: SpeedPlan,
+    ) -> SpeedPlan:
+        """Return a plan whose cost and slack hold what its class asks for beyond people and vehicles."""
+        if not len(conflicts) or not plan.found:
+            return plan
+        bounds, w = self._class_bounds(perception, task, conflicts), self.program.weights
+        upper = np.minimum(task.upper, bounds.upper[behind])
+        short = float(np.maximum(bounds.lower[behind] - upper, 0.0).max())
+        if short == 0.0:
+            return plan
+        price = w.violation * short + w.violation_squared * short**2
+        return plan._replace(cost=plan.cost + price, slack=max(plan.slack, short))
 
     def _class_bounds(
         self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts

@@ -29,22 +29,22 @@ def overlap(
 def by_entry(
     along: FloatArray,
     radius: FloatArray,
-    considered: BoolArray,
     enter: FloatArray,
     horizon: float,
-    rear: float,
+    front: float,
 ) -> IntArray:
     """Return who is in conflict, in the order of entry.
 
     Parameters
     ----------
-    along, radius, considered, enter : of all pedestrians, shape (n,)
+    along, radius, enter : of all pedestrians, shape (n,)
     horizon : later entries do not count [s]
-    rear : from the rear axle to the rear bumper (positive) [m]
+    front : from the rear axle to the front bumper [m]
     """
-    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
-    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
-    chosen = np.flatnonzero(considered & (enter < horizon) & (along + radius >= -rear - 0.5))
+    # Somebody abreast of the body can be passed neither behind, as the bumper is past him, nor ahead, as
+    # pulling forward to be quicker than he is would be a race. He is the last check's. Farther back he cannot
+    # be hit by driving on.
+    chosen = np.flatnonzero((enter < horizon) & (along + radius >= front))
     return chosen[np.argsort(enter[chosen], kind="mergesort")]
 
 

@@ -87,6 +87,8 @@ class NearEgos:
             them.on_crossing[part],
             them.waiting[part],
             them.uncertainty[part],
+            them.position[part],
+            them.velocity[part],
         )
         if crossings and len(told):
             self._express_at_crossings(told, self._person_rows[part], crossings, self._frames[ego].origin)
@@ -147,6 +149,8 @@ class NearEgos:
             np.zeros(count, dtype=np.bool_),
             np.zeros(count, dtype=np.bool_),
             np.zeros(count) if persons.uncertainty is None else persons.uncertainty[rows],
+            persons.position[rows],
+            velocity,
         )
 
     def _express_at_crossings(

@@ -1,0 +1,49 @@
+"""The route frame, which bends with the road, laid out in a plane that does not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from controllers.interface import EgoState, FloatArray, Pedestrians, RoadAhead
+
+
+def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return places (n, 2) of the route frame in the plane [m], and the centre line's heading there [rad].
+
+    The plane's origin and axes are those of the route frame at the rear axle; before it the road is straight.
+    """
+    if not len(road.curvature):
+        return np.column_stack((along, across)), np.zeros(len(along))
+    step = road.curvature_step
+    heading = np.concatenate(([0.0], np.cumsum(road.curvature) * step))
+    middle = heading[:-1] + 0.5 * road.curvature * step
+    x = np.concatenate(([0.0], np.cumsum(np.cos(middle)) * step))
+    y = np.concatenate(([0.0], np.cumsum(np.sin(middle)) * step))
+    at = np.clip((along / step).astype(np.int64), 0, len(x) - 1)
+    beyond = along - at * step
+    bend = road.curvature[np.minimum(at, len(road.curvature) - 1)]
+    turned = heading[at] + np.where((along > 0.0) & (at < len(x) - 1), beyond * bend, 0.0)
+    course = 0.5 * (heading[at] + turned)
+    place_x = x[at] + beyond * np.cos(course) - across * np.sin(turned)
+    place_y = y[at] + beyond * np.sin(course) + across * np.cos(turned)
+    return np.column_stack((place_x, place_y)), turned
+
+
+def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tuple[FloatArray, FloatArray]:
+    """Return where pedestrians are in the plane of :func:`to_plane`, and their velocities, (n, 2) each.
+
+    Their places in the world, where these are known: along the route those at a crossing are told in a frame
+    of that crossing.
+    """
+    if len(people.position) == len(people):
+        line = ego.heading - ego.heading_error
+        cosine, sine = math.cos(line), math.sin(line)
+        turn = np.array([[cosine, -sine], [sine, cosine]])
+        origin = np.array([ego.x + ego.across * sine, ego.y - ego.across * cosine])
+        return (people.position - origin) @ turn, people.velocity @ turn
+    places, heading = to_plane(road, people.along, people.across)
+    ahead, left = np.cos(heading), np.sin(heading)
+    along, across = people.along_speed, people.across_speed
+    return places, np.column_stack((along * ahead - across * left, along * left + across * ahead))

@@ -1,0 +1,1 @@
+"""The last check of a plan before it is carried out."""
