@@ -82,7 +82,7 @@ class LastCheck:
         """Return the distance to each that counts as touching, shape (n,) [m]."""
         still = Motion(np.zeros((1, 1)), np.zeros((1, 1)))
         now = _clearances(perception, people, path, still, times[:1])[0, 0]
-        grazing = np.minimum(MARGIN, now - GRAZING)
+        grazing: FloatArray = np.minimum(MARGIN, now - GRAZING)
         if not starts:
             return grazing
         waited = 0.0 if self.held_since is None else perception.ego.time - self.held_since
