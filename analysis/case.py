@@ -115,7 +115,11 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
     encounters = find_encounters(egos, persons, around)
     samples = gather(encounters, run, grid, thresholds)
     areas = [one.area for one in encounters]
-    contacts = find_contacts(samples, thresholds.contact_separation_s, thresholds.standing_speed_mps)
+    contacts = _once(
+        find_contacts(samples, thresholds.contact_separation_s, thresholds.standing_speed_mps),
+        encounters,
+        thresholds.contact_separation_s,
+    )
     return Case(
         run=run,
         thresholds=thresholds,
@@ -140,6 +144,30 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
         knowledge=knowledge_of(run),
         entered=np.array([area is not None for area in areas], dtype=np.bool_) | samples.any(samples.exposed),
     )
+
+
+def _once(contacts: Sequence[Contact], encounters: Sequence[Encounter], separation_s: float) -> list[Contact]:
+    """Return each contact of a pair once: two encounters of one pair may hold the same instant.
+
+    It belongs to the encounter with a conflict area, else to the first one.
+    """
+
+    def rank(contact: Contact) -> tuple[bool, bool, int]:
+        return contact.standing, encounters[contact.encounter].area is None, contact.encounter
+
+    kept: dict[tuple[str, str], list[Contact]] = {}
+    for contact in sorted(contacts, key=rank):
+        one = encounters[contact.encounter]
+        others = kept.setdefault((one.ego.name, one.person.name), [])
+        if all(
+            other.encounter == contact.encounter
+            or contact.began - other.ended >= separation_s
+            or other.began - contact.ended >= separation_s
+            for other in others
+        ):
+            others.append(contact)
+    chosen = {contact for some in kept.values() for contact in some}
+    return [contact for contact in contacts if contact in chosen]
 
 
 def _replays(

@@ -27,6 +27,8 @@ class Contact:
     """The ego stood: the pedestrian walked into it."""
     began: float
     """First touch, which may be before ``time`` where the ego stood at first [s]."""
+    ended: float
+    """Last touch [s]."""
 
     def side(self, half_length: float, half_width: float) -> str:
         """Return the side of the rectangle that was touched: front, rear, left or right."""
@@ -72,7 +74,7 @@ def find_contacts(samples: Samples, separation_s: float, standing_speed: float) 
 def _merged(touches: list[Contact]) -> Contact:
     """Return the first touch with the ego moving, the first of all where it stood throughout."""
     chosen = next((touch for touch in touches if not touch.standing), touches[0])
-    return replace(chosen, began=touches[0].time)
+    return replace(chosen, began=touches[0].time, ended=touches[-1].time)
 
 
 def _touch(samples: Samples, i: int, share: float, standing_speed: float) -> Contact:
@@ -91,6 +93,7 @@ def _touch(samples: Samples, i: int, share: float, standing_speed: float) -> Con
         y=_between(samples.y, i, j, share),
         standing=speed <= standing_speed,
         began=_between(samples.time, i, j, share),
+        ended=_between(samples.time, i, j, share),
     )
 
 

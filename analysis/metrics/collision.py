@@ -1,7 +1,8 @@
 """Contact of the ego's rectangle with the pedestrian's disc while the ego moves.
 
 From the recorded geometry alone, exact between samples; touches of one pair closer than
-contact_separation_s are one collision. A pedestrian who walks into a standing ego (at or below
+contact_separation_s are one collision. Where two encounters of a pair hold the same instant, it belongs to
+the one with a conflict area, else to the first. A pedestrian who walks into a standing ego (at or below
 standing_speed_mps) is listed as contact_standing and is no collision.
 
 Undefined: never; time and side are empty without a collision.

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from analysis.report import RunReport, analyse_run
@@ -193,3 +195,32 @@ def test_every_collision_is_counted_once_in_each_way(tmp_path: Path) -> None:
         assert sum(run[f"n_collisions_{name}"] for name in names) == 3
     assert run["n_collisions_preventable"] == 2
     assert run["n_collisions_class_appeared"] == 1
+
+
+def test_a_contact_that_lies_in_two_encounters_of_a_pair_is_one(tmp_path: Path) -> None:
+    """He crosses the ego's way 30 m before the place where he crosses back and is struck."""
+
+    def there_and_back(t: float) -> tuple[float, float]:
+        if t < 6.0:
+            return 0.0, -4.0 + 8.0 * t / 6.0
+        if t < 26.0:
+            return 1.5 * (t - 6.0), 4.0
+        return 30.0, 4.0 - 8.0 * (t - 26.0) / 6.0
+
+    def phase(t: float) -> str:
+        return "crossing" if t < 6.0 or t >= 26.0 else "walking"
+
+    # The front bumper is at x = 29.75 m at 29 s, when he is in the middle of the lane.
+    ego = Ego(lambda t: (27.5 + 8.0 * (max(t, 20.0) - 29.0), 0.0), columns={"lane": lambda t: "road_1"})
+    person = walker(there_and_back, crossing="first", phase=phase)
+    folder = write_run(tmp_path, [ego], [person], areas=MAP, duration=36.0)
+    path = folder / "neighbours.parquet"
+    table = pq.read_table(path)
+    crossings = ["first" if time < 16.0 else "second" for time in table["time_s"].to_pylist()]
+    number = table.schema.get_field_index("crossing_id")
+    pq.write_table(table.set_column(number, "crossing_id", pa.array(crossings)), path)
+    found = analyse_run(folder)
+    assert [row["crossing_id"] for row in found.encounters] == ["first", "second"]
+    assert all(row["t_end_s"] > 29.0 for row in found.encounters), "both hold the contact"
+    assert sum(row["collision"] for row in found.encounters) == 1
+    assert found.run["n_collisions"] == 1

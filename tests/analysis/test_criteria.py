@@ -157,6 +157,17 @@ def test_a_criterion_has_the_unit_of_its_column_and_a_name_that_says_what_it_is(
     assert speed.unit == "km/h"
 
 
+def test_contacts_are_chosen_by_place_class_and_what_a_careful_driver_prevents() -> None:
+    where = {"contact_place": "carriageway", "contact_class": "ego", "preventable_r157": 1}
+    (one,) = read_criteria([{**RUN, "scope": "encounter", "metric": "collision", "where": where}])
+    assert one.where == where
+    assert "crossing, carriageway, walking_area_or_kerb expected" in refused(
+        scope="encounter", metric="collision", where={"contact_place": "road"}
+    )
+    (count,) = read_criteria([{**RUN, "metric": "n_collisions_preventable"}])
+    assert count.id == "n_collisions_preventable == 0"
+
+
 def test_filters_choose_scenarios_and_controllers() -> None:
     (one,) = read_criteria([{**RUN, "controllers": ["aeb"], "scenarios": ["town"]}])
     assert one.applies_to("town", "aeb")
