@@ -47,6 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ZooError as error:
         print(f"zoo: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("zoo: interrupted; the same command goes on", file=sys.stderr)
+        return 130
 
 
 def _list() -> int:

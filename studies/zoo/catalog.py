@@ -38,11 +38,10 @@ class Plan:
     """Share of the passenger cars that a controller drives."""
     controllers: tuple[str, ...] = CONTROLLERS
 
-    @property
-    def run_seeds(self) -> list[int]:
+    def run_seeds(self, factor: int = 1) -> list[int]:
         """Return the seeds of the runs, other ones for each seed of the zoo."""
         rng = random.Random(f"{self.seed}-runs")
-        return sorted(rng.sample(range(1, 10**6), self.runs))
+        return [rng.randrange(1, 10**6) for _ in range(factor * self.runs)]
 
 
 def all_recipes() -> tuple[list[Recipe], list[str]]:

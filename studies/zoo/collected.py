@@ -20,6 +20,9 @@ NO_CARS = ("rail",)
 TOWN_SPEED_MPS = 17.0
 """Sidewalks and crossings are guessed at roads up to this speed limit [m/s]."""
 
+RUN_FACTORS = {"A10KW": 3, "DRT": 3}
+"""Games whose networks have few pedestrians for their size."""
+
 _NET_OF_GAME = re.compile(r'net-file value="([^"]+)"')
 
 
@@ -52,7 +55,12 @@ def _games() -> list[Recipe]:
         if match is not None:
             nets.setdefault(GAMES / match[1], path.name)
     return [
-        _recipe(f"game-{net.parent.name.lower().replace('_', '-')}", f"SUMO's game {net.parent.name}", net)
+        _recipe(
+            f"game-{net.parent.name.lower().replace('_', '-')}",
+            f"SUMO's game {net.parent.name}",
+            net,
+            RUN_FACTORS.get(net.parent.name, 1),
+        )
         for net in nets
     ]
 
@@ -78,9 +86,10 @@ def _resco() -> list[Recipe]:
     ]
 
 
-def _recipe(name: str, what: str, net: Path) -> Recipe:
+def _recipe(name: str, what: str, net: Path, run_factor: int = 1) -> Recipe:
     options = '<processing><ignore-route-errors value="true"/></processing>'
-    return Recipe(name, what, partial(_with_crossings, net), Demand(forgiving=True), own_options=options)
+    make = partial(_with_crossings, net)
+    return Recipe(name, what, make, Demand(forgiving=True), run_factor, own_options=options)
 
 
 def _with_crossings(net: Path, folder: Path, rng: random.Random) -> None:

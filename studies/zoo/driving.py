@@ -59,7 +59,7 @@ def drive(recipe: Recipe, plan: Plan, limits: Limits, folder: Path) -> None:
 
 def seeds_of(recipe: Recipe, plan: Plan) -> list[int]:
     """Return the seeds of a network's runs: one for somebody else's configuration, which is only to run."""
-    return plan.run_seeds[:1] if recipe.as_it_is else plan.run_seeds
+    return plan.run_seeds()[:1] if recipe.as_it_is else plan.run_seeds(recipe.run_factor)
 
 
 def _batch(configuration: Path, recipe: Recipe, plan: Plan, limits: Limits, folder: Path) -> tuple[int, str]:

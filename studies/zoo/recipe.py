@@ -41,6 +41,8 @@ class Recipe:
     make: Callable[[Path, random.Random], None]
     """Writes ``town.net.xml`` into a folder; the generator decides everything random."""
     demand: Demand = field(default_factory=Demand)
+    run_factor: int = 1
+    """How many times as many runs it has as others, because egos seldom meet anybody there."""
     configuration: str | None = None
     """Path of the configuration that ``make`` has written, where the demand is there already."""
     own_options: str = ""

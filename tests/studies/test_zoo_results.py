@@ -15,7 +15,7 @@ from studies.zoo.tally import of, shared
 from tests.studies import zoo_runs
 
 PLAN = Plan(5, runs=2)
-FIRST, SECOND = PLAN.run_seeds
+FIRST, SECOND = PLAN.run_seeds()
 (TOWN,) = chosen(["grid-short"])
 
 
@@ -44,7 +44,7 @@ def mixed(tmp_path: Path) -> list[Run]:
 
 def test_every_run_that_was_asked_for_is_a_row(mixed: list[Run]) -> None:
     assert [(run.controller, run.seed) for run in mixed] == [
-        (controller, seed) for controller in PLAN.controllers for seed in PLAN.run_seeds
+        (controller, seed) for controller in PLAN.controllers for seed in PLAN.run_seeds()
     ]
     reasons = {(run.controller, run.seed): run.reason for run in mixed}
     assert reasons["vo_mpc", FIRST] == ""
