@@ -14,6 +14,7 @@ from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
+from sumo_scenarios.private_copy import private_configuration
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -40,7 +41,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
         If an input file is missing or broken.
     """
     if scenario.sumocfg is not None:
-        return _prepare_configuration(scenario, seed, scenario.sumocfg)
+        return _prepare_configuration(scenario, seed, scenario.sumocfg, work_dir)
     table = scenario.table
     if table is None or table.network is None or table.demand is None or scenario.folder is None:
         raise ScenarioError(f"{scenario.name}: has neither a network nor a SUMO configuration")
@@ -64,10 +65,11 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs)
 
 
-def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path) -> Prepared:
+def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
     configuration = read_sumocfg(sumocfg)
     files = (sumocfg, configuration.net_file, *configuration.route_files, *configuration.additional_files)
-    options = ("--configuration-file", str(sumocfg), *_run_options(scenario, seed))
+    copy = private_configuration(configuration, work_dir)
+    options = ("--configuration-file", str(copy), *_run_options(scenario, seed))
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
     return Prepared(options, configuration.net_file, scenario.begin_s, inputs)
 

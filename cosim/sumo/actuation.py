@@ -298,7 +298,7 @@ class Actuation:
             slowest, fastest = sorted((ego.speed, speed))
             ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
-        x, y, angle = self._lanes.placeable(lane, ego.width, *aim, heading)
+        x, y, angle = self._lanes.placeable(lane, ego.width, *aim, heading, ego.astray)
         ego.strayed = math.dist((x, y), aim)
         vehicle.moveToXY(name, lane.edge, lane.index, x, y, degrees_of(angle), EXACT_POSITION)
         ego.lane = lane.name

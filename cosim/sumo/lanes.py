@@ -16,6 +16,8 @@ INSIDE_END = 0.01
 """Vehicles that would be past a lane's ends are put so far inside them [m]."""
 TOUCH = 0.05
 """A body has to reach so far into its lane [m]."""
+SHORTEST_DIRECTION = 0.3
+"""Shorter shapes have no direction [m]."""
 NEXT_EDGES = 8
 """A vehicle's lane is looked for among so many edges of the rest of its route."""
 
@@ -55,6 +57,11 @@ class LaneShape:
         return self.length / self.stations[-1] if self.stations[-1] > 0.0 else 1.0
 
     @property
+    def no_direction(self) -> bool:
+        """Whether the shape is too short to point anywhere: its coordinates are rounded to centimetres."""
+        return self.stations[-1] < SHORTEST_DIRECTION
+
+    @property
     def internal(self) -> bool:
         """Whether the lane is inside a junction."""
         return self.edge.startswith(":")
@@ -65,10 +72,10 @@ class LaneShape:
         The first and the last piece of the shape are prolonged, so that a point beyond an end has its
         true distance beyond it.
         """
-        if self.shape_length == 0.0:
+        if self.no_direction:
             # Where two edges meet without a gap SUMO draws the lane between them as a point: it lies behind.
             away = math.dist(self.points[0], (x, y))
-            return Place(away, away)
+            return Place(away, away if self.shape_length == 0.0 else 0.0)
         best = math.inf
         found = Place(0.0, 0.0)
         last = len(self.points) - 2
@@ -202,13 +209,14 @@ class Lanes:
         return found
 
     def placeable(
-        self, lane: LaneShape, width: float, x: float, y: float, heading: float
+        self, lane: LaneShape, width: float, x: float, y: float, heading: float, astray: bool = False
     ) -> tuple[float, float, float]:
         """Return the pose nearest to the given one at which SUMO keeps a vehicle on a lane.
 
         A vehicle whose body does not reach into its lane is on none for SUMO. One just before or beyond its
         lane's ends, as in the wedge outside a bend, is taken for a vehicle of some lane that fits better and
-        loses its route: there SUMO disregards the lane that it is told.
+        loses its route: there SUMO disregards the lane that it is told. The same holds for one in a junction
+        that is nearer to the middle of another way. It always obeys on the lane's centre line.
 
         Parameters
         ----------
@@ -216,18 +224,22 @@ class Lanes:
         width : of the vehicle [m]
         x, y : centre of the front bumper [m]
         heading : of the vehicle [rad]
+        astray : SUMO has it on another way, from which it has to be brought back
         """
-        if lane.shape_length == 0.0:
+        if lane.no_direction:
             return x, y, heading
         place = lane.place(x, y)
         aside = 0.5 * (lane.width + width) - TOUCH
         past = max(-place.along, place.along - lane.shape_length)
-        if (past <= 0.0 and abs(place.across) <= aside) or (past <= PAST_END and abs(place.across) <= MIDDLE):
+        near_end = past <= PAST_END and abs(place.across) <= MIDDLE
+        if not astray and (near_end or (past <= 0.0 and abs(place.across) <= aside)):
             return x, y, heading
+        if lane.internal:
+            aside = 0.5 * lane.width
         inside = min(INSIDE_END, 0.5 * lane.shape_length)
         along = min(max(place.along, inside), lane.shape_length - inside)
-        x, y = lane.point(along, min(max(place.across, -aside), aside))
-        return x, y, lane.heading(x, y) if past > PAST_END else heading
+        x, y = lane.point(along, 0.0 if astray else min(max(place.across, -aside), aside))
+        return x, y, lane.heading(x, y) if lane.internal or past > PAST_END else heading
 
     def counted(
         self, lane: LaneShape, place: Place, vehicle_class: str, x: float, y: float

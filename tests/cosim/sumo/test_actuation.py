@@ -150,19 +150,56 @@ def test_a_released_vehicle_is_as_it_was_and_sumo_drives_it(method: Method) -> N
         assert vehicle.getSpeed("ego") > 15.0
 
 
-def test_a_route_that_an_excursion_destroyed_is_set_again() -> None:
+def test_an_excursion_to_the_oncoming_edge_keeps_the_route() -> None:
     with on_the_road("narrow", traffic("ab bc", lane=2, position=1200.0, speed=10.0)) as sumo:
         actuation = Actuation(sumo, 0.1)
         actuation.take_over("ego")
         begin = pose_of(sumo, "ego")
         track = Track(begin.x, begin.y, 10.0, (Shift(1.0, 2.0, 4.0), Shift(5.0, 2.0, -4.0)))
+        furthest = 0.0
         for number in range(1, 100):
             actuation.drive("ego", *track.at(number * 0.1))
             sumo.simulationStep()
             actuation.executed("ego")
-        assert tuple(sumo.vehicle.getRoute("ego")) == ("ab", "bc")
-        assert sumo.vehicle.getLaneID("ego") == "ab_2"
-        assert actuation.routes_restored("ego") >= 1
+            furthest = max(furthest, actuation.strayed("ego"))
+            assert tuple(sumo.vehicle.getRoute("ego")) == ("ab", "bc")
+            assert sumo.vehicle.getLaneID("ego") == "ab_2"
+        # Further out SUMO would have it on no lane, or on the oncoming one.
+        assert 1.0 < furthest < 2.0
+        assert actuation.strayed("ego") == 0.0
+
+
+@pytest.mark.parametrize("position", [50.0, 150.0])
+def test_a_route_that_somebody_else_changed_is_set_again(position: float) -> None:
+    with on_the_road("junction", traffic("wx xe", lane=1, position=position, speed=10.0)) as sumo:
+        actuation = Actuation(sumo, 0.1)
+        actuation.take_over("ego")
+        begin = pose_of(sumo, "ego")
+        sumo.vehicle.setRoute("ego", ["wx", "xs"])
+        for number in range(1, 60):
+            actuation.drive("ego", begin.x + number, begin.y, 0.0, 10.0)
+            sumo.simulationStep()
+            actuation.executed("ego")
+            assert tuple(sumo.vehicle.getRoute("ego")) == ("wx", "xe")
+            assert actuation.astray("ego") is (number == 1)
+        assert actuation.routes_restored("ego") == 1
+
+
+def test_an_ego_that_cannot_follow_its_bend_stays_on_its_way() -> None:
+    # It goes straight on where its way turns right: SUMO would take it for one that crosses the junction.
+    with on_the_road("junction", traffic("wx xs", lane=1, position=170.0, speed=8.0)) as sumo:
+        actuation = Actuation(sumo, 0.1)
+        actuation.take_over("ego")
+        begin = pose_of(sumo, "ego")
+        furthest = 0.0
+        for number in range(1, 100):
+            actuation.drive("ego", begin.x + 0.8 * number, begin.y, 0.0, 8.0)
+            sumo.simulationStep()
+            actuation.executed("ego")
+            furthest = max(furthest, actuation.strayed("ego"))
+            assert sumo.vehicle.getRoute("ego")[-1] == "xs"
+            assert sumo.vehicle.getLaneID("ego")
+        assert furthest > 10.0
 
 
 def test_hybrid_without_the_sublane_model_is_refused() -> None:
