@@ -38,7 +38,7 @@ PATIENCE = 4.0
 
 @dataclass(slots=True)
 class LastCheck:
-    """Checks the plans of one ego; remembers how long it has been held."""
+    """Checks the plans of one ego; remembers since when it has been kept from starting."""
 
     held_since: float | None = None
 
@@ -63,15 +63,16 @@ class LastCheck:
         path = course(perception, plan)
         starts = perception.ego.speed < STARTING
         margin = self._margins(perception, people, path, times, starts)
-        if not _touches(perception, people, path, planned(perception, plan, times), times, margin)[0]:
+        if not starts:
             self.held_since = None
+        if not _touches(perception, people, path, planned(perception, plan, times), times, margin)[0]:
             return plan
         tried = np.array((MILD, *URGENT))
         touches = _touches(perception, people, path, braked(perception, tried, times), times, margin)
         if not touches[0] and not starts:
             return plan
-        held = perception.ego.time
-        self.held_since = held if self.held_since is None else self.held_since
+        if starts and self.held_since is None:
+            self.held_since = perception.ego.time
         enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))

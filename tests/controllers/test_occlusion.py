@@ -15,6 +15,7 @@ from shapely.geometry import LineString, Point, Polygon, box
 from controllers import catalog
 from controllers.conflicts import occlusion
 from controllers.conflicts.occlusion import RADIUS, HiddenPedestrian
+from controllers.driving import plane
 from controllers.interface import Body, Eyesight, FloatArray, Perception
 from controllers.mpc.speed_planning import with_margins
 from cosim.loop import run
@@ -108,7 +109,7 @@ def test_shapely_sees_the_disc_until_it_is_where_the_border_says(
 def test_a_bend_is_laid_out_as_the_circle_it_is(radius: float) -> None:
     road = bend(straight_road(), 0.0, radius, 200.0)
     along, across = np.array([0.0, 7.3, 20.0, 41.9]), np.array([1.0, -2.0, 0.0, 3.0])
-    places, heading = occlusion.to_plane(road, along, across)
+    places, heading = plane.to_plane(road, along, across)
     angle = along / radius
     np.testing.assert_allclose(heading, angle, atol=1e-9)
     np.testing.assert_allclose(places[:, 0], (radius - across) * np.sin(angle), atol=0.02)
