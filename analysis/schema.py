@@ -349,6 +349,7 @@ RUNS = Table(
         _at_least_0("conflicts_per_1000_ped", "1", "those per 1000 pedestrians"),
         _count("n_plans", "plans made", required=True),
         _count("n_solver_fail", "plans that were not solved", required=True),
+        _count("n_shielded", "plans that the last check replaced by braking", required=True),
         _at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),
         _count("n_interventions", "steps at which SUMO did something else", required=True),
         _count("n_straight", "plans under the rule STRAIGHT", required=True),

@@ -40,6 +40,7 @@ _LINES = (
     ("overlaps that the ego closed", "n_vehicle_overlaps_ego_closed", "{:.0f}"),
     ("interventions by SUMO", "n_interventions", "{:.0f}"),
     ("unsolved steps", "n_solver_fail", "{:.0f}"),
+    ("plans replaced by the last check", "n_shielded", "{:.0f}"),
     ("control step, median [ms]", "compute_p50_ms", "{:.2f}"),
     ("control step, 99th percentile [ms]", "compute_p99_ms", "{:.2f}"),
 )
