@@ -19,10 +19,5 @@ RUN_COLUMNS = ("n_shielded",)
 
 
 def compute(case: Case) -> Values:
-    """Return nothing: it is a matter of the run."""
-    return {}
-
-
-def summarise(case: Case, columns: Values) -> Values:
     """Count them."""
     return {"n_shielded": int(case.run.egos.texts["plan_status"].equal("shielded").sum())}
