@@ -1,4 +1,4 @@
-"""A configuration as a run uses it: the same input, and nothing that would be written beside the user's files.
+"""A configuration as a run uses it: the same input, and nothing written beside the user's files.
 
 SUMO writes what a configuration or an additional file tells it to, relative to that file: into the user's
 folder, over the results of the user's own runs. And it refuses options of a window that it was built without.

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cosim.commands import terminal
+from cosim.commands import apart, terminal
+from cosim.commands.apart import OWN_PROCESS
 from cosim.commands.options import Debug, Out, Settings
 from cosim.request import RunRequest, parse_settings
 
+if TYPE_CHECKING:
+    from cosim.execution import Outcome
+
 
 def run(
+    context: typer.Context,
     scenario: Annotated[
         str,
         typer.Argument(
@@ -66,11 +73,6 @@ def run(
     \b
     Exit codes: 0 good, 2 bad input, 3 the run went wrong after its first step.
     """
-    from cosim.commands.interruption import termination_interrupts
-    from cosim.commands.progress import shown_progress
-    from cosim.execution import execute
-    from cosim.summary import run_table
-
     request = RunRequest(
         scenario=scenario,
         controller=controller,
@@ -85,8 +87,38 @@ def run(
         gui=gui,
         out=out,
     )
+    if context.obj is OWN_PROCESS and not gui:
+        ended = apart.begin()
+        if isinstance(ended, apart.Ended):
+            return _tell_of_crash(ended) if ended.signal else ended.code
+        return _run(request, ended.tell)
+    return _run(request, lambda folder: None)
+
+
+def _tell_of_crash(ended: apart.Ended) -> int:
+    """Keep what was recorded and say what happened."""
+    from cosim.execution import salvage
+
+    reason = f"the simulation's process ended by {ended.signal}"
+    if not ended.told:
+        typer.echo(f"cosim: {reason} before its first step", err=True)
+        return 3
+    return _show(salvage(Path(ended.told), reason))
+
+
+def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
+    from cosim.commands.interruption import termination_interrupts
+    from cosim.commands.progress import shown_progress
+    from cosim.execution import execute
+
     with termination_interrupts(), shown_progress() as progress:
-        outcome = execute(request, progress)
+        outcome = execute(request, progress, begun)
+    return _show(outcome)
+
+
+def _show(outcome: Outcome) -> int:
+    from cosim.summary import run_table
+
     console = terminal.console()
     if outcome.row is not None:
         console.print(run_table(outcome.row, [("control over SUMO's step", _ratio(outcome.description))]))

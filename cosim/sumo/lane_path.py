@@ -211,7 +211,6 @@ class LanePath:
             crossing, middle, entry, middle + half, stop_line, origin, heading, sides.min(), sides.max()
         )
 
-
     def _passing(self, axis: FloatArray) -> tuple[float, FloatArray] | None:
         """Return where the path passes an axis that it does not meet [m], and the axis' direction there.
 

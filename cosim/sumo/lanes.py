@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-
 PAST_END = 1.0
 """So far before or beyond a lane's ends SUMO takes a vehicle for one of that lane, if it is in the middle [m]."""
 MIDDLE = 0.5

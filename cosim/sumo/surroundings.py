@@ -127,9 +127,7 @@ class Observer:
         ):
             sumo.vehicle.unsubscribeContext(ego, sumo_constant(sumo, name), reach)
 
-    def read(
-        self, egos: Sequence[str], known: Mapping[str, KnownState], present: Present
-    ) -> Surroundings:
+    def read(self, egos: Sequence[str], known: Mapping[str, KnownState], present: Present) -> Surroundings:
         """Return what is near these egos after the last step.
 
         Parameters
