@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Column = Sequence[Any] | NDArray[np.float64]
 
 PART = ".part"
-"""What a table is called until it is complete: a stream of record batches, readable wherever it breaks off."""
+"""A table that is not complete yet: a stream of record batches, readable wherever it breaks off."""
 AT_RISK = 32
 """The rows of this part of a chunk are lost at most where the process ends without a word."""
 ROWS_PER_CHUNK = 8192

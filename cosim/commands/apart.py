@@ -1,4 +1,4 @@
-"""A command in a process of its own: a crash inside SUMO ends that process, and somebody is left to tell of it."""
+"""A command in a process of its own: if SUMO crashes, somebody is left to tell of it."""
 
 from __future__ import annotations
 
