@@ -40,7 +40,8 @@ CONFIGURATION = """<configuration>
 def town(tmp_path: Path) -> Path:
     folder = tmp_path / "user"
     (folder / "net").mkdir(parents=True)
-    command = [NETGENERATE, "--grid", "--grid.number", "2", "-o", folder / "net" / "town.net.xml"]
+    net = str(folder / "net" / "town.net.xml")
+    command = [str(NETGENERATE), "--grid", "--grid.number", "2", "-o", net]
     subprocess.run(command, check=True, capture_output=True)
     (folder / "net" / "detectors.add.xml").write_text(DETECTORS.format(included="more.add.xml"))
     (folder / "net" / "more.add.xml").write_text(INCLUDED)
