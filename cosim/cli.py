@@ -22,6 +22,7 @@ from cosim.commands import plot as plot_command
 from cosim.commands import replay as replay_command
 from cosim.commands import report as report_command
 from cosim.commands import run as run_command
+from cosim.commands.apart import OWN_PROCESS
 from cosim.errors import InputError, SimulationError
 
 # The ancestor of everything that typer raises about bad usage; it has no public name of its own.
@@ -68,12 +69,13 @@ def _options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    owner = OWN_PROCESS if arguments is None else None
     arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     # Before NumPy is loaded: several BLAS threads make small problems slower, not faster.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     try:
-        code = app(arguments, prog_name="cosim", standalone_mode=False)
+        code = app(arguments, prog_name="cosim", standalone_mode=False, obj=owner)
         return int(code or 0)
     except UsageProblem as error:
         return _tell(error.format_message(), 2, arguments)

@@ -162,6 +162,8 @@ def _with_parameters(
     texts = dict(settings)
     if request.duration_s is not None:
         texts["duration_s"] = f"{request.duration_s!r}"
+    if request.step_s is not None:
+        texts["step_s"] = f"{request.step_s!r}"
     if request.actuation is not None:
         texts["actuation"] = request.actuation
     return library.with_parameters(scenario, texts)

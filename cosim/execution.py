@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from analysis.errors import AnalysisError
 from analysis.report import analyse_run
 from cosim.errors import SimulationError
 from cosim.request import RunRequest
-from cosim.run import Progress, RunResult, run
+from cosim.run import Progress, RunResult, keep_recorded, run
 from cosim.summary import Row, read_row
 
 
@@ -27,7 +28,11 @@ class Outcome:
     """Empty for a valid run."""
 
 
-def execute(request: RunRequest, progress: Progress = lambda time, end: None) -> Outcome:
+def execute(
+    request: RunRequest,
+    progress: Progress = lambda time, end: None,
+    begun: Callable[[Path], None] = lambda folder: None,
+) -> Outcome:
     """Simulate one run, analyse it, and return its numbers.
 
     A run that went wrong after its first step is analysed as far as it was recorded.
@@ -37,7 +42,21 @@ def execute(request: RunRequest, progress: Progress = lambda time, end: None) ->
     InputError
         For anything wrong that is found before the first step.
     """
-    result: RunResult = run(request, progress)
+    return _analysed(run(request, progress, begun))
+
+
+def salvage(folder: Path, reason: str) -> Outcome:
+    """Return what is left of a run whose process ended without a word, analysed as far as it goes.
+
+    Parameters
+    ----------
+    folder : of the run
+    reason : how the process ended
+    """
+    return _analysed(RunResult(folder, keep_recorded(folder, reason)))
+
+
+def _analysed(result: RunResult) -> Outcome:
     row: Row | None = None
     try:
         analyse_run(result.folder)

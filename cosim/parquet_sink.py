@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -14,25 +14,38 @@ from numpy.typing import NDArray
 
 Column = Sequence[Any] | NDArray[np.float64]
 
+PART = ".part"
+"""A table that is not complete yet: a stream of record batches, readable wherever it breaks off."""
+AT_RISK = 32
+"""The rows of this part of a chunk are lost at most where the process ends without a word."""
+ROWS_PER_CHUNK = 8192
+
 
 class ParquetSink:
     """One table on its way to disk.
 
-    Rows go to ``<path>.part``; ``close`` writes the last ones and gives the file its name, so that a
-    file with its final name is always complete. The bytes depend on the rows alone.
+    Rows go to ``<path>.part``; ``close`` makes the file of them, so that a file with its final name is
+    always complete. The bytes depend on the rows alone. What a process that crashed has left behind is made
+    a file by `recover`.
     """
 
-    def __init__(self, path: Path, schema: pa.Schema, rows_per_chunk: int = 8192) -> None:
+    def __init__(self, path: Path, schema: pa.Schema, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
         self._path = path
-        self._part = path.with_name(path.name + ".part")
+        self._part = path.with_name(path.name + PART)
         self._schema = schema
         self._rows_per_chunk = rows_per_chunk
         self._pieces: list[list[Column]] = [[] for _ in schema]
         self._rows: list[Sequence[Any]] = []
         self._waiting = 0
-        self._writer = pq.ParquetWriter(
-            self._part, schema, version="2.6", compression="zstd", compression_level=3, use_dictionary=True
-        )
+        self._in_chunk = 0
+        self._batches = 1
+        self._chunk_ends: list[int] = []
+        """How many batches are written when a chunk of the file ends."""
+        self._file = pa.OSFile(str(self._part), "wb")
+        self._stream = pa.ipc.new_stream(self._file, schema)
+        # The schema is written with the first batch: an empty table is a table too.
+        nothing = [pa.array([], type=field.type) for field in schema]
+        self._stream.write_batch(pa.RecordBatch.from_arrays(nothing, schema=schema))
         self._open = True
 
     def add_row(self, row: Sequence[Any]) -> None:
@@ -57,15 +70,16 @@ class ParquetSink:
         self._count(count)
 
     def close(self) -> None:
-        """Write what is left and give the file its name; a second call does nothing."""
+        """Write what is left and make the file; a second call does nothing."""
         if not self._open:
             return
         self._open = False
         try:
             self._flush()
         finally:
-            self._writer.close()
-            self._part.replace(self._path)
+            self._stream.close()
+            self._file.close()
+            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk)
 
     def _check_width(self, width: int) -> None:
         if width != len(self._schema):
@@ -73,7 +87,12 @@ class ParquetSink:
 
     def _count(self, rows: int) -> None:
         self._waiting += rows
-        if self._waiting >= self._rows_per_chunk:
+        self._in_chunk += rows
+        if self._in_chunk >= self._rows_per_chunk:
+            self._flush()
+            self._chunk_ends.append(self._batches)
+            self._in_chunk = 0
+        elif self._waiting * AT_RISK >= self._rows_per_chunk:
             self._flush()
 
     def _add_pieces(self) -> None:
@@ -89,7 +108,60 @@ class ParquetSink:
         pieces, self._pieces = self._pieces, [[] for _ in self._schema]
         self._waiting = 0
         arrays = [_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)]
-        self._writer.write_table(pa.Table.from_arrays(arrays, schema=self._schema))
+        self._stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
+        self._batches += 1
+
+
+def recover(part: Path) -> None:
+    """Make a file of what a process that has crashed had written of a table.
+
+    Parameters
+    ----------
+    part : its ``<path>.part``
+    """
+    _convert(part, part.with_name(part.name.removesuffix(PART)), (), ROWS_PER_CHUNK)
+
+
+def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int) -> None:
+    """Make a Parquet file of a stream of record batches, and remove the stream.
+
+    Parameters
+    ----------
+    part, path : from and to
+    chunk_ends : number of the batches before each end of a chunk; after the last of them every chunk ends
+        with ``rows_per_chunk`` rows or more
+    """
+    unfinished = path.with_name(path.name + ".new")
+    ends = set(chunk_ends)
+    with pa.OSFile(str(part), "rb") as file:
+        stream = pa.ipc.open_stream(file)
+        with pq.ParquetWriter(
+            unfinished,
+            stream.schema,
+            version="2.6",
+            compression="zstd",
+            compression_level=3,
+            use_dictionary=True,
+        ) as writer:
+            waiting: list[pa.RecordBatch] = []
+            for number, batch in enumerate(_whole(stream), start=1):
+                waiting.append(batch)
+                if number in ends or sum(one.num_rows for one in waiting) >= rows_per_chunk:
+                    writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
+                    waiting = []
+            if sum(one.num_rows for one in waiting):
+                writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
+    unfinished.replace(path)
+    part.unlink()
+
+
+def _whole(stream: Any) -> Iterator[pa.RecordBatch]:
+    """Yield the batches of a stream as far as they are whole."""
+    while True:
+        try:
+            yield stream.read_next_batch()
+        except (StopIteration, pa.ArrowInvalid, OSError):
+            return
 
 
 def _array(pieces: Sequence[Column], kind: pa.DataType) -> pa.Array:

@@ -22,6 +22,8 @@ class RunRequest:
     settings: Mapping[str, str] = field(default_factory=dict)
     """Scenario or controller parameters as texts, by name."""
     duration_s: float | None = None
+    step_s: float | None = None
+    """Length of a simulation step [s]; ``None``: as the scenario says."""
     actuation: str | None = None
     """``None``: as the scenario says."""
     ego_route: tuple[str, ...] = ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -9,12 +10,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from pyarrow import ArrowInvalid
+
 from analysis.recording import SCHEMA_VERSION
 from cosim import compose, loop, output, provenance
 from cosim.compose import Composition
 from cosim.drivers import Departures
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.loop import LoopTimes
+from cosim.parquet_sink import PART, recover
 from cosim.recorder import Recorder, write_json
 from cosim.records import Records
 from cosim.request import RunRequest
@@ -44,8 +48,18 @@ class RunResult:
         return str(self.description["invalid_reason"] or "")
 
 
-def run(request: RunRequest, progress: Progress = lambda time, end: None) -> RunResult:
+def run(
+    request: RunRequest,
+    progress: Progress = lambda time, end: None,
+    begun: Callable[[Path], None] = lambda folder: None,
+) -> RunResult:
     """Simulate and record; bad input raises, a failure after the first step is part of the result.
+
+    Parameters
+    ----------
+    request : what to run
+    progress : called after every step
+    begun : called with the run's folder before the first step
 
     Raises
     ------
@@ -57,6 +71,7 @@ def run(request: RunRequest, progress: Progress = lambda time, end: None) -> Run
     try:
         inputs = composition.inputs
         folder = output.create(request.out, inputs.scenario, inputs.controller, inputs.seed)
+        begun(folder)
         try:
             return _simulate(composition, folder, progress)
         except InputError:
@@ -97,6 +112,25 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     if defect is not None:
         raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
     return RunResult(folder, description)
+
+
+def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
+    """Keep what a run had recorded when its process ended without a word, and return its ``run.json``.
+
+    Parameters
+    ----------
+    folder : of the run
+    reason : how the process ended
+    """
+    for part in sorted(folder.glob(f"*{PART}")):
+        try:
+            recover(part)
+        except (OSError, ArrowInvalid):
+            part.unlink(missing_ok=True)  # not even its beginning was written
+    description: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    description.update(valid=False, invalid_reason=reason)
+    _write_description(folder, description)
+    return description
 
 
 def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:

@@ -14,7 +14,7 @@ from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
-from sumo_scenarios.private_copy import private_configuration
+from sumo_scenarios.private_copy import included_files, private_configuration
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -67,7 +67,9 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
     configuration = read_sumocfg(sumocfg)
-    files = (sumocfg, configuration.net_file, *configuration.route_files, *configuration.additional_files)
+    demand = (*configuration.route_files, *configuration.additional_files)
+    included = [file for path in demand for file in included_files(path)]
+    files = (sumocfg, configuration.net_file, *demand, *included)
     copy = private_configuration(configuration, work_dir)
     options = ("--configuration-file", str(copy), *_run_options(scenario, seed))
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)

@@ -1,4 +1,4 @@
-"""A configuration as a run uses it: the same input, and nothing that would be written beside the user's files.
+"""A configuration as a run uses it: the same input, and nothing written beside the user's files.
 
 SUMO writes what a configuration or an additional file tells it to, relative to that file: into the user's
 folder, over the results of the user's own runs. And it refuses options of a window that it was built without.
@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
 from sumo_scenarios.sumocfg import SumoConfiguration
+from sumo_scenarios.xml_files import check_xml
 
 NOWHERE = "/dev/null"
 
@@ -38,7 +39,8 @@ _DETECTORS = frozenset(
     | {"entryExitDetector", "e3Detector", "edgeData", "laneData", "routeProbe", "vTypeProbe"}
 )
 """Elements of additional files whose ``file`` is written."""
-_MENTIONS = re.compile(rb"""\s(file|output|dest)\s*=|device\.(ssm|toc)\.file""")
+_MENTIONS = re.compile(rb"\s(file|output|dest)\s*=|device\.(ssm|toc)\.file|<include\s")
+_INCLUDE = re.compile(rb"<include\s[^>]*href\s*=\s*[\"']([^\"']*)[\"']")
 
 
 def private_configuration(configuration: SumoConfiguration, work_dir: Path) -> Path:
@@ -78,6 +80,24 @@ def kept_options(options: Mapping[str, str]) -> dict[str, str]:
     }
 
 
+def included_files(path: Path) -> list[Path]:
+    """Return the files that a file includes, and those that they include.
+
+    Raises
+    ------
+    ScenarioError
+        If one is missing or not well-formed.
+    """
+    with _opened(path) as file:
+        names = [name.decode() for name in _INCLUDE.findall(file.read())]
+    found = []
+    for name in names:
+        included = path.parent / name
+        check_xml(included, asked_by=path)
+        found += [included, *included_files(included)]
+    return found
+
+
 def _absolute(names: str, folder: Path) -> str:
     """Return file names, separated by commas, as they are seen from anywhere."""
     whole = (name.strip() for name in os.path.expandvars(names).split(","))
@@ -91,10 +111,14 @@ def _silent(path: Path, work_dir: Path) -> Path:
             return path
     with _opened(path) as file:
         root = ElementTree.parse(file).getroot()
-    if not _silence(root.iter(), path.parent):
+    changed = _silence(root.iter(), path.parent)
+    for include in root.iter("include"):
+        included = (path.parent / include.get("href", "")).resolve()
+        silent = _silent(included, work_dir)
+        include.set("href", str(silent))
+        changed = changed or silent != included
+    if not changed:
         return path
-    for included in root.iter("include"):
-        included.set("href", str(_silent((path.parent / included.get("href", "")).resolve(), work_dir)))
     number = sum(1 for _ in work_dir.glob("silent-*"))
     target = work_dir / f"silent-{number}-{path.name.removesuffix('.gz')}"
     ElementTree.ElementTree(root).write(target, encoding="utf-8", xml_declaration=True)

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cosim.commands import terminal
+from cosim.commands import apart, terminal
+from cosim.commands.apart import OWN_PROCESS
 from cosim.commands.options import Debug, Out, Settings
 from cosim.request import RunRequest, parse_settings
 
+COARSE_STEP_S = 0.2
+"""In a longer step a pedestrian goes further than his own radius [s]."""
+
+if TYPE_CHECKING:
+    from cosim.execution import Outcome
+
 
 def run(
+    context: typer.Context,
     scenario: Annotated[
         str,
         typer.Argument(
@@ -25,6 +35,10 @@ def run(
     duration_s: Annotated[
         float | None,
         typer.Option("--duration-s", metavar="S", help="Simulated time.", show_default="as the scenario"),
+    ] = None,
+    step_s: Annotated[
+        float | None,
+        typer.Option("--step-s", metavar="S", help="Simulation step.", show_default="as the scenario"),
     ] = None,
     actuation: Annotated[
         str | None,
@@ -66,17 +80,13 @@ def run(
     \b
     Exit codes: 0 good, 2 bad input, 3 the run went wrong after its first step.
     """
-    from cosim.commands.interruption import termination_interrupts
-    from cosim.commands.progress import shown_progress
-    from cosim.execution import execute
-    from cosim.summary import run_table
-
     request = RunRequest(
         scenario=scenario,
         controller=controller,
         seed=seed,
         settings=parse_settings(settings or []),
         duration_s=duration_s,
+        step_s=step_s,
         actuation=actuation,
         ego_route=tuple((ego_route or "").split()),
         ego_vehicle=ego_vehicle,
@@ -85,16 +95,62 @@ def run(
         gui=gui,
         out=out,
     )
+    if context.obj is OWN_PROCESS and not gui:
+        ended = apart.begin()
+        if isinstance(ended, apart.Ended):
+            return _tell_of_crash(ended) if ended.signal else ended.code
+        return _run(request, ended.tell)
+    return _run(request, lambda folder: None)
+
+
+def _tell_of_crash(ended: apart.Ended) -> int:
+    """Keep what was recorded and say what happened."""
+    from cosim.execution import salvage
+
+    reason = f"the simulation's process ended by {ended.signal}"
+    if not ended.told:
+        typer.echo(f"cosim: {reason} before its first step", err=True)
+        return 3
+    return _show(salvage(Path(ended.told), reason))
+
+
+def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
+    from cosim.commands.interruption import termination_interrupts
+    from cosim.commands.progress import shown_progress
+    from cosim.execution import execute
+
     with termination_interrupts(), shown_progress() as progress:
-        outcome = execute(request, progress)
+        outcome = execute(request, progress, begun)
+    return _show(outcome)
+
+
+def _show(outcome: Outcome) -> int:
+    from cosim.summary import run_table
+
     console = terminal.console()
     if outcome.row is not None:
         console.print(run_table(outcome.row, [("control over SUMO's step", _ratio(outcome.description))]))
     console.print(f"\nfiles: {outcome.folder}", soft_wrap=True)
+    step_s = float(outcome.description["step_s"])
+    if step_s > COARSE_STEP_S:
+        text = f"the step was {step_s:g} s; to judge conflicts takes 0.1 s or less: --step-s 0.1"
+        typer.echo(f"cosim: note: {text}", err=True)
+    _tell_mishaps(outcome.description)
     if outcome.invalid_reason:
         typer.echo(f"cosim: the run is not valid: {outcome.invalid_reason}", err=True)
         return 3
     return 0
+
+
+def _tell_mishaps(description: dict[str, Any]) -> None:
+    """Say in one line each what the coupling could not do as it should."""
+    given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
+    if given_up:
+        text = f"{len(given_up)} egos left their way and were handed back to SUMO's driver: {given_up[0]}"
+        typer.echo(f"cosim: note: {text}{', …' if len(given_up) > 1 else ''}", err=True)
+    if not_taken:
+        text = f"{len(not_taken)} cars of the share have routes that no ego can drive: {not_taken[0]}"
+        typer.echo(f"cosim: note: {text}{', …' if len(not_taken) > 1 else ''}", err=True)
 
 
 def _ratio(description: dict[str, Any]) -> str:

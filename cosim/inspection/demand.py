@@ -191,5 +191,8 @@ def _elements(path: Path) -> Iterator[ElementTree.Element]:
                 continue
             depth -= 1
             if depth == 1 and root is not None:
-                yield element
+                if element.tag == "include":
+                    yield from _elements(path.parent / element.get("href", ""))
+                else:
+                    yield element
                 root.clear()

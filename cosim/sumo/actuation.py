@@ -311,7 +311,7 @@ class Actuation:
         return tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :])
 
     def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
-        """Compare SUMO's route and lane with the ego's own, and set the rest of the route again if it changed.
+        """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
 
         Where SUMO takes no route that leads on from the lane on which it has the ego, the next step puts it
         back on its way first.

@@ -87,7 +87,7 @@ def own_limit(sumo: Any, name: str) -> float:
 
 
 def is_on_lane(sumo: Any, name: str) -> bool:
-    """Return whether a vehicle drives: it is neither parked beside its lane, nor waits at a stop for people."""
+    """Return whether a vehicle drives: neither parked nor waiting at a stop."""
     vehicle = sumo.vehicle
     return bool(vehicle.getLaneID(name)) and not vehicle.isStopped(name)
 

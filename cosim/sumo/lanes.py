@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 PAST_END = 1.0
-"""So far before or beyond a lane's ends SUMO takes a vehicle for one of that lane, if it is in the middle [m]."""
+"""So far before or beyond a lane's ends SUMO takes a vehicle in the middle for one of that lane [m]."""
 MIDDLE = 0.5
 """Offset from the lane's centre line up to which that holds [m]."""
 INSIDE_END = 0.01

@@ -1,0 +1,73 @@
+"""A command in a process of its own: if SUMO crashes, somebody is left to tell of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+OWN_PROCESS = "own process"
+"""Whether the command line has its process for itself; not so where a program calls it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How the process ended; what the one that began it gets."""
+
+    code: int
+    signal: str
+    """Name of the signal that ended it; empty where it ended by itself."""
+    told: str
+    """What it had told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """What the new process gets."""
+
+    pipe: int = -1
+
+    def tell(self, folder: Path) -> None:
+        """Leave word of where the run is recorded."""
+        if self.pipe >= 0:
+            os.write(self.pipe, str(folder.resolve()).encode())
+
+
+def begin() -> Inside | Ended:
+    """Go on in a new process; in the one that called, wait for its end and return how that was.
+
+    Where the system cannot copy a process, the command goes on in this one.
+    """
+    if not hasattr(os, "fork"):
+        return Inside()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reader)
+        return Inside(writer)
+    os.close(writer)
+    # Ctrl-C reaches every process of a terminal: the new one ends in good order, this one waits for it.
+    before = {number: signal.signal(number, _passed_to(child)) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with os.fdopen(reader, encoding="utf-8") as told:
+            text = told.read()
+        _, status = os.waitpid(child, 0)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    code = os.waitstatus_to_exitcode(status)
+    return Ended(code, signal.Signals(-code).name if code < 0 else "", text)
+
+
+def _passed_to(child: int) -> Callable[[int, FrameType | None], None]:
+    def handle(number: int, frame: FrameType | None) -> None:
+        if number == signal.SIGTERM:
+            os.kill(child, number)
+
+    return handle
