@@ -111,7 +111,7 @@ class Pedestrians:
     uncertainty: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Standard deviation of the position along either axis [m]; not given: zeros, the truth is known."""
     position: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    """In the world, (n, 2) [m]; without any the places along the route are all that is known."""
+    """In the world, (n, 2) [m]; not given: nan, only the places along the route are known."""
     velocity: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     """In the world, (n, 2) [m/s]."""
 
@@ -119,6 +119,9 @@ class Pedestrians:
         """Fill in what is not given."""
         if not len(self.uncertainty) and self.names:
             object.__setattr__(self, "uncertainty", np.zeros(len(self.names)))
+        for name in ("position", "velocity"):
+            if not len(getattr(self, name)) and self.names:
+                object.__setattr__(self, name, np.full((len(self.names), 2), np.nan))
 
     def __len__(self) -> int:
         return len(self.names)

@@ -37,7 +37,7 @@ def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tupl
     Their places in the world, where these are known: along the route those at a crossing are told in a frame
     of that crossing.
     """
-    if len(people.position) == len(people):
+    if not np.isnan(people.position).any():
         line = ego.heading - ego.heading_error
         cosine, sine = math.cos(line), math.sin(line)
         turn = np.array([[cosine, -sine], [sine, cosine]])

@@ -246,8 +246,8 @@ def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
         people.on_crossing[chosen],
         people.waiting[chosen],
         people.uncertainty[chosen],
-        people.position[chosen] if len(people.position) else people.position,
-        people.velocity[chosen] if len(people.velocity) else people.velocity,
+        people.position[chosen],
+        people.velocity[chosen],
     )
     return replace(perception, pedestrians=some)
 

@@ -133,7 +133,8 @@ class VelocityObstacleMpc:
         """
         plan = self._plan(perception, decision)
         seen = self._seen(perception)
-        return self._last_check.checked(seen, plan, self._planner(seen).may_enter(seen))
+        planner = self._planner(seen)
+        return self._last_check.checked(seen, plan, planner.may_enter(seen), planner.forecast)
 
     def _plan(self, perception: Perception, decision: Decision) -> Plan:
         perception = self._seen(perception)

@@ -82,7 +82,8 @@ class SpeedPlanner:
     """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
     solves: Memory = field(default_factory=Memory)
     """Of the speed programs."""
-    _forecast: Forecast | None = None
+    forecast: Forecast | None = None
+    """Of the present instant; ``None`` without a predictor."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
@@ -115,7 +116,7 @@ class SpeedPlanner:
         if self.predictor is not None:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
-            self._forecast = self.predictor.predict(perception, times)
+            self.forecast = self.predictor.predict(perception, times)
 
     def may_enter(self, perception: Perception) -> NDArray[np.bool_]:
         """Return who of the pedestrians may come into the way who is not there yet, shape (n,)."""
@@ -151,7 +152,7 @@ class SpeedPlanner:
             s.margin_across,
             float(times[-1]),
             s.assume,
-            self._forecast,
+            self.forecast,
         )
         task, because = self._task(perception, lane, leaving_for)
         best: Chosen | None = None

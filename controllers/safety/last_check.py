@@ -2,21 +2,23 @@
 
 Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
-enter the ego's way keep their velocities, the others stay where they are. A plan that would touch somebody is
-replaced by the least braking that does not, as late as that is possible. It is a safety net: how seldom it is
-needed says how good the plans are.
+enter the ego's way walk on as they do or as the predictor says, the others stay where they are. A plan that
+would touch somebody is replaced by the least braking that does not, as late as that is possible. It is a
+safety net: how seldom it is needed says how good the plans are.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import people_in_plane
+from controllers.driving.plane import people_in_plane, to_plane
 from controllers.interface import Command, FloatArray, Perception, Plan
+from controllers.prediction.forecast import Forecast
 from controllers.safety.rollout import SPACING, Course, Motion, braked, course, planned, poses
 
 SHIELDED = "shielded"
@@ -42,7 +44,13 @@ class LastCheck:
 
     held_since: float | None = None
 
-    def checked(self, perception: Perception, plan: Plan, may_enter: NDArray[np.bool_]) -> Plan:
+    def checked(
+        self,
+        perception: Perception,
+        plan: Plan,
+        may_enter: NDArray[np.bool_],
+        forecast: Forecast | None = None,
+    ) -> Plan:
         """Return the plan, or one that brakes where it would touch somebody.
 
         Parameters
@@ -52,23 +60,25 @@ class LastCheck:
         plan
             To be checked.
         may_enter
-            Who of the pedestrians keeps his velocity; the others stand, shape (n,).
+            Who of the pedestrians walks on; the others stand, shape (n,).
+        forecast
+            Where those are going who walk on; ``None``: they keep their velocities.
         """
         near = _near(perception)
         if not len(near):
             self.held_since = None
             return plan
-        people = _People(perception, near, may_enter)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
+        people = _people(perception, near, may_enter, forecast, times)
         path = course(perception, plan)
         starts = perception.ego.speed < STARTING
-        margin = self._margins(perception, people, path, times, starts)
+        margin = self._margins(perception, people, path, starts)
         if not starts:
             self.held_since = None
-        if not _touches(perception, people, path, planned(perception, plan, times), times, margin)[0]:
+        if not _touches(perception, people, path, planned(perception, plan, times), margin)[0]:
             return plan
         tried = np.array((MILD, *URGENT))
-        touches = _touches(perception, people, path, braked(perception, tried, times), times, margin)
+        touches = _touches(perception, people, path, braked(perception, tried, times), margin)
         if not touches[0] and not starts:
             return plan
         if starts and self.held_since is None:
@@ -77,12 +87,10 @@ class LastCheck:
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))
 
-    def _margins(
-        self, perception: Perception, people: _People, path: Course, times: FloatArray, starts: bool
-    ) -> FloatArray:
+    def _margins(self, perception: Perception, people: _People, path: Course, starts: bool) -> FloatArray:
         """Return the distance to each that counts as touching, shape (n,) [m]."""
         still = Motion(np.zeros((1, 1)), np.zeros((1, 1)))
-        now = _clearances(perception, people, path, still, times[:1])[0, 0]
+        now = _clearances(perception, people.at_first(), path, still)[0, 0]
         grazing: FloatArray = np.minimum(MARGIN, now - GRAZING)
         if not starts:
             return grazing
@@ -91,35 +99,61 @@ class LastCheck:
         return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
 
 
-class _People:
-    """The pedestrians that are checked, in the plane of the route frame."""
+class _People(NamedTuple):
+    """The pedestrians that are checked, in the plane of the route frame; n of them at K instants."""
 
-    def __init__(self, perception: Perception, near: NDArray[np.intp], may_enter: NDArray[np.bool_]) -> None:
-        places, velocities = people_in_plane(perception.ego, perception.road, perception.pedestrians)
-        self.places = places[near]
-        self.velocities = np.where(may_enter[near, None], velocities[near], 0.0)
-        self.radius = perception.pedestrians.radius[near]
+    x: FloatArray
+    """Shape (n, K) [m]."""
+    y: FloatArray
+    radius: FloatArray
+    """Of the disc, and how far from its place he may be, shape (n, K) [m]."""
+
+    def at_first(self) -> _People:
+        """Return them at the first instant."""
+        return _People(self.x[:, :1], self.y[:, :1], self.radius[:, :1])
+
+
+def _people(
+    perception: Perception,
+    near: NDArray[np.intp],
+    may_enter: NDArray[np.bool_],
+    forecast: Forecast | None,
+    times: FloatArray,
+) -> _People:
+    """Return where the pedestrians near the ego will be."""
+    people = perception.pedestrians
+    places, velocities = people_in_plane(perception.ego, perception.road, people)
+    walks, places, velocities = may_enter[near, None], places[near], velocities[near]
+    x, y = (places[:, i, None] + np.where(walks, velocities[:, i, None] * times, 0.0) for i in (0, 1))
+    radius = np.broadcast_to(people.radius[near, None], x.shape)
+    if forecast is None:
+        return _People(x, y, radius)
+    # What a forecast says about the way from here, in the frame of the road where each of them is.
+    there, here = forecast.at(times), forecast.at(np.zeros(1))
+    along, across = (there.along - here.along)[near], (there.across - here.across)[near]
+    _, heading = to_plane(perception.road, people.along[near], people.across[near])
+    cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+    return _People(
+        places[:, :1] + np.where(walks, along * cosine - across * sine, 0.0),
+        places[:, 1:] + np.where(walks, along * sine + across * cosine, 0.0),
+        radius + np.where(walks, there.reach[near], 0.0),
+    )
 
 
 def _near(perception: Perception) -> NDArray[np.intp]:
     """Return who the body could reach within the time looked ahead."""
     ego, people = perception.ego, perception.pedestrians
     reach = ego.body.length + (ego.speed + 3.0) * LOOKED_AHEAD
-    if len(people.position) == len(people):
-        x, y = people.position[:, 0] - ego.x, people.position[:, 1] - ego.y
-    else:
+    x, y = people.position[:, 0] - ego.x, people.position[:, 1] - ego.y
+    if np.isnan(x).any():
         x, y = people.along, people.across - ego.across
     return np.flatnonzero(np.hypot(x, y) < reach)
 
 
-def _clearances(
-    perception: Perception, people: _People, path: Course, motion: Motion, times: FloatArray
-) -> FloatArray:
+def _clearances(perception: Perception, people: _People, path: Course, motion: Motion) -> FloatArray:
     """Return the distances to the people, shape (K, m, n) [m]."""
     x, y, heading = poses(perception, path, motion)
-    moved = people.places[:, None, :] + people.velocities[:, None, :] * times[None, :, None]
-    radius = np.broadcast_to(people.radius[:, None], moved.shape[:2])
-    return disc_clearances(x, y, heading, perception.ego.body, moved[..., 0], moved[..., 1], radius)
+    return disc_clearances(x, y, heading, perception.ego.body, people.x, people.y, people.radius)
 
 
 def _touches(
@@ -127,11 +161,10 @@ def _touches(
     people: _People,
     path: Course,
     motion: Motion,
-    times: FloatArray,
     margin: FloatArray,
 ) -> NDArray[np.bool_]:
     """Return which variants of a motion touch somebody while they move, shape (m,)."""
-    near = (_clearances(perception, people, path, motion, times) < margin).any(axis=2)
+    near = (_clearances(perception, people, path, motion) < margin).any(axis=2)
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
 
 
