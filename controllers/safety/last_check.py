@@ -70,15 +70,17 @@ class LastCheck:
             return plan
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         people = _people(perception, near, may_enter, forecast, times)
-        path = course(perception, plan)
+        path, motion = course(perception, plan), planned(perception, plan, times)
+        clearance = _clearances(perception, people, path, motion)
         starts = perception.ego.speed < STARTING
-        margin = self._margins(perception, people, path, starts)
+        margin = self._margins(perception, clearance[0, 0], starts)
         if not starts:
             self.held_since = None
-        if not _touches(perception, people, path, planned(perception, plan, times), margin)[0]:
+        if not _touches(clearance, motion, margin)[0]:
             return plan
         tried = np.array((MILD, *URGENT))
-        touches = _touches(perception, people, path, braked(perception, tried, times), margin)
+        motion = braked(perception, tried, times)
+        touches = _touches(_clearances(perception, people, path, motion), motion, margin)
         if not touches[0] and not starts:
             return plan
         if starts and self.held_since is None:
@@ -87,10 +89,8 @@ class LastCheck:
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))
 
-    def _margins(self, perception: Perception, people: _People, path: Course, starts: bool) -> FloatArray:
-        """Return the distance to each that counts as touching, shape (n,) [m]."""
-        still = Motion(np.zeros((1, 1)), np.zeros((1, 1)))
-        now = _clearances(perception, people.at_first(), path, still)[0, 0]
+    def _margins(self, perception: Perception, now: FloatArray, starts: bool) -> FloatArray:
+        """Return the distance to each that counts as touching, from the present ones, shape (n,) [m]."""
         grazing: FloatArray = np.minimum(MARGIN, now - GRAZING)
         if not starts:
             return grazing
@@ -107,10 +107,6 @@ class _People(NamedTuple):
     y: FloatArray
     radius: FloatArray
     """Of the disc, and how far from its place he may be, shape (n, K) [m]."""
-
-    def at_first(self) -> _People:
-        """Return them at the first instant."""
-        return _People(self.x[:, :1], self.y[:, :1], self.radius[:, :1])
 
 
 def _people(
@@ -156,15 +152,16 @@ def _clearances(perception: Perception, people: _People, path: Course, motion: M
     return disc_clearances(x, y, heading, perception.ego.body, people.x, people.y, people.radius)
 
 
-def _touches(
-    perception: Perception,
-    people: _People,
-    path: Course,
-    motion: Motion,
-    margin: FloatArray,
-) -> NDArray[np.bool_]:
-    """Return which variants of a motion touch somebody while they move, shape (m,)."""
-    near = (_clearances(perception, people, path, motion) < margin).any(axis=2)
+def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArray[np.bool_]:
+    """Return which variants of a motion touch somebody while they move, shape (m,).
+
+    Parameters
+    ----------
+    clearance : to everybody, shape (K, m, n) [m]
+    motion : the variants
+    margin : distance that counts as touching, shape (n,) [m]
+    """
+    near = (clearance < margin).any(axis=2)
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
 
 
