@@ -120,6 +120,7 @@ class Actuation:
         self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
+        self._refusal: type[Exception] = getattr(connection, "TraCIException", Exception)
         self.routes_restored_of_all = 0
         """How often a route had to be set again, of all vehicles so far."""
 
@@ -335,7 +336,10 @@ class Actuation:
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
         if lane and fits:  # else again after the next step
-            vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            try:
+                vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            except self._refusal:
+                return  # it stays astray; who drives it decides for how long
             ego.route_id = vehicle.getRouteID(name)
             ego.routes_restored += 1
             self.routes_restored_of_all += 1

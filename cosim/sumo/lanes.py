@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 PAST_END = 1.0
-"""So far before or beyond a lane's ends SUMO takes a vehicle in the middle for one of that lane [m]."""
+"""So far before a lane's beginning SUMO takes a vehicle in the middle for one of that lane [m]."""
 MIDDLE = 0.5
 """Offset from the lane's centre line up to which that holds [m]."""
 INSIDE_END = 0.01
@@ -233,8 +233,9 @@ class Lanes:
         place = lane.place(x, y)
         aside = 0.5 * (lane.width + width) - TOUCH
         past = max(-place.along, place.along - lane.shape_length)
-        near_end = past <= PAST_END and abs(place.across) <= MIDDLE
-        if not astray and (near_end or (past <= 0.0 and abs(place.across) <= aside)):
+        # Beyond the last lane of its route SUMO gives it a longer one, which stops of the demand may forbid.
+        near_start = -PAST_END <= place.along < lane.shape_length and abs(place.across) <= MIDDLE
+        if not astray and (near_start or (past <= 0.0 and abs(place.across) <= aside)):
             return x, y, heading
         if lane.internal:
             aside = 0.5 * lane.width
