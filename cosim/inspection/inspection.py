@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.inspection import crossings, demand_findings, options, roads
+from cosim.inspection import crossings, demand_findings, geometry, options, roads
 from cosim.inspection.crossings import Counts
 from cosim.inspection.demand import Demand, read_demand
 from cosim.inspection.ego_routes import EgoRoute, passing, suggest
@@ -63,6 +63,9 @@ def inspect(path: Path) -> Inspection:
         roads.sidewalks(network, source.net_file),
         roads.permissions(network),
         crossings.crossings(network, counts, source.net_file),
+        *geometry.waiting_places(network),
+        *geometry.tight_bends(network),
+        *geometry.swept_walking_areas(network),
         crossings.ego_routes(routes, cars, bool(counts)),
         *crossings.impossible_routes(cars),
         demand_findings.vehicles(source, demand),

@@ -15,6 +15,7 @@ from cosim.errors import InputError
 from cosim.inspection.demand import CAR, names_files
 from cosim.inspection.inspection import Inspection
 from cosim.inspection.walks import Walk, walks_over
+from sumo_scenarios.private_copy import kept_options
 
 CONFIGURATION = "scenario.sumocfg"
 WARMUP_S = 60.0
@@ -128,7 +129,7 @@ def _configuration(found: Inspection, net: str, routes: list[str], additional: l
     source = found.source
     # A configuration's own step is kept where a run can have it.
     impossible = any(one.check == "step length" and one.level == "missing" for one in found.findings)
-    step_s = 0.1 if impossible else source.step_s
+    step_s = 0.1 if impossible or "step-length" not in source.options else source.step_s
     options = {"net-file": net, "route-files": ",".join(routes), "additional-files": ",".join(additional)}
     options |= {"begin": f"{source.begin_s:g}", "step-length": f"{step_s:g}"}
     if source.end_s is not None:
@@ -142,7 +143,7 @@ def _kept(options: Mapping[str, str]) -> dict[str, str]:
     """Return the options that neither name files nor belong to one run or its window."""
     return {
         key: value
-        for key, value in options.items()
+        for key, value in kept_options(options).items()
         if key not in (*_INPUTS, *_OF_THE_RUN) and not any(word in key for word in ("file", "output", "log"))
     }
 

@@ -30,6 +30,11 @@ DITHER = 0.002
 
 A move does not register the vehicle in the second lane that it reaches into, nor does a shift of nothing.
 """
+SIDEWAYS = 0.01
+"""SUMO's vehicles go no further sideways in a step than ahead, or so far [m].
+
+No car does; but where traffic keeps left, SUMO takes a moved vehicle for one on the other side of its lane.
+"""
 _BLIND_PARAMETERS = (("laneChangeModel.lcAccelLat", "1000"), ("laneChangeModel.lcSigma", "0"))
 _LATERAL_SPEED = 10.0
 
@@ -115,6 +120,7 @@ class Actuation:
         self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
+        self._refusal: type[Exception] = getattr(connection, "TraCIException", Exception)
         self.routes_restored_of_all = 0
         """How often a route had to be set again, of all vehicles so far."""
 
@@ -269,8 +275,11 @@ class Actuation:
         slowest, fastest = sorted((ego.speed, speed))
         if not 0.9 * slowest - 0.2 <= asked <= 1.1 * fastest + 0.2:
             return False
+        shift = across - vehicle.getLateralLanePosition(name)
+        if abs(shift) > max(asked, 0.0) * self._step + SIDEWAYS:
+            return False
+        shift += self._dither if ego.moved else 0.0
         ego.asked_speed = max(0.0, asked)  # a negative speed would hand the vehicle back to SUMO's driver
-        shift = across - vehicle.getLateralLanePosition(name) + (self._dither if ego.moved else 0.0)
         vehicle.setSpeed(name, ego.asked_speed)
         vehicle.changeSublane(name, shift)
         ego.moved = False
@@ -327,7 +336,10 @@ class Actuation:
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
         if lane and fits:  # else again after the next step
-            vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            try:
+                vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            except self._refusal:
+                return  # it stays astray; who drives it decides for how long
             ego.route_id = vehicle.getRouteID(name)
             ego.routes_restored += 1
             self.routes_restored_of_all += 1

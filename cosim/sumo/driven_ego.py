@@ -34,6 +34,8 @@ class DrivenEgo:
     travelled: float = 0.0
     intervention: bool = False
     handed_back: bool = False
+    astray_for: float = 0.0
+    """How long SUMO has had another route than the ego's own [s]."""
     given_up: bool = False
     """Handed back for good: it had left its way."""
     frame: Frame | None = None

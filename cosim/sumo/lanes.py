@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 PAST_END = 1.0
-"""So far before or beyond a lane's ends SUMO takes a vehicle in the middle for one of that lane [m]."""
+"""So far before a lane's beginning SUMO takes a vehicle in the middle for one of that lane [m]."""
 MIDDLE = 0.5
 """Offset from the lane's centre line up to which that holds [m]."""
 INSIDE_END = 0.01
@@ -180,12 +181,13 @@ class Lanes:
         if sides is None:
             right = left = 0.5 * lane.width
             for other in self.beside(lane, vehicle_class):
+                # Where traffic keeps left, lanes are counted from left to right.
                 if other.index == lane.index - 1:
                     right += other.width
                 elif other.index == lane.index + 1:
                     left += other.width
             sides = self._paved[key] = right, left
-        return 0.5 * width - sides[0] <= across <= sides[1] - 0.5 * width
+        return 0.5 * width - sides[0] <= self._upwards * across <= sides[1] - 0.5 * width
 
     def on_way(self, edge: str, route: tuple[str, ...]) -> bool:
         """Return whether an edge, perhaps one inside a junction, belongs to the next edges of a route."""
@@ -231,8 +233,9 @@ class Lanes:
         place = lane.place(x, y)
         aside = 0.5 * (lane.width + width) - TOUCH
         past = max(-place.along, place.along - lane.shape_length)
-        near_end = past <= PAST_END and abs(place.across) <= MIDDLE
-        if not astray and (near_end or (past <= 0.0 and abs(place.across) <= aside)):
+        # Beyond the last lane of its route SUMO gives it a longer one, which stops of the demand may forbid.
+        near_start = -PAST_END <= place.along < lane.shape_length and abs(place.across) <= MIDDLE
+        if not astray and (near_start or (past <= 0.0 and abs(place.across) <= aside)):
             return x, y, heading
         if lane.internal:
             aside = 0.5 * lane.width
@@ -246,6 +249,9 @@ class Lanes:
     ) -> tuple[float, float] | None:
         """Return SUMO's lane position and lateral position [m] that bring a vehicle of that lane to a point.
 
+        SUMO counts lateral positions, like its lanes, to the left where traffic keeps right, and to the right
+        where it keeps left.
+
         Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
         point of the road; so the point is then seen from the next lane. ``None`` if the two lanes disagree
         on whether the edge is passed.
@@ -258,15 +264,27 @@ class Lanes:
         x, y : the point [m]
         """
         if abs(place.across) <= 0.5 * lane.width:
-            return place.along * lane.scale, place.across
-        side = 1 if place.across > 0.0 else -1
+            return place.along * lane.scale, self._upwards * place.across
+        side = 1 if self._upwards * place.across > 0.0 else -1
         for other in self.beside(lane, vehicle_class):
             if other.index == lane.index + side:
                 there = other.place(x, y)
-                across = there.across + side * 0.5 * (lane.width + other.width)
+                across = self._upwards * there.across + side * 0.5 * (lane.width + other.width)
                 if abs(across) > 0.5 * lane.width:
                     return there.along * other.scale, across
         return None
+
+    @cached_property
+    def _upwards(self) -> float:
+        """1 where the lanes of an edge are counted to the left, −1 where they are counted to the right."""
+        edges = self._connection.edge
+        for edge in edges.getIDList():
+            if not edge.startswith(":") and edges.getLaneNumber(edge) > 1:
+                first, second = self.shape(f"{edge}_0"), self.shape(f"{edge}_1")
+                if first.shape_length > 1.0 and second.shape_length > 1.0:
+                    middle = second.point(0.5 * second.shape_length, 0.0)
+                    return math.copysign(1.0, first.place(*middle).across)
+        return 1.0
 
     def reach(
         self, start: LaneShape, route: tuple[str, ...], vehicle_class: str, x: float, y: float

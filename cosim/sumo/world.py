@@ -36,6 +36,8 @@ FloatArray = NDArray[np.float64]
 
 PLAN_INTERVAL = 0.1
 """Controllers are asked at most this often [s]."""
+PATIENCE = 5.0
+"""An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
 POSITION_TOLERANCE = 0.02
 """SUMO differs from the plant by an intervention when it is further off than this [m]."""
 SPEED_TOLERANCE = 0.1
@@ -302,7 +304,11 @@ class SumoWorld:
             slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
             astray = self._actuation.astray(ego.name)
             ego.intervention = astray or off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
-            self._off_the_way += self._actuation.strayed(ego.name) > 0.0
+            ego.astray_for = ego.astray_for + self.step if astray else 0.0
+            if ego.astray_for > PATIENCE:
+                self._give_up(ego)
+            else:
+                self._off_the_way += self._actuation.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         ego.track.update(*ego.front)

@@ -252,3 +252,20 @@ def test_importing_actuation_loads_no_sumo() -> None:
     program = "import sys, cosim.sumo.actuation; sys.exit('libsumo' in sys.modules or 'traci' in sys.modules)"
     root = Path(__file__).resolve().parents[3]
     assert subprocess.run([sys.executable, "-c", program], cwd=root, check=False).returncode == 0
+
+
+def test_an_ego_at_the_end_of_its_route_gets_no_longer_one() -> None:
+    # A stop of the demand on its first edge would end the simulation: it is not on the longer route.
+    demand = """<vehicle id="ego" type="ego" depart="0" departLane="1" departPos="100" departSpeed="10">
+        <route edges="wx"/><stop lane="wx_1" endPos="120" duration="5"/></vehicle>"""
+    with on_the_road("junction", demand) as sumo:
+        actuation = Actuation(sumo, 0.1)
+        actuation.take_over("ego")
+        begin = pose_of(sumo, "ego")
+        sumo.vehicle.replaceStop("ego", 0, "")
+        for number in range(1, 110):
+            actuation.drive("ego", begin.x + number, begin.y, 0.0, 10.0)
+            sumo.simulationStep()
+            actuation.executed("ego")
+            assert tuple(sumo.vehicle.getRoute("ego")) == ("wx",)
+        assert actuation.strayed("ego") > 5.0

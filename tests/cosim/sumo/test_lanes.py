@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+import subprocess
 from itertools import pairwise
+from pathlib import Path
 
+import libsumo
 import pytest
+import sumo
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cosim.sumo.actuation import Actuation
 from cosim.sumo.lanes import LaneShape
 
 
@@ -46,3 +51,29 @@ def test_of_a_lane_without_extent_every_point_is_beyond() -> None:
 def test_a_place_leads_back_to_its_point(along: float, across: float) -> None:
     place = BEND.place(*BEND.point(along, across))
     assert (place.along, place.across) == pytest.approx((along, across), abs=1e-9)
+
+
+@pytest.mark.sumo
+def test_lateral_positions_are_those_of_sumo_where_traffic_keeps_left(tmp_path: Path) -> None:
+    net = str(tmp_path / "left.net.xml")
+    netgenerate = str(Path(sumo.SUMO_HOME) / "bin" / "netgenerate")
+    options = ["--grid", "--grid.number=2", "--grid.length=200", "-L", "3", "--lefthand", "-o", net]
+    subprocess.run([netgenerate, *options], check=True, capture_output=True)
+    libsumo.start(["sumo", "-n", net, "--lateral-resolution", "0.4", "--step-length", "0.1"])
+    try:
+        libsumo.route.add("r", ["A0A1"])
+        libsumo.vehicle.add("ego", "r", departLane="1", departPos="20", departSpeed="10")
+        libsumo.simulationStep()
+        actuation = Actuation(libsumo, 0.1)
+        actuation.take_over("ego")
+        x, y = libsumo.vehicle.getPosition("ego")
+        for number in range(1, 121):
+            # A lane to the right, back, and a lane to the left: lanes are counted the other way round.
+            aside = 3.2 * math.sin(number / 120 * 2.0 * math.pi)
+            actuation.drive("ego", x + aside, y + number, 0.5 * math.pi, 10.0)
+            libsumo.simulationStep()
+            found = actuation.executed("ego")
+            assert math.dist((found.x, found.y), (x + aside, y + number)) < 0.02
+        assert actuation.moves("ego") < 10
+    finally:
+        libsumo.close()

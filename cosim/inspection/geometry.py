@@ -1,0 +1,201 @@
+"""Findings on where SUMO draws people and cars: waiting places, bends, and what a turning car sweeps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.inspection.finding import Finding, Level
+from cosim.inspection.ways import CAR, TURNAROUND
+from cosim.sumo.network import Connection, NetCrossing, Network
+from cosim.sumo.path import Path
+
+FloatArray = NDArray[np.float64]
+
+HALF_CAR = 0.9
+PERSON = 0.25
+"""Radius of a person [m]."""
+LENGTH, REAR_OVERHANG = 4.5, 0.95
+"""Of a passenger car [m]."""
+TIGHTEST = 3.8
+"""Radius that the middle of a passenger car's rear axle can drive: 2.6 m / tan 0.6 rad [m]."""
+OUTSIDE = 0.3
+"""SUMO's people wait so far before the crossing [m]."""
+STRIPE = 0.32
+"""Half of the lateral place that SUMO gives a person [m]."""
+SWEPT = 0.2
+"""A car that reaches less into a walking area than this does not count [m]."""
+_APPROACH = 12.0
+"""A way through a junction is looked at together with so much of the lanes before and behind it [m]."""
+
+
+def waiting_places(network: Network) -> list[Finding]:
+    """Say where people who wait for a crossing stand in the way of cars.
+
+    That is where the place of a waiting person is nearer to a car lane's centre line than half a car and the
+    person's radius, 1.15 m.
+    """
+    ends = [(name, end) for name in network.crossings for end in (0, -1)]
+    if not ends:
+        return []
+    lanes = _car_segments(network)
+    bad = [
+        name
+        for name, end in ends
+        if _nearest(waiting_at(network.crossings[name], end), lanes) < HALF_CAR + PERSON
+    ]
+    if not bad:
+        return [Finding("waiting places", Level.GOOD, f"none of {len(ends)} is in a car lane")]
+    text = (
+        f"{len(bad)} of {len(ends)} places where people wait for a crossing are in a car lane: at "
+        f"{_some(bad)}. SUMO draws these crossings shorter than the road is wide, and cars, SUMO's own too, "
+        "meet people there who only wait: give each <crossing> a shape from kerb to kerb (netedit), or judge "
+        "contacts with waiting people apart"
+    )
+    return [Finding("waiting places", Level.NOTE, text)]
+
+
+def waiting_at(crossing: NetCrossing, end: int) -> FloatArray:
+    """Return where people wait at one end of a crossing: right, middle and left, (3, 2) [m].
+
+    Parameters
+    ----------
+    crossing : from its first point to its last
+    end : 0 or −1
+    """
+    tip, inner = (crossing.axis[0], crossing.axis[1]) if end == 0 else (crossing.axis[-1], crossing.axis[-2])
+    outward = (tip - inner) / max(float(np.hypot(*(tip - inner))), 1e-9)
+    aside = max(0.5 * crossing.width - STRIPE, 0.0) * np.array([-outward[1], outward[0]])
+    return np.asarray(tip + OUTSIDE * outward + np.array([[-1.0], [0.0], [1.0]]) * aside)
+
+
+def tight_bends(network: Network) -> list[Finding]:
+    """Say which ways through junctions bend more than a passenger car can."""
+    ways = list(_turning(network))
+    if not ways:
+        return []
+    radii = {connection.via[0]: radius for connection, _, radius in ways}
+    bad = sorted((name for name, radius in radii.items() if radius < TIGHTEST), key=lambda name: radii[name])
+    if not bad:
+        return [Finding("bends", Level.GOOD, f"a car can drive all {len(radii)} ways through junctions")]
+    text = (
+        f"{len(bad)} of {len(radii)} ways through junctions bend more than a car can (radius below "
+        f"{TIGHTEST:g} m): {_some(bad)}, {radii[bad[0]]:.1f} m. An ego leaves its lane there: give the "
+        "junction a greater radius (netconvert --default.junctions.radius 8) or draw the lane wider (netedit)"
+    )
+    return [Finding("bends", Level.NOTE, text)]
+
+
+def swept_walking_areas(network: Network) -> list[Finding]:
+    """Say which ways take the body of a turning car over a walking area, where people stand."""
+    areas: dict[str, list[FloatArray]] = {}
+    for area in network.walking_areas.values():
+        areas.setdefault(area.name[1:].rpartition("_w")[0], []).append(area.outline)
+    if not areas:
+        return []
+    bad: list[str] = []
+    number = 0
+    for connection, path, _ in _turning(network):
+        number += 1
+        near = areas.get(connection.via[0][1:].rsplit("_", 2)[0], [])
+        body = swept(path)
+        if any(_inside(outline, body).any() for outline in near):
+            bad.append(connection.via[0])
+    if not bad:
+        return [Finding("swept paths", Level.GOOD, "no car that turns reaches over a walking area")]
+    text = (
+        f"on {len(bad)} of {number} ways through junctions the body of a car reaches over a walking area: "
+        f"{_some(bad)}. People who wait there are touched without leaving their place: give the junction a "
+        "greater radius, or judge contacts on walking areas apart"
+    )
+    return [Finding("swept paths", Level.NOTE, text)]
+
+
+def swept(path: Path) -> FloatArray:
+    """Return the corners of a car whose rear axle follows a path, 0.2 m inside its sides, (n, 2) [m]."""
+    along = np.asarray(path.along)
+    heading = np.asarray(path.heading)
+    middle = path.at(along, np.zeros(len(along)))
+    forward = np.column_stack([np.cos(heading), np.sin(heading)])
+    leftward = np.column_stack([-forward[:, 1], forward[:, 0]])
+    corners = [
+        middle + at * forward + side * (HALF_CAR - SWEPT) * leftward
+        for at in (-REAR_OVERHANG, 0.0, LENGTH - REAR_OVERHANG - SWEPT)
+        for side in (-1.0, 1.0)
+    ]
+    return np.concatenate(corners)
+
+
+def _turning(network: Network) -> Iterator[tuple[Connection, Path, float]]:
+    """Yield the ways of cars through junctions, their paths, and the smallest radius of each [m]."""
+    for source, connections in network.connections.items():
+        if source.startswith(":") or not network.lanes[source].permissions.allows(CAR):
+            continue
+        for one in connections:
+            if not one.via or one.direction == TURNAROUND or not network.passable(one, CAR):
+                continue
+            before = _last(network.lanes[source].shape, _APPROACH)
+            behind = _last(network.lanes[one.target].shape[::-1], _APPROACH)[::-1]
+            inner = [network.lanes[name].shape for name in one.via]
+            points = np.concatenate([before, *inner, behind])
+            apart = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 0.05])
+            if apart.sum() < 3:
+                continue
+            path = Path(points[apart])
+            yield one, path, 1.0 / max(float(np.abs(path.curvature).max()), 1e-6)
+
+
+def _last(shape: FloatArray, length: float) -> FloatArray:
+    """Return the last part of a shape, so long or a little more."""
+    pieces = np.hypot(*np.diff(shape, axis=0).T)
+    gone = np.cumsum(pieces[::-1])
+    count = int(np.searchsorted(gone, length)) + 1
+    if count > len(pieces):
+        return shape
+    start, end = shape[-count - 1], shape[-count]
+    rest = float(gone[count - 1]) - length
+    first = start + (end - start) * rest / max(float(pieces[-count]), 1e-9)
+    return np.concatenate([first[None, :], shape[-count:]])
+
+
+def _car_segments(network: Network) -> FloatArray:
+    """Return the pieces of all centre lines of car lanes, (n, 4) [m]."""
+    shapes = [lane.shape for lane in network.lanes.values() if lane.permissions.allows(CAR)]
+    return np.concatenate([np.zeros((0, 4)), *(np.hstack([shape[:-1], shape[1:]]) for shape in shapes)])
+
+
+def _nearest(points: FloatArray, segments: FloatArray) -> float:
+    """Return the smallest distance of any point from any piece [m]."""
+    if not len(segments):
+        return math.inf
+    start, way = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    square = np.maximum((way * way).sum(axis=1), 1e-12)
+    best = math.inf
+    for point in points:
+        share = np.clip(((point - start) * way).sum(axis=1) / square, 0.0, 1.0)
+        best = min(best, float(np.hypot(*(start + share[:, None] * way - point).T).min()))
+    return best
+
+
+def _inside(outline: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+    """Return which points are inside a polygon."""
+    inside = np.zeros(len(points), dtype=np.bool_)
+    for (x0, y0), (x1, y1) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if y0 == y1:
+            continue
+        between = (points[:, 1] >= min(y0, y1)) & (points[:, 1] < max(y0, y1))
+        inside ^= between & (points[:, 0] < x0 + (points[:, 1] - y0) * (x1 - x0) / (y1 - y0))
+    return inside
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return the first names, each once.
+
+    >>> _some(["a", "b", "b", "c", "d"])
+    'a, b, c, …'
+    """
+    different = list(dict.fromkeys(names))
+    return ", ".join(different[:3]) + (", …" if len(different) > 3 else "")
