@@ -103,7 +103,8 @@ study-roadside: $(VENV)/installed-papers
 	$(BIN)/python -m cosim.study_roadside runs/study-roadside docs/study-roadside.md
 
 study-solvers: $(VENV)/installed-bench
-	$(BIN)/cosim batch studies/solvers.toml --out runs/study-solvers --jobs $(JOBS)
+	$(BIN)/cosim batch studies/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)
+	$(BIN)/cosim batch studies/solvers_paper.toml --out runs/study-solvers/paper --jobs $(JOBS)
 	$(BIN)/python benchmarks/solver_study.py runs/study-solvers
 
 # 1: a controller fails a case, which is what the table is to show.

@@ -2,7 +2,8 @@
 
     python benchmarks/solver_study.py FOLDER
 
-FOLDER is that of the batch of ``studies/solvers.toml``; the table is printed as Markdown.
+FOLDER holds the batches of ``studies/solvers.toml`` and ``studies/solvers_paper.toml``; the table is printed
+as Markdown.
 """
 
 from __future__ import annotations

@@ -61,6 +61,7 @@ def private_configuration(configuration: SumoConfiguration, work_dir: Path) -> P
     ):
         if files:
             options[key] = ",".join(str(_silent(path.resolve(), work_dir)) for path in files)
+    work_dir.mkdir(parents=True, exist_ok=True)
     target = work_dir / "run.sumocfg"
     lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items()]
     target.write_text("<configuration>\n" + "\n".join(lines) + "\n</configuration>\n", encoding="utf-8")

@@ -135,6 +135,7 @@ def find(
     horizon: float,
     assume: PedestrianAssumptions,
     forecast: Forecast | None = None,
+    abreast: bool = True,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -155,6 +156,8 @@ def find(
     forecast
         Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
         assumed of somebody whose velocity does not say what he will do goes before it.
+    abreast
+        Whether those beside the body are in conflict too.
     """
     people = perception.pedestrians
     road = perception.road
@@ -178,7 +181,11 @@ def find(
         forecast = _with_assumptions(forecast, people, across_speed, assumed | ~enters)
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
-    chosen = passing_classes.by_entry(people.along, people.radius, enter, horizon, perception.ego.body.front)
+    body = perception.ego.body
+    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
+    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
+    begin = -body.rear_overhang - 0.5 if abreast else body.front
+    chosen = passing_classes.by_entry(people.along + people.radius, enter, horizon, begin)
     if not len(chosen):
         return _empty()
     stop = [road.crossings[c].stop_line if c >= 0 else np.inf for c in people.crossing[chosen].tolist()]

@@ -153,6 +153,9 @@ class SpeedPlanner:
             float(times[-1]),
             s.assume,
             self.forecast,
+            # Somebody beside the body can be passed neither behind, as the bumper is past him, nor ahead, as
+            # pulling forward would be a race. He is the last check's.
+            abreast=False,
         )
         task, because = self._task(perception, lane, leaving_for)
         best: Chosen | None = None

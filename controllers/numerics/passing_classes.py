@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def overlap(
@@ -26,25 +25,16 @@ def overlap(
     return enter, leave
 
 
-def by_entry(
-    along: FloatArray,
-    radius: FloatArray,
-    enter: FloatArray,
-    horizon: float,
-    front: float,
-) -> IntArray:
+def by_entry(foremost: FloatArray, enter: FloatArray, horizon: float, begin: float) -> IntArray:
     """Return who is in conflict, in the order of entry.
 
     Parameters
     ----------
-    along, radius, enter : of all pedestrians, shape (n,)
+    foremost, enter : along coordinate of each disc's far end, and time of entry, shape (n,) [m, s]
     horizon : later entries do not count [s]
-    front : from the rear axle to the front bumper [m]
+    begin : along coordinate before which nobody counts [m]
     """
-    # Somebody abreast of the body can be passed neither behind, as the bumper is past him, nor ahead, as
-    # pulling forward to be quicker than he is would be a race. He is the last check's. Farther back he cannot
-    # be hit by driving on.
-    chosen = np.flatnonzero((enter < horizon) & (along + radius >= front))
+    chosen = np.flatnonzero((enter < horizon) & (foremost >= begin))
     return chosen[np.argsort(enter[chosen], kind="mergesort")]
 
 
