@@ -4,7 +4,7 @@
 # make papers the papers' claims and figures     make study-papers  their methods in traffic
 # make protocols  every controller through the test protocols, and their table
 # make study-roadside  what a roadside unit buys where a bus hides people
-# make study-solvers   the same drives with five solvers
+# make study-solvers   the same drives with four solvers
 # make zoo  networks that nobody tuned for, hours; SEED=7: fresh ones; QUICK=1: a few of them, minutes
 # make screenshots     the pictures of a report and of a replay in docs/images
 # make docs            the documentation as a site: build/site/index.html
