@@ -200,14 +200,17 @@ class Lanes:
         key = (edge, onward)
         found = self._inside.get(key)
         if found is None:
-            ways: set[str] = set()
+            lanes: set[str] = set()
             for index in range(self._connection.edge.getLaneNumber(edge)):
                 for link in self.links(f"{edge}_{index}"):
-                    via = link.via if _edge(link.lane) == onward else ""
-                    while via and _edge(via) not in ways:
-                        ways.add(_edge(via))
-                        via = next((on.via for on in self.links(via)), "")
-            found = self._inside[key] = frozenset(ways)
+                    # Lanes of one edge inside a junction may go on in different edges.
+                    ahead = [link.via] if _edge(link.lane) == onward and link.via else []
+                    while ahead:
+                        via = ahead.pop()
+                        if via not in lanes:
+                            lanes.add(via)
+                            ahead += [on.via for on in self.links(via) if on.via]
+            found = self._inside[key] = frozenset(map(_edge, lanes))
         return found
 
     def placeable(

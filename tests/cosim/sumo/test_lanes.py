@@ -6,6 +6,7 @@ import math
 import subprocess
 from itertools import pairwise
 from pathlib import Path
+from typing import ClassVar
 
 import libsumo
 import pytest
@@ -14,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.sumo.actuation import Actuation
-from cosim.sumo.lanes import LaneShape
+from cosim.sumo.lanes import Lanes, LaneShape
 
 
 def lane(*points: tuple[float, float], length: float | None = None) -> LaneShape:
@@ -77,3 +78,34 @@ def test_lateral_positions_are_those_of_sumo_where_traffic_keeps_left(tmp_path: 
         assert actuation.moves("ego") < 10
     finally:
         libsumo.close()
+
+
+class _Junction:
+    """Two lanes of one edge inside a junction that go on in two others, as SUMO tells of them."""
+
+    LINKS: ClassVar[dict[str, list[tuple[str, str]]]] = {
+        "in_0": [("out_0", ":j_1_0")],
+        "in_1": [("out_1", ":j_1_1"), ("side_0", ":j_9_0")],
+        ":j_1_0": [("out_0", ":j_2_0")],
+        ":j_1_1": [("out_1", ":j_3_0")],
+        ":j_2_0": [("out_0", "")],
+        ":j_3_0": [("out_1", "")],
+        ":j_9_0": [("side_0", "")],
+    }
+
+    def __init__(self) -> None:
+        self.lane = self.edge = self
+
+    def getLinks(self, lane: str) -> list[tuple[str, bool, bool, bool, str]]:
+        return [(target, True, True, False, via) for target, via in self.LINKS[lane]]
+
+    def getLaneNumber(self, edge: str) -> int:
+        return 2
+
+
+def test_the_edges_inside_a_junction_are_those_of_all_lanes() -> None:
+    lanes = Lanes(_Junction())
+    assert lanes.inside("in", "out") == {":j_1", ":j_2", ":j_3"}
+    assert lanes.on_way(":j_3", ("in", "out"))
+    assert not lanes.on_way(":j_9", ("in", "out"))
+    assert lanes.on_way("out", ("in", "out"))
