@@ -165,10 +165,7 @@ def find(
     if n == 0:
         return _empty()
     watch.look(perception, assume)
-    across_speed, enters, assumed = _expected_motion(perception, watch, assume)
-    if forecast is not None:
-        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
-        enters |= on_road.any(axis=1) & (people.crossing < 0)
+    across_speed, enters, assumed = _expected_motion(perception, watch, assume, forecast)
     # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
     # is he counts.
     across_speed = np.where(enters, across_speed, 0.0)
@@ -205,7 +202,7 @@ def find(
 
 
 def _expected_motion(
-    perception: Perception, watch: Watch, assume: PedestrianAssumptions
+    perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
 ) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
     """Return the expected speed across the path, who may enter it, and whose speed is assumed."""
     people = perception.pedestrians
@@ -236,14 +233,20 @@ def _expected_motion(
         else:
             outside = across[i] > road.left_edge + KERB or across[i] < road.right_edge - KERB
             considered[i] = not (outside and abs(speed[i]) < 0.5)
-    return np.array(speed), np.array(considered), np.array(assumed)
+    enters = np.array(considered)
+    if forecast is not None:
+        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
+        enters |= on_road.any(axis=1) & (people.crossing < 0)
+    return np.array(speed), enters, np.array(assumed)
 
 
-def who_may_enter(perception: Perception, watch: Watch, assume: PedestrianAssumptions) -> NDArray[np.bool_]:
+def who_may_enter(
+    perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
+) -> NDArray[np.bool_]:
     """Return who may come into the way who is not there yet; the others count where they are, shape (n,)."""
     if not len(perception.pedestrians):
         return np.zeros(0, dtype=np.bool_)
-    return _expected_motion(perception, watch, assume)[1]
+    return _expected_motion(perception, watch, assume, forecast)[1]
 
 
 def _with_assumptions(

@@ -120,7 +120,7 @@ class SpeedPlanner:
 
     def may_enter(self, perception: Perception) -> NDArray[np.bool_]:
         """Return who of the pedestrians may come into the way who is not there yet, shape (n,)."""
-        return passing.who_may_enter(perception, self._watch, self.settings.assume)
+        return passing.who_may_enter(perception, self._watch, self.settings.assume, self.forecast)
 
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
@@ -181,8 +181,12 @@ class SpeedPlanner:
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
         """Return the plan for one passing class, with its steering where that was planned too."""
-        plan = self._solve(self._bounded(perception, task, conflicts, behind))
-        return self._priced(perception, task, conflicts, behind, plan), None
+        bounded = self._bounded(perception, task, conflicts, behind)
+        plan = self._solve(bounded)
+        if not len(conflicts) or not plan.found:
+            return plan, None
+        lower = self._class_bounds(perception, task, conflicts).lower[behind]
+        return self._priced(plan, float(np.maximum(lower - bounded.upper, 0.0).max())), None
 
     def _solve(self, task: SpeedTask) -> SpeedPlan:
         """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
@@ -345,22 +349,11 @@ class SpeedPlanner:
             stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),
         )
 
-    def _priced(
-        self,
-        perception: Perception,
-        task: SpeedTask,
-        conflicts: passing.Conflicts,
-        behind: int,
-        plan: SpeedPlan,
-    ) -> SpeedPlan:
-        """Return a plan whose cost and slack hold what its class asks for beyond people and vehicles."""
-        if not len(conflicts) or not plan.found:
-            return plan
-        bounds, w = self._class_bounds(perception, task, conflicts), self.program.weights
-        upper = np.minimum(task.upper, bounds.upper[behind])
-        short = float(np.maximum(bounds.lower[behind] - upper, 0.0).max())
+    def _priced(self, plan: SpeedPlan, short: float) -> SpeedPlan:
+        """Return a plan whose cost and slack hold by how much its class asks for too much [m]."""
         if short == 0.0:
             return plan
+        w = self.program.weights
         price = w.violation * short + w.violation_squared * short**2
         return plan._replace(cost=plan.cost + price, slack=max(plan.slack, short))
 

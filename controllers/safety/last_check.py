@@ -119,20 +119,22 @@ def _people(
     """Return where the pedestrians near the ego will be."""
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
-    walks, places, velocities = may_enter[near, None], places[near], velocities[near]
-    x, y = (places[:, i, None] + np.where(walks, velocities[:, i, None] * times, 0.0) for i in (0, 1))
-    radius = np.broadcast_to(people.radius[near, None], x.shape)
     if forecast is None:
-        return _People(x, y, radius)
-    # What a forecast says about the way from here, in the frame of the road where each of them is.
-    there, here = forecast.at(times), forecast.at(np.zeros(1))
-    along, across = (there.along - here.along)[near], (there.across - here.across)[near]
-    _, heading = to_plane(perception.road, people.along[near], people.across[near])
-    cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        gone = velocities[near, :, None] * times
+        reach = np.zeros((len(near), len(times)))
+    else:
+        # What a forecast says about the way from here, in the frame of the road where each of them is.
+        there, here = forecast.at(times), forecast.at(np.zeros(1))
+        along, across = (there.along - here.along)[near], (there.across - here.across)[near]
+        _, heading = to_plane(perception.road, people.along[near], people.across[near])
+        cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
+        reach = there.reach[near]
+    walks = may_enter[near, None]
     return _People(
-        places[:, :1] + np.where(walks, along * cosine - across * sine, 0.0),
-        places[:, 1:] + np.where(walks, along * sine + across * cosine, 0.0),
-        radius + np.where(walks, there.reach[near], 0.0),
+        places[near, :1] + np.where(walks, gone[:, 0], 0.0),
+        places[near, 1:] + np.where(walks, gone[:, 1], 0.0),
+        people.radius[near, None] + np.where(walks, reach, 0.0),
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR, TURNAROUND
+from cosim.sensing.sight import distance_to_pieces
 from cosim.sumo.network import Connection, NetCrossing, Network
 from cosim.sumo.path import Path
 
@@ -171,13 +172,7 @@ def _nearest(points: FloatArray, segments: FloatArray) -> float:
     """Return the smallest distance of any point from any piece [m]."""
     if not len(segments):
         return math.inf
-    start, way = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    square = np.maximum((way * way).sum(axis=1), 1e-12)
-    best = math.inf
-    for point in points:
-        share = np.clip(((point - start) * way).sum(axis=1) / square, 0.0, 1.0)
-        best = min(best, float(np.hypot(*(start + share[:, None] * way - point).T).min()))
-    return best
+    return min((distance_to_pieces(x, y, segments) for x, y in points.tolist()), default=math.inf)
 
 
 def _inside(outline: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
