@@ -139,6 +139,7 @@ ENCOUNTERS = Table(
         _at_least_0(
             "clearance_min_m", "m", "smallest distance with the ego moving and the pedestrian on the road"
         ),
+        _at_least_0("close_pass_speed_mps", "m/s", "highest speed of the ego while nearer than close_pass_m"),
         _at_least_0("dce_m", "m", "smallest predicted distance of closest encounter"),
         _at_least_0("ttce_s", "s", "predicted time to it"),
         _at_least_0("drac_max_mps2", "m/s^2", "largest deceleration needed to avoid the collision"),
@@ -330,6 +331,7 @@ RUNS = Table(
         _at_least_0("clearance_min_m", "m", "smallest clearance"),
         _at_least_0("clearance_p01_m", "m", "1st percentile of the encounters' clearance"),
         _at_least_0("clearance_p05_m", "m", "5th percentile of the encounters' clearance"),
+        _count("n_close_passes", "encounters passed too close and too fast", required=True),
         _at_least_0("max_decel_mps2", "m/s^2", "largest deceleration of any step", required=True),
         _count("n_hard_brake", "hard braking manoeuvres", required=True),
         _at_least_0("p95_abs_jerk_mps3", "m/s^3", "95th percentile of the jerk over all steps"),

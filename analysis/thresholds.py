@@ -33,6 +33,9 @@ class Thresholds:
     """An ego at or below it stands: it is no hazard, and a touch is not a collision."""
     moving_speed_mps: float = 0.5
     """Clearance and k are taken only while the ego is faster."""
+    close_pass_m: float = 0.5
+    close_pass_speed_mps: float = 3.0
+    """Who is passed faster than this nearer than that is passed too close."""
     pedestrian_standing_speed_mps: float = 0.3
     contact_separation_s: float = 2.0
     """Contacts of one pair closer in time are one collision."""

@@ -29,6 +29,7 @@ _LINES = (
     ("minimum TTC [s]", "min_ttc_s", "{:.2f}"),
     ("encounters with TTC < 1.5 s", "n_ttc_lt_1p5", "{:.0f}"),
     ("minimum PET [s]", "min_pet_s", "{:.2f}"),
+    ("passes within 0.5 m above 3 m/s", "n_close_passes", "{:.0f}"),
     ("largest deceleration [m/s²]", "max_decel_mps2", "{:.2f}"),
     ("95th percentile of jerk [m/s³]", "p95_abs_jerk_mps3", "{:.2f}"),
     ("mean delay of an ego against free flow [s]", "ego_delay_mean_s", "{:.1f}"),

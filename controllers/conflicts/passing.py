@@ -46,6 +46,8 @@ class PedestrianAssumptions:
     """With which the ego passes somebody who lets it go [m/s]."""
     waiting_below: float = 0.5
     """A slower ego waits [m/s]."""
+    waiting_within: float = 15.0
+    """For people so far ahead of its rear axle [m]."""
 
 
 @dataclass(slots=True)
@@ -67,12 +69,19 @@ class Watch:
         passed = min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
-        speeds = zip(people.along_speed.tolist(), people.across_speed.tolist(), strict=True)
-        for name, (along, across) in zip(people.names, speeds, strict=True):
+        movements = zip(
+            people.names,
+            people.along.tolist(),
+            people.along_speed.tolist(),
+            people.across_speed.tolist(),
+            strict=True,
+        )
+        for name, at, along, across in movements:
             if abs(across) > assume.standing_below:
                 self.heading[name] = math.copysign(1.0, across)
             if math.hypot(along, across) <= assume.standing_below:
-                waits = passed if ego.speed < assume.waiting_below else 0.0
+                before = ego.speed < assume.waiting_below and at < assume.waiting_within
+                waits = passed if before else 0.0
                 waited[name] = self.waited.get(name, 0.0) + waits
         self.waited = waited
         self.longest_wait = max(waited.values(), default=0.0)
@@ -92,6 +101,17 @@ class Watch:
     def lets_go_first(self, name: str, assume: PedestrianAssumptions) -> bool:
         """Return whether somebody has stood so long before a waiting ego that it may go."""
         return self.waited.get(name, 0.0) >= assume.patience
+
+
+class Expectation(NamedTuple):
+    """What is expected of everybody in a perception, arrays of length n."""
+
+    across_speed: FloatArray
+    """Across the path; 0 for those who are not expected to enter it [m/s]."""
+    enters: NDArray[np.bool_]
+    """Who may come into the way who is not there yet; the others count where they are."""
+    assumed: NDArray[np.bool_]
+    """Whose speed is assumed, because their movement does not say what they will do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,12 +150,13 @@ class Conflicts:
 def find(
     perception: Perception,
     watch: Watch,
-    band: tuple[float, float],
+    band: tuple[float | FloatArray, float | FloatArray],
     side_margin: float,
     horizon: float,
     assume: PedestrianAssumptions,
     forecast: Forecast | None = None,
     abreast: bool = True,
+    clearance: FloatArray | None = None,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -146,7 +167,7 @@ def find(
     watch
         What is remembered of the pedestrians; updated here.
     band
-        Right and left end of what the ego's body sweeps (across) [m].
+        Right and left end of what the ego's body sweeps (across), for all or for each of them [m].
     side_margin
         Added to the disc on both sides [m].
     horizon
@@ -158,17 +179,18 @@ def find(
         assumed of somebody whose velocity does not say what he will do goes before it.
     abreast
         Whether those beside the body are in conflict too.
+    clearance
+        How near the true body comes to those who are not expected to enter, shape (n,); ``None``: their
+        distance to the band decides [m].
     """
     people = perception.pedestrians
     road = perception.road
     n = len(people)
     if n == 0:
         return _empty()
-    watch.look(perception, assume)
-    across_speed, enters, assumed = _expected_motion(perception, watch, assume, forecast)
+    across_speed, enters, assumed = expected(perception, watch, assume, forecast)
     # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
     # is he counts.
-    across_speed = np.where(enters, across_speed, 0.0)
     margin = np.where(enters, side_margin, OCCUPIED)
     low = band[0] - people.radius - margin
     high = band[1] + people.radius + margin
@@ -178,6 +200,9 @@ def find(
         forecast = _with_assumptions(forecast, people, across_speed, assumed | ~enters)
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
+    if clearance is not None:
+        enter = np.where(enters, enter, np.where(clearance < OCCUPIED, 0.0, np.inf))
+        leave = np.where(enters, leave, np.inf)
     body = perception.ego.body
     # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
     # would be first in the order and nobody ahead could be let pass without letting him pass as well.
@@ -201,10 +226,11 @@ def find(
     )
 
 
-def _expected_motion(
+def expected(
     perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
-) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return the expected speed across the path, who may enter it, and whose speed is assumed."""
+) -> Expectation:
+    """Return what is expected of everybody; the arguments are those of :func:`find`."""
+    watch.look(perception, assume)
     people = perception.pedestrians
     road = perception.road
     speed = people.across_speed.tolist()
@@ -213,18 +239,16 @@ def _expected_motion(
     considered, assumed = [True] * len(people), [False] * len(people)
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
         crossing = road.crossings[at] if at >= 0 else None
-        if on_crossing[i]:
-            stands = abs(speed[i]) < assume.standing_below
-            if stands and name in watch.heading and not watch.lets_go_first(name, assume):
+        if watch.lets_go_first(name, assume):
+            considered[i] = False
+        elif on_crossing[i]:
+            if abs(speed[i]) < assume.standing_below and name in watch.heading:
                 speed[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True
         elif waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
             pace = math.hypot(along_speed[i], speed[i])
-            stays = pace < assume.standing_below and (
-                not assume.yield_to_standing or watch.lets_go_first(name, assume)
-            )
-            if not has_priority or stays:
+            if not has_priority or (pace < assume.standing_below and not assume.yield_to_standing):
                 considered[i] = False
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.
@@ -232,21 +256,14 @@ def _expected_motion(
                 assumed[i] = True
         else:
             outside = across[i] > road.left_edge + KERB or across[i] < road.right_edge - KERB
-            considered[i] = not (outside and abs(speed[i]) < 0.5)
-    enters = np.array(considered)
+            if abs(speed[i]) < (0.5 if outside else assume.standing_below):
+                # Who stands on the road on his way across goes on; who never walked across it stays there.
+                considered[i] = not outside and name in watch.heading
+    enters = np.array(considered, dtype=np.bool_)
     if forecast is not None:
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
         enters |= on_road.any(axis=1) & (people.crossing < 0)
-    return np.array(speed), enters, np.array(assumed)
-
-
-def who_may_enter(
-    perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
-) -> NDArray[np.bool_]:
-    """Return who may come into the way who is not there yet; the others count where they are, shape (n,)."""
-    if not len(perception.pedestrians):
-        return np.zeros(0, dtype=np.bool_)
-    return _expected_motion(perception, watch, assume, forecast)[1]
+    return Expectation(np.where(enters, speed, 0.0), enters, np.array(assumed, dtype=np.bool_))
 
 
 def _with_assumptions(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from controllers.conflicts import passing
 from controllers.conflicts.collision_cone import ConeSettings, Outline
 from controllers.conflicts.velocity_obstacle import Cone
+from controllers.driving import place_in_lane
 from controllers.driving.blocked_lanes import BlockedLanes
 from controllers.driving.lane_decision import ChangeSettings, LaneDecision
 from controllers.driving.lane_manoeuvre import LaneManoeuvre
@@ -114,7 +115,6 @@ class VelocityObstacleMpc:
         """Apply the decision rules on the neighbour gaps; see :mod:`controllers.driving.lane_decision`."""
         perception = self._seen(perception)
         planner = self._planner(perception)
-        planner.look(perception, self._waiting_place(perception))
         self._kept = None
 
         def cost(lane: Lane) -> float:
@@ -134,7 +134,7 @@ class VelocityObstacleMpc:
         plan = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        return self._last_check.checked(seen, plan, planner.may_enter(seen), planner.forecast)
+        return self._last_check.checked(seen, plan, planner.may_enter, planner.forecast)
 
     def _plan(self, perception: Perception, decision: Decision) -> Plan:
         perception = self._seen(perception)
@@ -172,10 +172,17 @@ class VelocityObstacleMpc:
         return Solves(self.settings.solver.name, *self._tally.take())
 
     def _seen(self, perception: Perception) -> Perception:
-        """Return the perception with blocked lanes told as ending; worked out once per plan."""
+        """Return the perception as it is planned on; worked out once per plan.
+
+        Blocked lanes are told as ending, and the own lane's centre line keeps away from people beside it.
+        """
         if self._view is None or self._view[0] is not perception:
-            seen = with_margins(perception, self.settings.passing.uncertainty_gain)
-            self._view = (perception, self._blocked.look(seen))
+            seen = self._blocked.look(with_margins(perception, self.settings.passing.uncertainty_gain))
+            planner = self._planner(seen)
+            planner.look(seen, self._waiting_place(seen))
+            if not self._lanes.running:
+                seen = place_in_lane.look(seen, ~planner.may_enter)
+            self._view = (perception, seen)
         return self._view[1]
 
     def _waiting_place(self, perception: Perception) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import occlusion, passing
+from controllers.conflicts import bystanders, occlusion, passing
 from controllers.conflicts.occlusion import HiddenPedestrian
 from controllers.driving import road_profile, traffic
 from controllers.driving.plan_memory import PlanMemory
@@ -33,6 +33,8 @@ CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
 deceleration [m/s^2], plus this [m/s]."""
 SLOWING_FOR_THE_ROAD = 1.5
 """Deceleration with which limits and bends ahead are met [m/s^2]."""
+SpeedLimit = tuple[FloatArray, FloatArray]
+"""Positions of the rear axle, and the speed allowed there [m, m/s]."""
 FORECAST_SPACING = 0.1
 """How finely a predictor is asked; in between people go straight on [s]."""
 
@@ -84,6 +86,8 @@ class SpeedPlanner:
     """Of the speed programs."""
     forecast: Forecast | None = None
     """Of the present instant; ``None`` without a predictor."""
+    may_enter: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    """Who of the pedestrians may come into the way who is not there yet, shape (n,)."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
@@ -117,10 +121,8 @@ class SpeedPlanner:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
             self.forecast = self.predictor.predict(perception, times)
-
-    def may_enter(self, perception: Perception) -> NDArray[np.bool_]:
-        """Return who of the pedestrians may come into the way who is not there yet, shape (n,)."""
-        return passing.who_may_enter(perception, self._watch, self.settings.assume, self.forecast)
+        expected = passing.expected(perception, self._watch, self.settings.assume, self.forecast)
+        self.may_enter = expected.enters
 
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
@@ -145,10 +147,13 @@ class SpeedPlanner:
             How long the vehicles ahead in the present lane still count when another lane is the target [s].
         """
         s, times = self.settings, self.memory.times
+        beside = self._bystanders(perception, lane)
+        right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
+        band = _swept(perception, lane)
         conflicts = passing.find(
             perception,
             self._watch,
-            _swept(perception, lane),
+            (band[0] - right, band[1] + left),
             s.margin_across,
             float(times[-1]),
             s.assume,
@@ -156,8 +161,10 @@ class SpeedPlanner:
             # Somebody beside the body can be passed neither behind, as the bumper is past him, nor ahead, as
             # pulling forward would be a race. He is the last check's.
             abreast=False,
+            clearance=None if beside is None else beside.least(len(perception.pedestrians)),
         )
-        task, because = self._task(perception, lane, leaving_for)
+        slowly = None if beside is None else beside.speed_limit(conflicts.index)
+        task, because = self._task(perception, lane, leaving_for, slowly)
         best: Chosen | None = None
         best_cost = np.inf
         flips = self._flips(conflicts)
@@ -264,8 +271,10 @@ class SpeedPlanner:
             flips.append(flips[-1] + (one is not None) * (1 if one else -1))
         return flips
 
-    def _task(self, perception: Perception, lane: Lane | None, leaving_for: float) -> tuple[SpeedTask, str]:
-        """Return the speed task without pedestrians, and who bounds the position apart from them."""
+    def _task(
+        self, perception: Perception, lane: Lane | None, leaving_for: float, beside: SpeedLimit | None
+    ) -> tuple[SpeedTask, str]:
+        """Return the speed task without people in conflict, and who bounds the position apart from them."""
         s, ego, front = self.settings, perception.ego, perception.ego.body.front
         times, limits = self.memory.times, self.program.limits
         positions, expected = self.memory.expected(ego)
@@ -284,11 +293,11 @@ class SpeedPlanner:
         for along in self._watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
-        unseen = occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)
-        if unseen is not None:
-            slow = occlusion.reached(*unseen, positions, SLOWING_FOR_THE_ROAD)
-            reference = np.minimum(reference, slow)
-            ceiling = np.minimum(ceiling, occlusion.reached(*unseen, positions, CEILING_BRAKING))
+        for limit in (beside, occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)):
+            if limit is not None:
+                slow = occlusion.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
+                reference = np.minimum(reference, slow)
+                ceiling = np.minimum(ceiling, occlusion.reached(*limit, positions, CEILING_BRAKING))
         task = SpeedTask(
             speed=ego.speed,
             acceleration=ego.acceleration,
@@ -302,6 +311,12 @@ class SpeedPlanner:
             headway=headway,
         )
         return task, stop or ahead.name
+
+    def _bystanders(self, perception: Perception, lane: Lane | None) -> bystanders.Bystanders | None:
+        """Return how near the body comes to those beside its way into a lane."""
+        way = (self.memory.times, self.memory.expected(perception.ego)[0])
+        offset = lane.offset if lane is not None else 0.0
+        return bystanders.bystanders(perception, offset, way, self.may_enter, self.forecast)
 
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
         """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""

@@ -10,14 +10,13 @@ safety net: how seldom it is needed says how good the plans are.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import people_in_plane, to_plane
 from controllers.interface import Command, FloatArray, Perception, Plan
+from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
 from controllers.safety.rollout import SPACING, Course, Motion, braked, course, planned, poses
 
@@ -69,7 +68,7 @@ class LastCheck:
             self.held_since = None
             return plan
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        people = _people(perception, near, may_enter, forecast, times)
+        people = discs(perception, near, may_enter, forecast, times)
         path, motion = course(perception, plan), planned(perception, plan, times)
         clearance = _clearances(perception, people, path, motion)
         starts = perception.ego.speed < STARTING
@@ -99,45 +98,6 @@ class LastCheck:
         return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
 
 
-class _People(NamedTuple):
-    """The pedestrians that are checked, in the plane of the route frame; n of them at K instants."""
-
-    x: FloatArray
-    """Shape (n, K) [m]."""
-    y: FloatArray
-    radius: FloatArray
-    """Of the disc, and how far from its place he may be, shape (n, K) [m]."""
-
-
-def _people(
-    perception: Perception,
-    near: NDArray[np.intp],
-    may_enter: NDArray[np.bool_],
-    forecast: Forecast | None,
-    times: FloatArray,
-) -> _People:
-    """Return where the pedestrians near the ego will be."""
-    people = perception.pedestrians
-    places, velocities = people_in_plane(perception.ego, perception.road, people)
-    if forecast is None:
-        gone = velocities[near, :, None] * times
-        reach = np.zeros((len(near), len(times)))
-    else:
-        # What a forecast says about the way from here, in the frame of the road where each of them is.
-        there, here = forecast.at(times), forecast.at(np.zeros(1))
-        along, across = (there.along - here.along)[near], (there.across - here.across)[near]
-        _, heading = to_plane(perception.road, people.along[near], people.across[near])
-        cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
-        gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
-        reach = there.reach[near]
-    walks = may_enter[near, None]
-    return _People(
-        places[near, :1] + np.where(walks, gone[:, 0], 0.0),
-        places[near, 1:] + np.where(walks, gone[:, 1], 0.0),
-        people.radius[near, None] + np.where(walks, reach, 0.0),
-    )
-
-
 def _near(perception: Perception) -> NDArray[np.intp]:
     """Return who the body could reach within the time looked ahead."""
     ego, people = perception.ego, perception.pedestrians
@@ -148,7 +108,7 @@ def _near(perception: Perception) -> NDArray[np.intp]:
     return np.flatnonzero(np.hypot(x, y) < reach)
 
 
-def _clearances(perception: Perception, people: _People, path: Course, motion: Motion) -> FloatArray:
+def _clearances(perception: Perception, people: Discs, path: Course, motion: Motion) -> FloatArray:
     """Return the distances to the people, shape (K, m, n) [m]."""
     x, y, heading = poses(perception, path, motion)
     return disc_clearances(x, y, heading, perception.ego.body, people.x, people.y, people.radius)

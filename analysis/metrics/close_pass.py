@@ -1,0 +1,32 @@
+"""Close pass: the highest speed of the ego while it is nearer than close_pass_m to the pedestrian.
+
+Counted for a run are the encounters in which it is above close_pass_speed_mps, contacts among them.
+
+Undefined: empty where the ego never is that near.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.case import Case, Values
+
+SCOPE = "encounter"
+UNIT = "m/s"
+WORSE = "higher"
+SOURCE = "own definition"
+COLUMNS = ("close_pass_speed_mps",)
+RUN_COLUMNS = ("n_close_passes",)
+
+
+def compute(case: Case) -> Values:
+    """Return the highest speed."""
+    samples = case.samples
+    near = samples.clearance < case.thresholds.close_pass_m
+    return {"close_pass_speed_mps": samples.largest(np.where(near, samples.ego_speed, -np.inf))[0]}
+
+
+def summarise(case: Case, columns: Values) -> Values:
+    """Return the number of close passes."""
+    fast = np.asarray(columns["close_pass_speed_mps"]) > case.thresholds.close_pass_speed_mps
+    return {"n_close_passes": int(np.count_nonzero(fast))}

@@ -1,0 +1,150 @@
+"""People who stay beside the way: how near the body comes to them, and how fast it may pass.
+
+The body is laid along the way into a lane, with all four corners on the true curve of the road. Whoever is
+not expected to enter that way is a disc where he will be when the body gets there. The nearer it comes to
+him, the slower it passes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.lane_manoeuvre import minimum_jerk
+from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.plane import to_plane
+from controllers.interface import Body, FloatArray, Perception, RoadAhead
+from controllers.prediction.discs import discs
+from controllers.prediction.forecast import Forecast
+
+LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
+"""Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
+SPACING = 0.5
+"""Between them [m]."""
+NEAR, SLOW = 0.55, 2.5
+"""Nearer than this somebody is passed with this speed [m, m/s]."""
+FREE, FAST = 0.8, 14.0
+"""Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
+UNBOUNDED = 100.0
+"""Stands for no limit [m/s]."""
+WALKING_FOR = 3.0
+"""How long people are expected to go on as they do [s]."""
+ASIDE = 2.2
+"""Whoever is farther from the band into the lane cannot be near a front that swings out [m]."""
+MOVING_OVER, MOVING_OVER_S = 10.0, 3.0
+"""The way into a lane takes this distance, or this time [m, s]."""
+LARGEST_SWING = 1.5
+"""[m]"""
+
+
+class Bystanders(NamedTuple):
+    """How near the body comes to each of n pedestrians at k positions of the rear axle."""
+
+    places: FloatArray
+    """Along the road, shape (k,) [m]."""
+    who: NDArray[np.intp]
+    """Index into ``Perception.pedestrians``, shape (n,)."""
+    clearance: FloatArray
+    """Shape (k, n) [m]."""
+
+    def least(self, count: int) -> FloatArray:
+        """Return the least distance to each of ``count`` pedestrians; inf for those looked past [m]."""
+        least = np.full(count, np.inf)
+        least[self.who] = self.clearance.min(axis=0)
+        return least
+
+    def speed_limit(self, waited_for: NDArray[np.int64]) -> tuple[FloatArray, FloatArray] | None:
+        """Return positions of the rear axle and the speed allowed there, shape (k,); ``None`` for no limit.
+
+        Parameters
+        ----------
+        waited_for : who is not passed, or is passed otherwise, by index
+        """
+        passed = ~np.isin(self.who, waited_for)
+        nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
+        return (self.places, passing_speed(nearest)) if nearest.min() < FREE else None
+
+
+def passing_speed(clearance: FloatArray) -> FloatArray:
+    """Return how fast somebody who stays where he is may be passed at a distance [m/s].
+
+    >>> passing_speed(np.array([0.2, 0.6, 0.8])).tolist()
+    [2.5, 4.8, 100.0]
+    """
+    rising = SLOW + (FAST - SLOW) * (clearance - NEAR) / (FREE - NEAR)
+    return np.where(clearance < FREE, np.maximum(rising, SLOW), UNBOUNDED).round(9)
+
+
+def bystanders(
+    perception: Perception,
+    offset: float,
+    way: tuple[FloatArray, FloatArray],
+    walks: NDArray[np.bool_],
+    forecast: Forecast | None = None,
+) -> Bystanders | None:
+    """Return how near the body comes to the people beside its way into a lane; ``None`` without any.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    offset
+        Across coordinate of the lane's centre line [m].
+    way
+        Times, and where the rear axle is expected then, ascending, shape (N,) [s, m].
+    walks
+        Who of the pedestrians walks on; the others stay where they are.
+    forecast
+        Where those go; ``None``: they keep their velocities.
+    """
+    ego, people = perception.ego, perception.pedestrians
+    half = 0.5 * ego.body.width + ASIDE
+    low, high = min(ego.across, offset) - half, max(ego.across, offset) + half
+    near = (people.across + people.radius > low) & (people.across - people.radius < high)
+    last = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed)
+    near &= (people.along > -ego.body.rear_overhang - 1.0) & (people.along < last + ego.body.front)
+    who = np.flatnonzero(near)
+    if not len(who):
+        return None
+    farthest = float(people.along[who].max()) + ego.body.rear_overhang + 2.0
+    places = np.arange(0.0, min(farthest, last) + SPACING, SPACING)
+    x, y, heading = _poses(perception, offset, places)
+    found = discs(perception, who, walks, forecast, _arrival(places, *way))
+    clearance = disc_clearances(x, y, heading, ego.body, found.x, found.y, found.radius)
+    return Bystanders(places, who, clearance[:, 0, :])
+
+
+def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far the front juts out to the right and to the left of a bend where it is, shape (n,) [m].
+
+    The rear axle keeps to the centre line, so the front leaves it outward: by half its distance squared
+    over the bend's radius.
+    """
+    if not len(road.curvature):
+        none = np.zeros(len(along))
+        return none, none
+    at = ((along - 0.5 * body.front) / road.curvature_step).astype(np.int64)
+    bend = road.curvature[np.clip(at, 0, len(road.curvature) - 1)]
+    swing = np.clip(0.5 * body.front**2 * bend, -LARGEST_SWING, LARGEST_SWING)
+    return np.maximum(swing, 0.0), np.maximum(-swing, 0.0)
+
+
+def _poses(
+    perception: Perception, offset: float, places: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x, y and heading on the way into a lane in the plane of the route frame, shape (k, 1) each."""
+    ego = perception.ego
+    over = max(MOVING_OVER, MOVING_OVER_S * ego.speed)
+    across = ego.across + (offset - ego.across) * minimum_jerk(places / over)
+    turned = np.arctan(np.diff(across, prepend=across[0]) / SPACING)
+    turned[0] = ego.heading_error
+    at, heading = to_plane(perception.road, places, across)
+    return at[:, :1], at[:, 1:], (heading + turned)[:, None]
+
+
+def _arrival(places: FloatArray, times: FloatArray, positions: FloatArray) -> FloatArray:
+    """Return when the rear axle gets to each place, at most so late as people are expected to walk on [s]."""
+    known = np.interp(places, np.append(0.0, positions), np.append(0.0, times))
+    return np.minimum(np.where(places > positions[-1], WALKING_FOR, known), WALKING_FOR)

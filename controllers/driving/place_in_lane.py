@@ -1,0 +1,80 @@
+"""Where in its lane an ego drives: away from people who stand beside it, as far as the lane has room."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.traffic import footprints
+from controllers.interface import FloatArray, Lane, Perception
+
+LOOK_AHEAD = 45.0
+"""People up to here are kept away from [m]."""
+WANTED = 0.8
+"""Distance that is wanted beside the body [m]."""
+LEAST = 0.2
+"""Who could not be passed with this distance is not made room for [m]."""
+TO_THE_LINE = 0.2
+"""The body keeps this far from the lane's lines [m]."""
+TO_VEHICLES = 0.3
+"""And this far from vehicles beside [m]."""
+BESIDE = 10.0
+"""Vehicles from this far behind the rear axle on count as beside [m]."""
+
+
+def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
+    """Return the perception with the reference lane's centre line moved away from those who stay beside it.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    stays : who of the pedestrians is not expected to enter the ego's way
+    """
+    lane = perception.road.lane(perception.road.reference)
+    if lane is None or not stays.any():
+        return perception
+    moved = _shift(perception, lane, stays)
+    if moved == 0.0:
+        return perception
+    lanes = tuple(
+        replace(one, offset=one.offset + moved) if one.number == lane.number else one
+        for one in perception.road.lanes
+    )
+    return replace(perception, road=replace(perception.road, lanes=lanes))
+
+
+def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
+    """Return how far to move, left positive [m]."""
+    people, body = perception.pedestrians, perception.ego.body
+    near = stays & (people.along > -body.rear_overhang) & (people.along < LOOK_AHEAD)
+    if not near.any():
+        return 0.0
+    half = 0.5 * body.width
+    beside = people.across[near] - lane.offset
+    gap = np.abs(beside) - half - people.radius[near]
+    to_right, to_left = _room(perception, lane, half)
+    from_right = _wanted(gap[beside < 0.0], to_left)
+    from_left = _wanted(gap[beside > 0.0], to_right)
+    if from_right > 0.0 and from_left > 0.0:
+        return float(np.clip(0.5 * (from_right - from_left), -to_right, to_left))
+    return min(from_right, to_left) - min(from_left, to_right)
+
+
+def _wanted(gap: FloatArray, room: float) -> float:
+    """Return how far to keep away from people on one side, of whom a room can make passable [m]."""
+    passable = gap[(gap < WANTED) & (gap + room > LEAST)]
+    return WANTED - float(passable.min()) if len(passable) else 0.0
+
+
+def _room(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
+    """Return how far the body may move to the right and to the left within its lane [m]."""
+    room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
+    box = footprints(perception.vehicles)
+    beside = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
+    left = box.right[beside & (box.right > lane.offset)].min(initial=np.inf)
+    right = box.left[beside & (box.left < lane.offset)].max(initial=-np.inf)
+    to_left = left - lane.offset - half - TO_VEHICLES
+    to_right = lane.offset - right - half - TO_VEHICLES
+    return min(room, max(to_right, 0.0)), min(room, max(to_left, 0.0))

@@ -1,0 +1,65 @@
+"""Where pedestrians will be, as discs in a plane: for whoever lays the true body of a car beside them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.plane import people_in_plane, to_plane
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.forecast import Forecast
+
+
+class Discs(NamedTuple):
+    """Pedestrians in the plane of :mod:`controllers.driving.plane`; n of them at K instants."""
+
+    x: FloatArray
+    """Shape (n, K) [m]."""
+    y: FloatArray
+    radius: FloatArray
+    """Of the disc, and how far from its place he may be, shape (n, K) [m]."""
+
+
+def discs(
+    perception: Perception,
+    who: NDArray[np.intp],
+    walks: NDArray[np.bool_],
+    forecast: Forecast | None,
+    times: FloatArray,
+) -> Discs:
+    """Return where some of the pedestrians will be.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    who
+        Which of them, by index, shape (n,).
+    walks
+        Who of all goes on as he does; the others stay where they are.
+    forecast
+        Where those go who walk; ``None``: they keep their velocities.
+    times
+        From now, shape (K,) [s].
+    """
+    people = perception.pedestrians
+    places, velocities = people_in_plane(perception.ego, perception.road, people)
+    if forecast is None:
+        gone = velocities[who, :, None] * times
+        reach = np.zeros((len(who), len(times)))
+    else:
+        # What a forecast says about the way from here, in the frame of the road where each of them is.
+        there, here = forecast.at(times), forecast.at(np.zeros(1))
+        along, across = (there.along - here.along)[who], (there.across - here.across)[who]
+        _, heading = to_plane(perception.road, people.along[who], people.across[who])
+        cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
+        reach = there.reach[who]
+    moves = walks[who, None]
+    return Discs(
+        places[who, :1] + np.where(moves, gone[:, 0], 0.0),
+        places[who, 1:] + np.where(moves, gone[:, 1], 0.0),
+        people.radius[who, None] + np.where(moves, reach, 0.0),
+    )

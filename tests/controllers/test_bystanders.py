@@ -1,0 +1,113 @@
+"""People beside the way: how near the true body comes to them, and how fast they are passed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.conflicts.bystanders import FREE, NEAR, SLOW, Bystanders, bystanders, swing_out
+from controllers.interface import Body, Perception
+from cosim.toy_world import ToyRoad, walk
+from tests.controllers.scenes import Walker, bend, ego, perception, straight_road
+from tests.controllers.toy_runs import Ride, ride
+
+BODY = Body()
+TIMES = np.arange(0.25, 8.1, 0.25)
+
+
+def _beside(seen: Perception, speed: float = 8.0, walks: bool = False, offset: float = 0.0) -> Bystanders:
+    found = bystanders(seen, offset, (TIMES, speed * TIMES), np.full(len(seen.pedestrians), walks))
+    assert found is not None
+    return found
+
+
+def _stands(gap: float, along: float = 20.0, side: float = -1.0) -> Walker:
+    """Return somebody who stands that far beside the body of an ego in the middle of its lane."""
+    return Walker(along, side * (0.5 * BODY.width + 0.25 + gap))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("gap", [0.1, 0.4, 1.0])
+def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
+    found = _beside(perception(ego(), walkers=[_stands(gap, side=side)]))
+    assert found.least(1) == pytest.approx([gap])
+    at_him = (found.places + BODY.front > 20.0) & (found.places - BODY.rear_overhang < 20.0)
+    assert found.clearance[at_him, 0] == pytest.approx(gap)
+    assert (found.clearance[~at_him, 0] > gap).all()
+
+
+def test_nobody_near_is_nobody() -> None:
+    ways = (TIMES, TIMES)
+    for walkers in ([], [Walker(20.0, -8.0)], [Walker(-20.0, -1.5)]):
+        assert bystanders(perception(ego(), walkers=walkers), 0.0, ways, np.zeros(len(walkers), bool)) is None
+
+
+def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
+    found = _beside(perception(ego(), walkers=[_stands(NEAR)]))
+    limit = found.speed_limit(np.zeros(0, dtype=np.int64))
+    assert limit is not None
+    places, allowed = limit
+    assert allowed[(places + BODY.front > 20.5) & (places < 20.0)] == pytest.approx(SLOW)
+    assert (allowed[places + BODY.front < 18.5] > 50.0).all()
+    assert found.speed_limit(np.array([0])) is None, "whom the ego waits for is not passed"
+
+
+def test_beyond_a_distance_the_speed_is_free() -> None:
+    far = _beside(perception(ego(), walkers=[_stands(FREE + 0.01)]))
+    assert far.speed_limit(np.zeros(0, dtype=np.int64)) is None
+
+
+def test_somebody_who_walks_on_counts_where_he_will_be() -> None:
+    with_it = _beside(
+        perception(ego(), walkers=[replace(_stands(0.3, along=12.0), along_speed=1.4)]), 8.0, True
+    )
+    limit = with_it.speed_limit(np.zeros(0, dtype=np.int64))
+    assert limit is not None
+    slow = limit[0][limit[1] < 3.0]
+    # The bumper gets to him after 1.3 s, 1.8 m further on.
+    assert 12.0 < slow.min() + BODY.front < 15.0
+
+
+def test_the_front_swings_out_of_a_bend() -> None:
+    road = bend(straight_road(), 10.0, 8.0, 12.0)
+    right, left = swing_out(road, BODY, np.array([5.0, 18.0]))
+    assert right == pytest.approx([0.0, 0.5 * BODY.front**2 / 8.0])
+    assert left == pytest.approx([0.0, 0.0])
+    outside = Walker(16.0, -(0.5 * BODY.width + 0.25 + 0.3))
+    straight, turning = (_beside(perception(ego(), one, [outside])) for one in (straight_road(), road))
+    assert straight.least(1) == pytest.approx([0.3])
+    assert turning.least(1)[0] < 0.0, "a front that swings out comes nearer than the band says"
+
+
+def _passed(gap: float, lane_width: float) -> Ride:
+    return ride(
+        ToyRoad(lane_width=lane_width),
+        [walk(80.0, -(0.5 * BODY.width + 0.25 + gap), 0.0, 0.0)],
+        duration=30.0,
+    )
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.35, 0.5])
+def test_somebody_who_stands_in_the_lane_is_passed_slowly(gap: float) -> None:
+    """The lane is too narrow to keep away from him."""
+    record = _passed(gap, 2.3)
+    x, _, speed, _ = record.track
+    beside = (x > 79.5) & (x < 80.5 + BODY.length)
+    assert speed[beside].max() < 3.0
+    assert record.clearance() > gap - 0.1
+    assert record.arrival(90.0) < 25.0
+
+
+def test_it_keeps_away_from_somebody_who_stands_in_the_lane() -> None:
+    record = _passed(0.35, 3.5)
+    assert record.clearance() > 0.6
+    assert record.arrival(90.0) < 12.0
+    assert abs(record.track[1][-1]) < 0.1, "and is back in the middle afterwards"
+
+
+def test_somebody_who_stands_in_the_middle_is_not_passed() -> None:
+    record = _passed(-1.0, 3.5)
+    assert record.clearance() > 0.5
+    assert record.arrival(80.0) == float("inf")
