@@ -229,7 +229,9 @@ class NaiveSpeedProgram:
                 elif times[k] >= people.enter[i]:
                     late = expected[k] * (times[k] - people.enter[i]) if before < people.enter[i] else 0.0
                     terms = [(qp.state(k, P), -1.0), (qp.slack(LOWER), -1.0)]
-                    qp.at_most(terms, -(x + reach + body.rear_overhang + late))
+                    # Nothing pulls the ego beyond people who are let pass and vehicles.
+                    place = min(x + reach + body.rear_overhang + late, float(task.merged.upper[k]))
+                    qp.at_most(terms, -place)
 
 
 class NaiveSteeringProgram:

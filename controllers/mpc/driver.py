@@ -50,6 +50,8 @@ FloatArray = NDArray[np.float64]
 
 FRESH = 0.5
 """A plan is followed on for this long when no new one is found [s]."""
+SLACK, SLACK_FROM = "slack", 0.05
+"""Status of a plan that goes farther than people allow, and from when on it does [m]."""
 BODY_OUT_OF_LANE = 0.75
 """Share of a lane's width after which the body is beside whoever drives in the middle of the old lane."""
 
@@ -157,6 +159,7 @@ class VelocityObstacleMpc:
         self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
         return Plan(
             command,
+            status=SLACK if chosen.too_far > SLACK_FROM else "ok",
             passing=passing.class_name(chosen.conflicts, chosen.behind),
             slack=chosen.plan.slack,
             times=self._times,

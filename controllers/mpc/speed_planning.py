@@ -70,6 +70,8 @@ class Chosen:
     """Who bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nobody."""
     steering: SteeringPlan | None = None
     """Where speed and steering were planned together."""
+    too_far: float = 0.0
+    """By how far the plan goes beyond where the people who are let pass should stop it [m]."""
 
 
 @dataclass(slots=True)
@@ -177,7 +179,15 @@ class SpeedPlanner:
             if plan.found and (best is None or cost < best_cost):
                 who = because or (conflicts.names[0] if len(conflicts) else "")
                 best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
-        return best or Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
+        if best is None:
+            return Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
+        return replace(best, too_far=self._too_far(perception, task, best))
+
+    def _too_far(self, perception: Perception, task: SpeedTask, chosen: Chosen) -> float:
+        if not chosen.behind:
+            return 0.0
+        upper = self._class_bounds(perception, task, chosen.conflicts).upper[chosen.behind]
+        return max(float((chosen.plan.position - upper).max()), 0.0)
 
     def _solve_class(
         self,
@@ -272,7 +282,7 @@ class SpeedPlanner:
         return flips
 
     def _task(
-        self, perception: Perception, lane: Lane | None, leaving_for: float, beside: SpeedLimit | None
+        self, perception: Perception, lane: Lane | None, leaving_for: float, slowly: SpeedLimit | None
     ) -> tuple[SpeedTask, str]:
         """Return the speed task without people in conflict, and who bounds the position apart from them."""
         s, ego, front = self.settings, perception.ego, perception.ego.body.front
@@ -293,7 +303,7 @@ class SpeedPlanner:
         for along in self._watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
-        for limit in (beside, occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)):
+        for limit in (slowly, occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)):
             if limit is not None:
                 slow = occlusion.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
                 reference = np.minimum(reference, slow)
