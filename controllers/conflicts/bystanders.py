@@ -12,17 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.lane_manoeuvre import minimum_jerk
+from controllers.driving import way_into_lane
 from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import to_plane
 from controllers.interface import Body, FloatArray, Perception, RoadAhead
 from controllers.prediction.discs import discs
 from controllers.prediction.forecast import Forecast
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
 """Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
-SPACING = 0.5
-"""Between them [m]."""
 NEAR, SLOW = 0.55, 2.5
 """Nearer than this somebody is passed with this speed [m, m/s]."""
 FREE, FAST = 0.8, 14.0
@@ -33,8 +30,6 @@ WALKING_FOR = 3.0
 """How long people are expected to go on as they do [s]."""
 ASIDE = 2.2
 """Whoever is farther from the band into the lane cannot be near a front that swings out [m]."""
-MOVING_OVER, MOVING_OVER_S = 10.0, 3.0
-"""The way into a lane takes this distance, or this time [m, s]."""
 LARGEST_SWING = 1.5
 """[m]"""
 
@@ -109,8 +104,8 @@ def bystanders(
     if not len(who):
         return None
     farthest = float(people.along[who].max()) + ego.body.rear_overhang + 2.0
-    places = np.arange(0.0, min(farthest, last) + SPACING, SPACING)
-    x, y, heading = _poses(perception, offset, places)
+    places, way_there = way_into_lane.poses(perception, offset, min(farthest, last))
+    x, y, heading = way_there[:, :, None]
     found = discs(perception, who, walks, forecast, _arrival(places, *way))
     clearance = disc_clearances(x, y, heading, ego.body, found.x, found.y, found.radius)
     return Bystanders(places, who, clearance[:, 0, :])
@@ -129,19 +124,6 @@ def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArra
     bend = road.curvature[np.clip(at, 0, len(road.curvature) - 1)]
     swing = np.clip(0.5 * body.front**2 * bend, -LARGEST_SWING, LARGEST_SWING)
     return np.maximum(swing, 0.0), np.maximum(-swing, 0.0)
-
-
-def _poses(
-    perception: Perception, offset: float, places: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return x, y and heading on the way into a lane in the plane of the route frame, shape (k, 1) each."""
-    ego = perception.ego
-    over = max(MOVING_OVER, MOVING_OVER_S * ego.speed)
-    across = ego.across + (offset - ego.across) * minimum_jerk(places / over)
-    turned = np.arctan(np.diff(across, prepend=across[0]) / SPACING)
-    turned[0] = ego.heading_error
-    at, heading = to_plane(perception.road, places, across)
-    return at[:, :1], at[:, 1:], (heading + turned)[:, None]
 
 
 def _arrival(places: FloatArray, times: FloatArray, positions: FloatArray) -> FloatArray:

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.driving import way_into_lane
+from controllers.driving.plane import people_in_plane
 from controllers.driving.traffic import footprints
 from controllers.interface import FloatArray, Lane, Perception
 
@@ -16,6 +18,8 @@ WANTED = 0.8
 """Distance that is wanted beside the body [m]."""
 LEAST = 0.2
 """Who could not be passed with this distance is not made room for [m]."""
+ASIDE = 1.5
+"""How much nearer somebody may be in a bend than the lane's centre line says [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
 TO_VEHICLES = 0.3
@@ -48,18 +52,36 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
     """Return how far to move, left positive [m]."""
     people, body = perception.pedestrians, perception.ego.body
+    half = 0.5 * body.width
     near = stays & (people.along > -body.rear_overhang) & (people.along < LOOK_AHEAD)
+    near &= np.abs(people.across - lane.offset) - half - people.radius < WANTED + ASIDE
     if not near.any():
         return 0.0
-    half = 0.5 * body.width
-    beside = people.across[near] - lane.offset
-    gap = np.abs(beside) - half - people.radius[near]
+    beside, gap = _passed(perception, lane, np.flatnonzero(near))
     to_right, to_left = _room(perception, lane, half)
     from_right = _wanted(gap[beside < 0.0], to_left)
     from_left = _wanted(gap[beside > 0.0], to_right)
     if from_right > 0.0 and from_left > 0.0:
         return float(np.clip(0.5 * (from_right - from_left), -to_right, to_left))
     return min(from_right, to_left) - min(from_left, to_right)
+
+
+def _passed(perception: Perception, lane: Lane, who: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+    """Return on which side people are when the body is beside them, and the gap to it; inf if it never is.
+
+    In a bend the front swings out and the rear cuts in, so that is told from the body's places along it.
+    """
+    body, radius = perception.ego.body, perception.pedestrians.radius[who]
+    _, (x, y, heading) = way_into_lane.poses(perception, lane.offset, LOOK_AHEAD)
+    places, _ = people_in_plane(perception.ego, perception.road, perception.pedestrians)
+    dx, dy = places[who, :1] - x, places[who, 1:] - y
+    cosine, sine = np.cos(heading), np.sin(heading)
+    ahead, beside = cosine * dx + sine * dy, cosine * dy - sine * dx
+    alongside = (ahead < body.front) & (ahead > -body.rear_overhang)
+    gap = np.where(alongside, np.abs(beside) - 0.5 * body.width - radius[:, None], np.inf)
+    nearest = np.argmin(gap, axis=1)
+    each = np.arange(len(who))
+    return beside[each, nearest], gap[each, nearest]
 
 
 def _wanted(gap: FloatArray, room: float) -> float:

@@ -25,7 +25,10 @@ FloatArray = NDArray[np.float64]
 SIDE_CLEARANCE = 0.3
 """Distance kept beside other vehicles [m]."""
 BESIDE = 0.1
-"""The same for those in the lane that is being left: only who is really in the way counts [m]."""
+"""The same of an ego that stands, and for those in the lane that is being left: only who is really in the way
+counts [m]."""
+SIDE_CLEARANCE_FROM = 2.0
+"""From this speed on the whole distance is kept, below it in proportion [m/s]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
@@ -331,7 +334,9 @@ class SpeedPlanner:
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
         """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
         ego, times = perception.ego, self.memory.times
-        reach = 0.5 * ego.body.width + SIDE_CLEARANCE
+        # Who waits for a car beside him that waits for him has to pass it closely, and slowly.
+        kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
+        reach = 0.5 * ego.body.width + kept
         offset = lane.offset if lane is not None else 0.0
         then = traffic.blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:

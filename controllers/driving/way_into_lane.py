@@ -1,0 +1,35 @@
+"""The way from where the ego is into the middle of a lane, true to the curve of the road."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.driving.lane_manoeuvre import minimum_jerk
+from controllers.driving.plane import to_plane
+from controllers.interface import FloatArray, Perception
+
+MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
+"""It takes this distance, or this time [m, s]."""
+SPACING = 0.5
+"""Between the places that are looked at [m]."""
+
+
+def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
+    """Return places along the road, shape (k,) [m], and x, y and heading of the rear axle there, (3, k).
+
+    The plane is that of :func:`controllers.driving.plane.to_plane`.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    offset : across coordinate of the lane's centre line [m]
+    farthest : how far to look [m]
+    """
+    ego = perception.ego
+    places = np.arange(0.0, farthest + SPACING, SPACING)
+    over = max(MOVING_OVER, MOVING_OVER_S * ego.speed)
+    across = ego.across + (offset - ego.across) * minimum_jerk(places / over)
+    turned = np.arctan(np.diff(across, prepend=across[0]) / SPACING)
+    turned[0] = ego.heading_error
+    at, heading = to_plane(perception.road, places, across)
+    return places, np.vstack((at.T, heading + turned))
