@@ -20,8 +20,10 @@ from controllers.prediction.forecast import Forecast
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
 """Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
-NEAR, SLOW = 0.55, 2.5
+TOUCHING, CREEPING = 0.15, 1.0
 """Nearer than this somebody is passed with this speed [m, m/s]."""
+NEAR, SLOW = 0.55, 2.5
+"""Nearer than this with this one [m, m/s]."""
 FREE, FAST = 0.8, 14.0
 """Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
 UNBOUNDED = 100.0
@@ -65,11 +67,12 @@ class Bystanders(NamedTuple):
 def passing_speed(clearance: FloatArray) -> FloatArray:
     """Return how fast somebody who stays where he is may be passed at a distance [m/s].
 
-    >>> passing_speed(np.array([0.2, 0.6, 0.8])).tolist()
-    [2.5, 4.8, 100.0]
+    >>> passing_speed(np.array([0.1, 0.2, 0.6, 0.8])).tolist()
+    [1.0, 2.5, 4.8, 100.0]
     """
     rising = SLOW + (FAST - SLOW) * (clearance - NEAR) / (FREE - NEAR)
-    return np.where(clearance < FREE, np.maximum(rising, SLOW), UNBOUNDED).round(9)
+    bounded = np.where(clearance < TOUCHING, CREEPING, np.maximum(rising, SLOW))
+    return np.where(clearance < FREE, bounded, UNBOUNDED).round(9)
 
 
 def bystanders(

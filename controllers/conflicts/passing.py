@@ -28,6 +28,8 @@ KERB = 0.5
 """Nearer to the road than this counts as on it [m]."""
 OCCUPIED = 0.15
 """Whoever is nearer than this to what the body sweeps is in its way, whatever he is expected to do [m]."""
+SQUEEZED = 0.03
+"""The same for somebody who has let the waiting ego go first [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +114,8 @@ class Expectation(NamedTuple):
     """Who may come into the way who is not there yet; the others count where they are."""
     assumed: NDArray[np.bool_]
     """Whose speed is assumed, because their movement does not say what they will do."""
+    lets_go: NDArray[np.bool_]
+    """Who has stood so long before the waiting ego that it may go first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,10 +192,11 @@ def find(
     n = len(people)
     if n == 0:
         return _empty()
-    across_speed, enters, assumed = expected(perception, watch, assume, forecast)
+    across_speed, enters, assumed, lets_go = expected(perception, watch, assume, forecast)
     # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
     # is he counts.
-    margin = np.where(enters, side_margin, OCCUPIED)
+    occupied = np.where(lets_go, SQUEEZED, OCCUPIED)
+    margin = np.where(enters, side_margin, occupied)
     low = band[0] - people.radius - margin
     high = band[1] + people.radius + margin
     if forecast is None:
@@ -201,7 +206,7 @@ def find(
         enter, leave = _sampled_overlap(forecast, low, high)
         across_speed = _speed_at(forecast, enter)
     if clearance is not None:
-        enter = np.where(enters, enter, np.where(clearance < OCCUPIED, 0.0, np.inf))
+        enter = np.where(enters, enter, np.where(clearance < occupied, 0.0, np.inf))
         leave = np.where(enters, leave, np.inf)
     body = perception.ego.body
     # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
@@ -236,12 +241,13 @@ def expected(
     speed = people.across_speed.tolist()
     along_speed, across = people.along_speed.tolist(), people.across.tolist()
     waiting, on_crossing = people.waiting.tolist(), people.on_crossing.tolist()
-    considered, assumed = [True] * len(people), [False] * len(people)
+    lets_go = [watch.lets_go_first(name, assume) for name in people.names]
+    considered, assumed = [not lets for lets in lets_go], [False] * len(people)
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
         crossing = road.crossings[at] if at >= 0 else None
-        if watch.lets_go_first(name, assume):
-            considered[i] = False
-        elif on_crossing[i]:
+        if lets_go[i]:
+            continue
+        if on_crossing[i]:
             if abs(speed[i]) < assume.standing_below and name in watch.heading:
                 speed[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True
@@ -263,7 +269,12 @@ def expected(
     if forecast is not None:
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
         enters |= on_road.any(axis=1) & ~on_road[:, 0] & (people.crossing < 0)
-    return Expectation(np.where(enters, speed, 0.0), enters, np.array(assumed, dtype=np.bool_))
+    return Expectation(
+        np.where(enters, speed, 0.0),
+        enters,
+        np.array(assumed, dtype=np.bool_),
+        np.array(lets_go, dtype=np.bool_),
+    )
 
 
 def _with_assumptions(

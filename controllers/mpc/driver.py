@@ -45,6 +45,7 @@ from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, Tally
 from controllers.prediction.forecast import Predictor
 from controllers.safety.last_check import LastCheck
+from controllers.safety.rollout import STEERED_FROM
 
 FloatArray = NDArray[np.float64]
 
@@ -223,8 +224,7 @@ class VelocityObstacleMpc:
             heading_error=ego.heading_error,
             steering=ego.steering,
             command=self._memory.commanded(ego)[1],
-            # Standing wheels do not steer; the program needs some motion to know where they lead.
-            speed=np.maximum(mean, 0.5),
+            speed=np.maximum(mean, STEERED_FROM),
             curvature=curvature,
             target=self._lanes.offsets(perception, self._times),
             right=np.full(n, right),

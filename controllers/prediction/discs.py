@@ -28,6 +28,7 @@ def discs(
     walks: NDArray[np.bool_],
     forecast: Forecast | None,
     times: FloatArray,
+    walk_on: float = 0.0,
 ) -> Discs:
     """Return where some of the pedestrians will be.
 
@@ -38,14 +39,17 @@ def discs(
     who
         Which of them, by index, shape (n,).
     walks
-        Who of all goes on as he does; the others stay where they are.
+        Who of all goes on as he does; the others come to stand.
     forecast
         Where those go who walk; ``None``: they keep their velocities.
     times
         From now, shape (K,) [s].
+    walk_on
+        After which time the others stand [s].
     """
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
+    on = velocities[who, :, None] * np.minimum(times, walk_on)
     if forecast is None:
         gone = velocities[who, :, None] * times
         reach = np.zeros((len(who), len(times)))
@@ -59,7 +63,7 @@ def discs(
         reach = there.reach[who]
     moves = walks[who, None]
     return Discs(
-        places[who, :1] + np.where(moves, gone[:, 0], 0.0),
-        places[who, 1:] + np.where(moves, gone[:, 1], 0.0),
+        places[who, :1] + np.where(moves, gone[:, 0], on[:, 0]),
+        places[who, 1:] + np.where(moves, gone[:, 1], on[:, 1]),
         people.radius[who, None] + np.where(moves, reach, 0.0),
     )

@@ -2,9 +2,9 @@
 
 Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
-enter the ego's way walk on as they do or as the predictor says, the others stay where they are. A plan that
-would touch somebody is replaced by the least braking that does not, as late as that is possible. It is a
-safety net: how seldom it is needed says how good the plans are.
+enter the ego's way walk on as they do or as the predictor says, the others come to stand. A plan that would
+touch somebody is replaced by the least braking that does not, as late as that is possible. It is a safety
+net: how seldom it is needed says how good the plans are.
 """
 
 from __future__ import annotations
@@ -24,10 +24,12 @@ SHIELDED = "shielded"
 """Status of a plan that was replaced."""
 LOOKED_AHEAD = 3.0
 """[s]"""
-MARGIN, STARTING_MARGIN = 0.1, 0.2
-"""Distance to somebody that counts as touching him, of a moving ego and of one that starts [m]."""
+MARGIN, STARTING_MARGIN, TOUCHING = 0.1, 0.2, 0.01
+"""Distance to somebody that counts as touching him, of a moving ego, of one that starts, and always [m]."""
 GRAZING = 0.03
 """Somebody who is nearer than the margin already counts as touched where he gets nearer by this [m]."""
+WALK_ON = 0.7
+"""Nobody who walks stands at once: after this time, whoever is not expected to enter the ego's way [s]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
@@ -68,7 +70,7 @@ class LastCheck:
             self.held_since = None
             return plan
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        people = discs(perception, near, may_enter, forecast, times)
+        people = discs(perception, near, may_enter, forecast, times, WALK_ON)
         path, motion = course(perception, plan), planned(perception, plan, times)
         clearance = _clearances(perception, people, path, motion)
         starts = perception.ego.speed < STARTING
@@ -90,7 +92,7 @@ class LastCheck:
 
     def _margins(self, perception: Perception, now: FloatArray, starts: bool) -> FloatArray:
         """Return the distance to each that counts as touching, from the present ones, shape (n,) [m]."""
-        grazing: FloatArray = np.minimum(MARGIN, now - GRAZING)
+        grazing: FloatArray = np.clip(now - GRAZING, TOUCHING, MARGIN)
         if not starts:
             return grazing
         waited = 0.0 if self.held_since is None else perception.ego.time - self.held_since

@@ -13,6 +13,8 @@ LAG = 0.35
 """Time constant with which a braking command takes hold, the ramp of the command included [s]."""
 SPACING = 0.1
 """Between instants of a rollout [s]."""
+STEERED_FROM = 0.5
+"""Steering is planned as if the ego were at least so fast: standing wheels lead nowhere [m/s]."""
 
 
 class Course(NamedTuple):
@@ -37,7 +39,10 @@ class Motion(NamedTuple):
 def course(perception: Perception, plan: Plan) -> Course:
     """Return the course of a plan, straight on along the lane where it has none and beyond its end."""
     ego = perception.ego
-    along, across = np.append(0.0, plan.along), np.append(ego.across, plan.across)
+    # An ego that is slower than its steering supposes gets to each offset later in time, not earlier in place.
+    driven = np.diff(plan.along, prepend=0.0)
+    steered = np.maximum(driven, STEERED_FROM * np.diff(plan.times, prepend=0.0))
+    along, across = np.append(0.0, np.cumsum(steered)), np.append(ego.across, plan.across)
     # A plan that stops has several instants at one place.
     onward = np.append(True, np.diff(np.maximum.accumulate(along)) > 0.01)
     along, across = along[onward], across[onward]
