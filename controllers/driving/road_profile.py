@@ -47,7 +47,7 @@ def reference_speeds(perception: Perception, positions: FloatArray, demands: Flo
 
 
 def keep_clear_line(
-    perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
+    perception: Perception, times: FloatArray, rest: FloatArray, gap: float, through_for: float | None = None
 ) -> tuple[float, str]:
     """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
 
@@ -55,10 +55,14 @@ def keep_clear_line(
     ----------
     perception
         What the ego is told.
-    times, leader_rest
-        Where the rear bumper of the vehicle ahead could come to rest, by time; inf for none [s, m].
+    times, rest
+        Where the ego's front may have to stop, by time: the rear bumper of the vehicle ahead should it brake
+        hard, or where people are let pass; inf for nowhere [s, m].
     gap
-        Kept to it at a standstill [m].
+        Kept to that place at a standstill [m].
+    through_for
+        ``None``: what holds when the ego gets to the stop line decides. Else what holds so long after it
+        could have left the crossing: whom it stops for may have gone by then [s].
     """
     ego, body = perception.ego, perception.ego.body
     for crossing in perception.road.crossings:
@@ -66,9 +70,10 @@ def keep_clear_line(
         if on_it or crossing.stop_line < body.front - 0.5:
             continue
         room = crossing.stop_line - body.front
-        arrival = max(room, 0.0) / max(ego.speed, 3.0)
         beyond = crossing.exit + body.length + 0.5
+        speed = max(ego.speed, 3.0)
+        when = max(room, 0.0) / speed if through_for is None else (beyond - body.front) / speed + through_for
         can_stop = ego.speed**2 / (2.0 * KEEP_CLEAR_BRAKING) + 0.3 * ego.speed <= max(room, 0.0) + 0.5
-        if can_stop and np.interp(arrival, times, leader_rest) - gap < beyond:
+        if can_stop and np.interp(when, times, rest) - gap < beyond:
             return crossing.stop_line, crossing.name
     return float("inf"), ""

@@ -29,6 +29,8 @@ BESIDE = 0.1
 counts [m]."""
 SIDE_CLEARANCE_FROM = 2.0
 """From this speed on the whole distance is kept, below it in proportion [m/s]."""
+STANDS_FOR = 1.0
+"""Who would stand on a crossing for longer than this stops before it [s]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
@@ -371,12 +373,16 @@ class SpeedPlanner:
         if not len(conflicts):
             return task
         bounds = self._class_bounds(perception, task, conflicts)
-        upper = np.minimum(task.upper, bounds.upper[behind])
+        front, people = perception.ego.body.front, bounds.upper[behind]
+        # Who would have to stop for somebody with the body on a crossing stops before that crossing.
+        line, _ = road_profile.keep_clear_line(perception, self.memory.times, people + front, 0.0, STANDS_FOR)
+        before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
+        upper = np.minimum(task.upper, np.minimum(people, before))
         return task._replace(
             upper=upper,
             # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
             lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),
-            stoppable=np.minimum(task.stoppable, bounds.freeze[behind]),
+            stoppable=np.minimum(task.stoppable, np.minimum(bounds.freeze[behind], max(line - front, 0.0))),
         )
 
     def _priced(self, plan: SpeedPlan, short: float) -> SpeedPlan:

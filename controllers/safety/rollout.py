@@ -39,7 +39,7 @@ class Motion(NamedTuple):
 def course(perception: Perception, plan: Plan) -> Course:
     """Return the course of a plan, straight on along the lane where it has none and beyond its end."""
     ego = perception.ego
-    # An ego that is slower than its steering supposes gets to each offset later in time, not earlier in place.
+    # An ego slower than its steering supposes gets to each offset later in time, not earlier in place.
     driven = np.diff(plan.along, prepend=0.0)
     steered = np.maximum(driven, STEERED_FROM * np.diff(plan.times, prepend=0.0))
     along, across = np.append(0.0, np.cumsum(steered)), np.append(ego.across, plan.across)
