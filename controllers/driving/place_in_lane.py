@@ -1,4 +1,4 @@
-"""Where in its lane an ego drives: away from people who stand beside it, as far as the lane has room."""
+"""Where in its lane an ego drives: away from people who stay beside its way, as far as there is room."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ LOOK_AHEAD = 45.0
 """People up to here are kept away from [m]."""
 WANTED = 0.8
 """Distance that is wanted beside the body [m]."""
-LEAST = 0.2
+LEAST = 0.3
 """Who could not be passed with this distance is not made room for [m]."""
 ASIDE = 1.5
 """How much nearer somebody may be in a bend than the lane's centre line says [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
+BEYOND = 0.5
+"""And goes so much further where somebody could not be passed otherwise [m]."""
 TO_VEHICLES = 0.3
 """And this far from vehicles beside [m]."""
 BESIDE = 10.0
@@ -58,12 +60,13 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     if not near.any():
         return 0.0
     beside, gap = _passed(perception, lane, np.flatnonzero(near))
-    to_right, to_left = _room(perception, lane, half)
-    from_right = _wanted(gap[beside < 0.0], to_left)
-    from_left = _wanted(gap[beside > 0.0], to_right)
+    room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
+    to_right, to_left = _to_vehicles(perception, lane, half)
+    from_right = _wanted(gap[beside < 0.0], min(room, to_left), min(room + BEYOND, to_left))
+    from_left = _wanted(gap[beside > 0.0], min(room, to_right), min(room + BEYOND, to_right))
     if from_right > 0.0 and from_left > 0.0:
-        return float(np.clip(0.5 * (from_right - from_left), -to_right, to_left))
-    return min(from_right, to_left) - min(from_left, to_right)
+        return 0.5 * (from_right - from_left)
+    return from_right - from_left
 
 
 def _passed(perception: Perception, lane: Lane, who: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
@@ -84,19 +87,27 @@ def _passed(perception: Perception, lane: Lane, who: NDArray[np.intp]) -> tuple[
     return beside[each, nearest], gap[each, nearest]
 
 
-def _wanted(gap: FloatArray, room: float) -> float:
-    """Return how far to keep away from people on one side, of whom a room can make passable [m]."""
-    passable = gap[(gap < WANTED) & (gap + room > LEAST)]
-    return WANTED - float(passable.min()) if len(passable) else 0.0
+def _wanted(gap: FloatArray, room: float, most: float) -> float:
+    """Return how far to keep away from people on one side [m].
+
+    Parameters
+    ----------
+    gap : to each of them as things are [m]
+    room, most : that there is within the lane, and where somebody could not be passed otherwise [m]
+    """
+    passable = gap[(gap < WANTED) & (gap + most > LEAST)]
+    if not len(passable):
+        return 0.0
+    least = float(passable.min())
+    return max(min(WANTED - least, room), min(LEAST - least, most))
 
 
-def _room(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
-    """Return how far the body may move to the right and to the left within its lane [m]."""
-    room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
+def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
+    """Return how far the body may move to the right and to the left for the sake of vehicles there [m]."""
     box = footprints(perception.vehicles)
-    beside = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
-    left = box.right[beside & (box.right > lane.offset)].min(initial=np.inf)
-    right = box.left[beside & (box.left < lane.offset)].max(initial=-np.inf)
+    near = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
+    left = box.right[near & (box.right > lane.offset)].min(initial=np.inf)
+    right = box.left[near & (box.left < lane.offset)].max(initial=-np.inf)
     to_left = left - lane.offset - half - TO_VEHICLES
     to_right = lane.offset - right - half - TO_VEHICLES
-    return min(room, max(to_right, 0.0)), min(room, max(to_left, 0.0))
+    return max(to_right, 0.0), max(to_left, 0.0)

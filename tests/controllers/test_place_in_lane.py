@@ -40,16 +40,26 @@ def test_the_lane_bounds_it(side: float) -> None:
     assert _offset([_beside(0.0, side)]) == pytest.approx(-ROOM * side)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_it_leaves_the_lane_only_as_far_as_it_must(side: float) -> None:
+    assert _offset([_beside(-0.5, side)]) == pytest.approx(-(0.5 + place_in_lane.LEAST) * side)
+    assert _offset([_beside(-ROOM - place_in_lane.BEYOND, side)]) == 0.0
+
+
 def test_between_two_it_takes_the_middle() -> None:
     assert _offset([_beside(0.3, -1.0), _beside(0.5, 1.0)]) == pytest.approx(0.1)
 
 
 def test_nobody_is_made_room_for_who_could_not_be_passed_or_enters_or_is_far() -> None:
-    assert _offset([_beside(-0.6, -1.0)]) == 0.0
+    assert _offset([_beside(-1.1, -1.0)]) == 0.0
     assert _offset([_beside(0.4, -1.0)], stays=False) == 0.0
     assert _offset([_beside(0.4, -1.0, along=80.0)]) == 0.0
     assert _offset([_beside(0.4, -1.0, along=-5.0)]) == 0.0
     assert _offset([]) == 0.0
+
+
+def test_a_car_ahead_is_not_beside() -> None:
+    assert _offset([_beside(0.5, -1.0)], [Car(30.0, 0.1)]) == pytest.approx(0.3)
 
 
 def test_a_car_beside_is_kept_away_from() -> None:
