@@ -268,7 +268,10 @@ def expected(
     enters = np.array(considered, dtype=np.bool_)
     if forecast is not None:
         on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
-        enters |= on_road.any(axis=1) & ~on_road[:, 0] & (people.crossing < 0)
+        turns = np.ptp(forecast.across, axis=1) > assume.standing_below * (
+            forecast.times[-1] - forecast.times[0]
+        )
+        enters |= on_road.any(axis=1) & (turns | ~on_road[:, 0]) & (people.crossing < 0)
     return Expectation(
         np.where(enters, speed, 0.0),
         enters,

@@ -134,12 +134,13 @@ class VelocityObstacleMpc:
 
         Whatever comes of it is checked with the true body before it is carried out.
         """
-        plan = self._plan(perception, decision)
+        plan, stuck = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        return self._last_check.checked(seen, plan, planner.may_enter, planner.forecast)
+        return self._last_check.checked(seen, plan, planner.may_enter, planner.forecast, stuck)
 
-    def _plan(self, perception: Perception, decision: Decision) -> Plan:
+    def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, bool]:
+        """Return the plan before the last check, and whether people who stay keep it from going anywhere."""
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
@@ -153,12 +154,12 @@ class VelocityObstacleMpc:
                 self._steering_task(perception, chosen.plan, lane), memory=self._steering_memory
             )
         if steering is None or not steering.found:
-            return self._fallback(perception, chosen)
+            return self._fallback(perception, chosen), False
         planner.commit(perception, chosen)
         command = self._command(perception, chosen.plan, steering)
         ego, plan = perception.ego, chosen.plan
         self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
-        return Plan(
+        answer = Plan(
             command,
             status=SLACK if chosen.too_far > SLACK_FROM else "ok",
             passing=passing.class_name(chosen.conflicts, chosen.behind),
@@ -170,6 +171,7 @@ class VelocityObstacleMpc:
             overlay=_overlay(chosen.conflicts, float(self._times[-1])),
             solves=self._solves(),
         )
+        return answer, chosen.stuck
 
     def _solves(self) -> Solves:
         """Return what was solved since this was asked last."""

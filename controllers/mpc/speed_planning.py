@@ -29,6 +29,8 @@ BESIDE = 0.1
 counts [m]."""
 SIDE_CLEARANCE_FROM = 2.0
 """From this speed on the whole distance is kept, below it in proportion [m/s]."""
+STUCK_WITHIN = 0.5
+"""Who cannot go as far as this cannot go anywhere [m]."""
 STANDS_FOR = 1.0
 """Who would stand on a crossing for longer than this stops before it [s]."""
 CAREFUL_BEFORE = 5.0
@@ -77,6 +79,8 @@ class Chosen:
     """Where speed and steering were planned together."""
     too_far: float = 0.0
     """By how far the plan goes beyond where the people who are let pass should stop it [m]."""
+    stuck: bool = False
+    """Whether people who stay where they are keep the ego from going anywhere, and nothing else does."""
 
 
 @dataclass(slots=True)
@@ -186,13 +190,17 @@ class SpeedPlanner:
                 best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
         if best is None:
             return Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
-        return replace(best, too_far=self._too_far(perception, task, best))
+        return self._judged(perception, task, best) if best.behind else best
 
-    def _too_far(self, perception: Perception, task: SpeedTask, chosen: Chosen) -> float:
-        if not chosen.behind:
-            return 0.0
+    def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen) -> Chosen:
+        """Return a plan that lets somebody pass, with what it makes of that."""
         upper = self._class_bounds(perception, task, chosen.conflicts).upper[chosen.behind]
-        return max(float((chosen.plan.position - upper).max()), 0.0)
+        stay = not self.may_enter[chosen.conflicts.index[: chosen.behind]].any()
+        return replace(
+            chosen,
+            too_far=max(float((chosen.plan.position - upper).max()), 0.0),
+            stuck=stay and float(upper.min()) < STUCK_WITHIN and float(task.upper.min()) > STUCK_WITHIN,
+        )
 
     def _solve_class(
         self,

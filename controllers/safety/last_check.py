@@ -19,9 +19,10 @@ from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
 from controllers.safety.rollout import SPACING, Course, Motion, braked, course, planned, poses
+from controllers.safety.way_out import way_out
 
-SHIELDED = "shielded"
-"""Status of a plan that was replaced."""
+SHIELDED, WAY_OUT = "shielded", "way_out"
+"""Status of a plan that was replaced by braking, and by a way out at walking pace."""
 LOOKED_AHEAD = 3.0
 """[s]"""
 MARGIN, STARTING_MARGIN, TOUCHING = 0.1, 0.2, 0.01
@@ -30,6 +31,8 @@ GRAZING = 0.03
 """Somebody who is nearer than the margin already counts as touched where he gets nearer by this [m]."""
 WALK_ON = 0.7
 """Nobody who walks stands at once: after this time, whoever is not expected to enter the ego's way [s]."""
+NEARER = 0.002
+"""Who is nearer than what always counts as touching is so where he gets nearer by this [m]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
@@ -51,6 +54,7 @@ class LastCheck:
         plan: Plan,
         may_enter: NDArray[np.bool_],
         forecast: Forecast | None = None,
+        stuck: bool = False,
     ) -> Plan:
         """Return the plan, or one that brakes where it would touch somebody.
 
@@ -64,6 +68,8 @@ class LastCheck:
             Who of the pedestrians walks on; the others stand, shape (n,).
         forecast
             Where those are going who walk on; ``None``: they keep their velocities.
+        stuck
+            Whether only people who stay where they are keep the plan from going anywhere.
         """
         near = _near(perception)
         if not len(near):
@@ -77,22 +83,36 @@ class LastCheck:
         margin = self._margins(perception, clearance[0, 0], starts)
         if not starts:
             self.held_since = None
-        if not _touches(clearance, motion, margin)[0]:
+        touched = bool(_touches(clearance, motion, margin)[0])
+        if starts and (touched or stuck):
+            out = self._way_out(perception, plan, people, margin, times)
+            if out is not None:
+                return out
+        if not touched:
             return plan
         tried = np.array((MILD, *URGENT))
         motion = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, path, motion), motion, margin)
         if not touches[0] and not starts:
             return plan
-        if starts and self.held_since is None:
-            self.held_since = perception.ego.time
         enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))
 
+    def _way_out(
+        self, perception: Perception, plan: Plan, people: Discs, margin: FloatArray, times: FloatArray
+    ) -> Plan | None:
+        """Return a way out for an ego that has been kept from starting for long; ``None`` for none yet."""
+        if self.held_since is None:
+            self.held_since = perception.ego.time
+        if perception.ego.time - self.held_since <= PATIENCE:
+            return None
+        command = way_out(perception, people, margin, times, float(plan.command.steering[0]))
+        return None if command is None else replace(plan, command=command, status=WAY_OUT)
+
     def _margins(self, perception: Perception, now: FloatArray, starts: bool) -> FloatArray:
         """Return the distance to each that counts as touching, from the present ones, shape (n,) [m]."""
-        grazing: FloatArray = np.clip(now - GRAZING, TOUCHING, MARGIN)
+        grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), MARGIN)
         if not starts:
             return grazing
         waited = 0.0 if self.held_since is None else perception.ego.time - self.held_since

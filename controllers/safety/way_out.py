@@ -1,0 +1,87 @@
+"""The way out for an ego that is kept from starting: walking pace, steered so that nobody comes nearer.
+
+People gather round a standing car, and those who wait for it to leave their crossing stand where its way
+leads. Of some steering angles the one nearest to the plan is taken that touches neither them nor a vehicle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.plane import to_plane
+from controllers.interface import Command, FloatArray, Perception
+from controllers.prediction.discs import Discs
+
+SPEED, ACCELERATION = 0.4, 0.5
+"""Of the way out [m/s, m/s^2]."""
+ANGLES = 13
+"""Steering angles that are tried, evenly from right to left."""
+TO_VEHICLES = 0.1
+"""Distance kept to vehicles [m]."""
+NEAR_VEHICLES = 15.0
+"""Farther away none is met on the way [m]."""
+PARTS = 4
+"""Discs that a vehicle is covered with."""
+
+
+def way_out(
+    perception: Perception, people: Discs, margin: FloatArray, times: FloatArray, wanted: float
+) -> Command | None:
+    """Return a command that leads out; ``None`` where there is none.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    people : where pedestrians will be
+    margin : distance to each that counts as touching, shape (n,) [m]
+    times : of the rollout and of ``people``, from now, shape (K,) [s]
+    wanted : steering angle of the plan [rad]
+    """
+    ego = perception.ego
+    angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
+    x, y, heading = _rolled(perception, angles, times)
+    near = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius) < margin
+    free = ~near.any(axis=(0, 2))
+    cars = _vehicles(perception, len(times))
+    if len(cars.x):
+        apart = disc_clearances(x, y, heading, ego.body, cars.x, cars.y, cars.radius)
+        # Who is that near already may stay so, but not come nearer.
+        kept = np.minimum(apart[0, 0], TO_VEHICLES) - 1e-3
+        free &= ~(apart < kept).any(axis=(0, 2))
+    if not free.any():
+        return None
+    angle = angles[free][np.argmin(np.abs(angles[free] - wanted))]
+    speeding = (SPEED - ego.speed) / max(ego.plan_interval, 0.5)
+    return Command(np.zeros(1), np.array([min(speeding, ACCELERATION)]), np.array([float(angle)]))
+
+
+def _rolled(
+    perception: Perception, angles: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x, y and heading of the rear axle under each steering angle, shape (K, m) each."""
+    ego, step = perception.ego, np.diff(times, prepend=0.0)[:, None]
+    turned = np.clip(angles - ego.steering, -1.0, 1.0)
+    rate = ego.drive.max_steering_rate * times[:, None]
+    steering = ego.steering + np.clip(turned, -rate, rate)
+    speed = np.minimum(ego.speed + ACCELERATION * times, max(SPEED, ego.speed))[:, None]
+    heading = ego.heading_error + np.cumsum(step * speed * np.tan(steering) / ego.body.wheelbase, axis=0)
+    x = np.cumsum(step * speed * np.cos(heading), axis=0)
+    y = ego.across + np.cumsum(step * speed * np.sin(heading), axis=0)
+    return x, y, heading
+
+
+def _vehicles(perception: Perception, count: int) -> Discs:
+    """Return the vehicles near as discs that cover them and stand still."""
+    them, body = perception.vehicles, perception.ego.body
+    near = np.hypot(them.along - 0.5 * body.front, them.across - perception.ego.across) < NEAR_VEHICLES
+    length, width, turned = them.length[near], them.width[near], them.heading_error[near]
+    front, heading = to_plane(
+        perception.road, them.along[near], them.across[near] + 0.5 * length * np.sin(turned)
+    )
+    behind = (np.arange(PARTS) + 0.5) / PARTS * length[:, None]
+    x = front[:, :1] - behind * np.cos(heading + turned)[:, None]
+    y = front[:, 1:] - behind * np.sin(heading + turned)[:, None]
+    radius = np.repeat(np.hypot(0.5 * length / PARTS, 0.5 * width), PARTS)
+    parts = (np.repeat(values.ravel()[:, None], count, axis=1) for values in (x, y, radius))
+    return Discs(*parts)
