@@ -56,7 +56,7 @@ def test_somebody_who_touches_the_body_may_be_left_but_not_approached() -> None:
 
 def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
     """He stands a metre ahead of the right corner of an ego that starts from a standstill."""
-    record = ride(ToyRoad(), [walk(0.9, -1.05, 0.0, 0.0)], speed=0.0, duration=60.0)
+    record = ride(ToyRoad(), [walk(BODY.front + 0.9, -1.05, 0.0, 0.0)], speed=0.0, duration=60.0)
     ways_out = [i for i, plan in enumerate(record.plans) if plan.status == WAY_OUT]
     assert ways_out
     assert max(record.snapshots[i].egos[0].speed for i in ways_out) < SPEED + 0.3
