@@ -90,10 +90,12 @@ def test_the_map_shows_every_crossing_and_has_the_same_bytes_twice(tmp_path: Pat
     assert "x [m]" in text
 
 
-def test_without_a_crossing_there_is_no_scenario(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    build(tmp_path)
+def test_where_no_crossing_can_be_guessed_there_is_no_scenario(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    build(tmp_path, junction=False)
     assert main(["inspect", "town.net.xml", "--scaffold", "mine"]) == 2
-    assert "there is no crossing" in capsys.readouterr().err
+    assert "there is no crossing in town.net.xml, and netconvert guesses none" in capsys.readouterr().err
     assert not (tmp_path / "mine").exists()
 
 
