@@ -132,11 +132,11 @@ def _calibrated(element: Element) -> str:
     """Return the edge of a calibrator, where its flows begin; nothing for other elements."""
     if element.tag != "calibrator":
         return ""
-    return element.get("edge") or element.get("lane", "").rpartition("_")[0]
+    return element.get("edge", "") or element.get("lane", "").rpartition("_")[0]
 
 
 def _name(element: Element, part: Element) -> str:
-    return part.get("id") or element.get("id", "?")
+    return part.get("id", "") or element.get("id", "?")
 
 
 def _signals(network: Network) -> dict[str, int]:

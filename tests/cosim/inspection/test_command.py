@@ -12,7 +12,7 @@ import pytest
 from cosim.cli import main
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.inspection.test_findings import BRAUNSCHWEIG, CARS, CROSSINGS, PERSONS, WALKS
-from tests.cosim.inspection.towns import build, configure
+from tests.cosim.inspection.towns import build, call_line, configure
 from tests.cosim.test_cli import refused
 
 
@@ -94,6 +94,7 @@ def test_where_no_crossing_can_be_guessed_there_is_no_scenario(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     build(tmp_path, junction=False)
+    call_line("netconvert -s town.net.xml --keep-edges.explicit east_1 -o town.net.xml", tmp_path)
     assert main(["inspect", "town.net.xml", "--scaffold", "mine"]) == 2
     assert "there is no crossing in town.net.xml, and netconvert guesses none" in capsys.readouterr().err
     assert not (tmp_path / "mine").exists()
