@@ -63,8 +63,8 @@ def _scaffold(found: Inspection, given: Inspection, folder: Path) -> None:
     net = given.source.net_file
     if not found.routes:
         what = "no car can drive over a crossing" if found.counts else "there is no crossing"
-        tried = "" if found is given else ", and netconvert guesses none"
-        raise InputError(f"--scaffold: {what} in {net}{tried}; mend that first")
+        guessed = "" if found is given else ", nor one that netconvert guesses"
+        raise InputError(f"--scaffold: {what} in {net}{guessed}; mend that first")
     if not found.possible and _blocking(found):
         raise InputError(f"--scaffold: {found.verdict}; mend that first")
     walks = walks_over(found.network, found.routes)
