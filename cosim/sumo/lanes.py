@@ -375,17 +375,15 @@ class Lanes:
             return ()
         convert = self._connection.simulation.convert2D
 
-        def along(tenth_mm: int) -> float:
-            return lane.place(*convert(lane.edge, 1e-4 * tenth_mm, lane.index)[:2]).along
+        def along(position: float) -> float:
+            return lane.place(*convert(lane.edge, position, lane.index)[:2]).along
 
-        every = range(int(1e4 * lane.length))
-        inner = [1e-4 * bisect_left(every, station, key=along) for station in lane.stations[1:-1]]
-        if all(
-            abs(position - station * lane.scale) <= FLAT
-            for position, station in zip(inner, lane.stations[1:-1], strict=True)
-        ):
+        inner = lane.stations[1:-1]
+        if all(abs(along(station * lane.scale) - station) <= FLAT for station in inner):
             return ()
-        return (0.0, *inner, lane.length)
+        tenth_mm = range(int(1e4 * lane.length))
+        found = (bisect_left(tenth_mm, station, key=lambda one: along(1e-4 * one)) for station in inner)
+        return (0.0, *(1e-4 * one for one in found), lane.length)
 
 
 def _edge(lane: str) -> str:
