@@ -11,6 +11,8 @@ Element = ElementTree.Element
 
 SHORTEST_M = 10.0
 """A stretch that reached beyond the lane's end keeps so much of its length, and is moved back for it."""
+FIRST_M = 1.0
+"""A stretch without a start ends here at the earliest; SUMO takes none without extent."""
 _STARTS = ("pos", "startPos")
 _WITH_LENGTH = ("laneAreaDetector", "e2Detector")
 """They may give a length instead of an end; of a parking area it is that of one space."""
@@ -52,9 +54,10 @@ class Places:
         if new != old:
             element.set(key, " ".join(new))
             self._carried.renumbered(element.tag)
-        return self._along(element, old, new)
+        self._along(element, old, new)
+        return ""
 
-    def _along(self, element: Element, old: list[str], new: list[str]) -> str:
+    def _along(self, element: Element, old: list[str], new: list[str]) -> None:
         places = {key: _number(element.get(key)) for key in (*_STARTS, "endPos")}
         changed = {
             key: self._shift.place(*((old[-1], new[-1]) if key == "endPos" else (old[0], new[0])), place)
@@ -63,15 +66,16 @@ class Places:
         }
         if len(old) == 1:
             reach = _number(element.get("length")) if element.tag in _WITH_LENGTH else None
-            if reach is not None or "startPos" in changed or "endPos" in changed:
+            if reach is not None or "startPos" in changed:
                 self._stretch(element, changed, (old[0], new[0]), reach)
+            elif "endPos" in changed and 0.0 <= changed["endPos"] < FIRST_M:
+                changed["endPos"] = min(FIRST_M, self._shift.after.lanes[new[0]].length)
         self._write(element, places, changed)
-        return ""
 
     def _stretch(
         self, element: Element, changed: dict[str, float], lanes: tuple[str, str], reach: float | None
     ) -> None:
-        """Move a stretch back that would be beyond the end of its lane, or hardly before it."""
+        """Move a stretch of which too little would be on its lane."""
         before = self._shift.before.lanes[lanes[0]].length
         length = self._shift.after.lanes[lanes[1]].length
         first = next((key for key in _STARTS if key in changed), "startPos")

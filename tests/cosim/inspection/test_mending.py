@@ -156,7 +156,15 @@ def test_places_beyond_the_end_of_a_lane_are_moved_back(tmp_path: Path) -> None:
     <inductionLoop id="e1" lane="east_1_0" pos="200" file="e1.xml" period="60"/>
     <laneAreaDetector id="e2" lane="east_1_0" pos="150" length="80" file="e2.xml" period="60"/>
     """
-    said(tmp_path, configure(tmp_path, places))
+    demand = """
+    <vehicle id="bus" depart="0"><route edges="east_1 east_2"/><stop lane="east_1_0" endPos="12" duration="2"/></vehicle>
+    """
+    said(tmp_path, configure(tmp_path, places, demand))
+    assert find(tmp_path / "mine/town.rou.xml", "stop").attrib == {
+        "lane": "east_1_1",
+        "endPos": "12",
+        "duration": "2",
+    }
     made = tmp_path / "mine/town.add.xml"
     length = read_network(tmp_path / "mine/town-crossings.net.xml").lanes["east_1_1"].length
     stop = find(made, "busStop")
