@@ -34,7 +34,7 @@ _WRITTEN = re.compile(
 )
 _KEPT = frozenset({"no-step-log"})
 _FILES = re.compile(r".*files?(-.*)?|.*\.input-file|load-state|.*-path")
-_DETECTORS = frozenset(
+DETECTORS = frozenset(
     {"inductionLoop", "e1Detector", "instantInductionLoop", "laneAreaDetector", "e2Detector"}
     | {"entryExitDetector", "e3Detector", "edgeData", "laneData", "routeProbe", "vTypeProbe"}
 )
@@ -131,7 +131,7 @@ def _silence(elements: Iterable[ElementTree.Element], folder: Path) -> bool:
     found = False
     for element in elements:
         written = {
-            "file": element.tag in _DETECTORS,
+            "file": element.tag in DETECTORS,
             "output": element.tag == "calibrator",
             "dest": element.tag == "timedEvent",
             "value": element.get("key", "") in ("device.ssm.file", "device.toc.file"),

@@ -69,7 +69,8 @@ def inspect(
         draw_map(found, picture)
         console.print(f"map: {picture}", soft_wrap=True)
     if scaffold is not None:
-        write_scaffold(found, scaffold)
+        for line in write_scaffold(found, scaffold):
+            console.print(line, soft_wrap=True)
         console.print(f"scenario: {scaffold}, run by: cosim run {shlex.quote(str(scaffold))}", soft_wrap=True)
     return 0 if found.possible else 1
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from controllers.interface import CrossingKind
 from cosim.inspection.ego_routes import EgoRoute, Passing, lanes_crossed
 from cosim.inspection.finding import Finding, Level
-from cosim.inspection.roads import guess_command, is_sidewalk
+from cosim.inspection.roads import any_sidewalk, guess_command
 from cosim.inspection.ways import Ways
 from cosim.sumo.network import Network
 
@@ -39,9 +39,7 @@ def crossings(network: Network, counts: Counts, net_file: Path) -> Finding:
     if kinds:
         parts = [f"{kinds[kind]} {NAMES[kind]}" for kind in CrossingKind if kinds[kind]]
         return Finding("crossings", Level.GOOD, ", ".join(parts))
-    walks = any(is_sidewalk(lane) for lane in network.lanes.values() if not lane.internal)
-    command = guess_command(network, net_file, sidewalks=True) if not walks else ""
-    command = command or guess_command(network, net_file, sidewalks=False)
+    command = guess_command(network, net_file, sidewalks=not any_sidewalk(network))
     return Finding("crossings", Level.MISSING, "none", command)
 
 

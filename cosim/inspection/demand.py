@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import gzip
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, cast
 from xml.etree import ElementTree
 
 from cosim.errors import InputError
 from cosim.inspection.source import Source
+from cosim.inspection.xml_elements import elements
 
 DEFAULT_CLASSES = {
     "DEFAULT_VEHTYPE": "passenger",
@@ -59,7 +57,9 @@ def read_demand(source: Source) -> Demand:
 
 def names_files(path: Path) -> bool:
     """Return whether an additional file names further files."""
-    return any("file" in key.lower() for one in _elements(path) for part in one.iter() for key in part.attrib)
+    return any(
+        "file" in key.lower() for _, one in elements(path) for part in one.iter() for key in part.attrib
+    )
 
 
 def seconds(text: str) -> float | None:
@@ -89,7 +89,7 @@ class _Reader:
     def read(self, path: Path, sorted_by_time: bool) -> None:
         latest = -math.inf
         ignored: list[str] = []
-        for element in _elements(path):
+        for _, element in elements(path):
             self._define(element)
             if element.tag not in (*_RIDERS, *_WALKERS):
                 continue
@@ -176,23 +176,3 @@ def _rate(element: ElementTree.Element) -> float:
         return float(poisson.group(1))
     interval = seconds(period) if period else None
     return 1.0 / interval if interval else 0.0
-
-
-def _elements(path: Path) -> Iterator[ElementTree.Element]:
-    with path.open("rb") as source:
-        packed = source.read(2) == b"\x1f\x8b"
-    with cast(BinaryIO, gzip.open(path, "rb")) if packed else path.open("rb") as file:
-        root: ElementTree.Element | None = None
-        depth = 0
-        for event, element in ElementTree.iterparse(file, events=("start", "end")):
-            if event == "start":
-                root = element if root is None else root
-                depth += 1
-                continue
-            depth -= 1
-            if depth == 1 and root is not None:
-                if element.tag == "include":
-                    yield from _elements(path.parent / element.get("href", ""))
-                else:
-                    yield element
-                root.clear()

@@ -51,7 +51,17 @@ def inspect(path: Path) -> Inspection:
     InputError
         If it, or a file that it names, is missing or not what it should be.
     """
-    source = read_source(path)
+    return inspect_source(read_source(path))
+
+
+def inspect_source(source: Source) -> Inspection:
+    """Look at a network and the demand that goes with it.
+
+    Raises
+    ------
+    InputError
+        If a file is not what it should be.
+    """
     network = read_network(source.net_file)
     demand = read_demand(source)
     ways = Ways(network)

@@ -24,6 +24,11 @@ def is_sidewalk(lane: NetLane) -> bool:
     return lane.permissions.allows(ON_FOOT) and not lane.permissions.allows(CAR)
 
 
+def any_sidewalk(network: Network) -> bool:
+    """Return whether there is a sidewalk anywhere."""
+    return any(is_sidewalk(lane) for lane in network.lanes.values() if not lane.internal)
+
+
 def roads(network: Network) -> Finding:
     """Say how many edges there are for cars, and how many with several lanes."""
     edges = car_edges(network)
@@ -69,18 +74,31 @@ def permissions(network: Network) -> Finding:
 
 def guess_command(network: Network, net_file: Path, sidewalks: bool) -> str:
     """Return netconvert's command that adds crossings, and sidewalks too where there are none."""
-    speeds = sorted(network.lanes[network.edges[edge][-1]].speed for edge in car_edges(network)) or [13.89]
-    speed = max([one for one in speeds if one <= _TOWN_SPEED_MPS] or speeds)
-    name = net_file.name.removesuffix(".gz").removesuffix(".net.xml").removesuffix(".xml")
-    walks = ["--sidewalks.guess", "--sidewalks.guess.max-speed", f"{speed:g}"] if sidewalks else []
     return shlex.join(
         [
             *("netconvert", "--sumo-net-file", str(net_file)),
-            *walks,
-            *("--crossings.guess", "--crossings.guess.speed-threshold", f"{speed:g}"),
-            *("--output-file", f"{name}-crossings.net.xml"),
+            *guess_options(network, sidewalks),
+            *("--output-file", with_crossings(net_file)),
         ]
     )
+
+
+def guess_options(network: Network, sidewalks: bool) -> list[str]:
+    """Return the options of that command that say what is guessed."""
+    speeds = sorted(network.lanes[network.edges[edge][-1]].speed for edge in car_edges(network)) or [13.89]
+    speed = max([one for one in speeds if one <= _TOWN_SPEED_MPS] or speeds)
+    walks = ["--sidewalks.guess", "--sidewalks.guess.max-speed", f"{speed:g}"] if sidewalks else []
+    return [*walks, "--crossings.guess", "--crossings.guess.speed-threshold", f"{speed:g}"]
+
+
+def with_crossings(net_file: Path) -> str:
+    """Return what a network is called once it has crossings.
+
+    >>> with_crossings(Path("a/town.net.xml.gz"))
+    'town-crossings.net.xml'
+    """
+    name = net_file.name.removesuffix(".gz").removesuffix(".net.xml").removesuffix(".xml")
+    return f"{name}-crossings.net.xml"
 
 
 def _lanes(network: Network, edge: str) -> list[NetLane]:

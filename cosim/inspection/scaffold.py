@@ -1,12 +1,14 @@
 """A scenario folder made from what was looked at: copies of the files, and what they lack.
 
-An additional file that names further files is not copied but named where it is: its names are relative.
+An additional file that names further files is not copied but named where it is: its names are relative. Where
+the network is mended, every file is a copy that fits the mended one.
 """
 
 from __future__ import annotations
 
 import os
 import shutil
+import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -14,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 from cosim.errors import InputError
 from cosim.inspection.demand import CAR, names_files
 from cosim.inspection.inspection import Inspection
+from cosim.inspection.mending import mend
 from cosim.inspection.walks import Walk, walks_over
 from sumo_scenarios.private_copy import kept_options
 
@@ -29,27 +32,47 @@ _INPUTS = ("net-file", "route-files", "additional-files")
 _OF_THE_RUN = ("begin", "end", "step-length", "seed", "random", "remote-port", "demo", "start", "quit-on-end")
 
 
-def write_scaffold(found: Inspection, folder: Path) -> None:
-    """Write scenario.toml, a configuration and copies of its input files.
+def write_scaffold(found: Inspection, folder: Path) -> list[str]:
+    """Write scenario.toml, a configuration and copies of its input files; return what else is to be said.
 
-    Persons are added where the demand has none, and cars where it has none.
+    A network without crossings is mended: the copies are then those that fit the mended one. Persons are
+    added where the demand has none, and cars where it has none.
 
     Raises
     ------
     InputError
         If no ego can be driven over a crossing here, or the folder cannot be written to.
     """
+    if found.counts:
+        _scaffold(found, found, folder)
+        return []
+    with tempfile.TemporaryDirectory(prefix="cosim-scaffold-") as work:
+        mended, said = mend(found, Path(work), folder)
+        _scaffold(mended, found, folder)
+    return said
+
+
+def _scaffold(found: Inspection, given: Inspection, folder: Path) -> None:
+    """Write the folder.
+
+    Parameters
+    ----------
+    found : what it is made of
+    given : what the user has: the same, or the network before it was mended
+    """
+    net = given.source.net_file
     if not found.routes:
         what = "no car can drive over a crossing" if found.counts else "there is no crossing"
-        raise InputError(f"--scaffold: {what} in {found.source.net_file}; mend that first")
+        guessed = "" if found is given else ", nor one that netconvert guesses"
+        raise InputError(f"--scaffold: {what} in {net}{guessed}; mend that first")
     if not found.possible and _blocking(found):
         raise InputError(f"--scaffold: {found.verdict}; mend that first")
     walks = walks_over(found.network, found.routes)
     if not walks and found.demand.persons < 0.5:
-        raise InputError(f"--scaffold: no sidewalk leads to the crossings in {found.source.net_file}")
+        raise InputError(f"--scaffold: no sidewalk leads to the crossings in {net}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _write(found, walks, folder)
+        _write(found, walks, folder, given)
     except OSError as error:
         raise InputError(f"--scaffold {folder}: {error.strerror}") from error
 
@@ -60,15 +83,16 @@ def _blocking(found: Inspection) -> bool:
     return any(one.level == "missing" and one.check not in added for one in found.findings)
 
 
-def _write(found: Inspection, walks: Iterable[Walk], folder: Path) -> None:
+def _write(found: Inspection, walks: Iterable[Walk], folder: Path, given: Inspection) -> None:
     source = found.source
+    own = found is given
     end_s = source.begin_s + LONGEST_S if source.end_s is None else source.end_s
     duration_s = min(end_s - source.begin_s, LONGEST_S)
     warmup_s = min(WARMUP_S, round(0.2 * duration_s, 3))
     taken: set[str] = {"scenario.toml", CONFIGURATION, "persons.rou.xml", "cars.rou.xml"}
     net = _copy(source.net_file, folder, taken)
     additional = [
-        os.path.relpath(path, folder) if names_files(path) else _copy(path, folder, taken)
+        os.path.relpath(path, folder) if own and names_files(path) else _copy(path, folder, taken)
         for path in source.additional_files
     ]
     routes = [_copy(path, folder, taken) for path in source.route_files]
@@ -79,7 +103,7 @@ def _write(found: Inspection, walks: Iterable[Walk], folder: Path) -> None:
         _text(folder / "cars.rou.xml", _cars(found, source.begin_s, end_s))
         routes.append("cars.rou.xml")
     _text(folder / CONFIGURATION, _configuration(found, net, routes, additional))
-    _text(folder / "scenario.toml", _scenario(found, duration_s, warmup_s))
+    _text(folder / "scenario.toml", _scenario(found, given.source.path.name, duration_s, warmup_s))
 
 
 def _copy(path: Path, folder: Path, taken: set[str]) -> str:
@@ -148,9 +172,9 @@ def _kept(options: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def _scenario(found: Inspection, duration_s: float, warmup_s: float) -> str:
+def _scenario(found: Inspection, origin: str, duration_s: float, warmup_s: float) -> str:
     lines = [
-        f"description = {_quoted(f'Made by cosim inspect from {found.source.path.name}')}",
+        f"description = {_quoted(f'Made by cosim inspect from {origin}')}",
         f"duration_s = {duration_s:.1f}",
         f"warmup_s = {warmup_s:.1f} # egos come in afterwards",
         'actuation = "hybrid"',

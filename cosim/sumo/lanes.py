@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from dataclasses import dataclass
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -19,6 +19,8 @@ TOUCH = 0.05
 """A body has to reach so far into its lane [m]."""
 SHORTEST_DIRECTION = 0.3
 """Shorter shapes have no direction [m]."""
+FLAT = 0.01
+"""SUMO's positions on a lane are proportional to the plan's, where they differ by less than this [m]."""
 NEXT_EDGES = 8
 """A vehicle's lane is looked for among so many edges of the rest of its route."""
 
@@ -46,6 +48,11 @@ class LaneShape:
     points: tuple[tuple[float, float], ...]
     stations: tuple[float, ...]
     """Distance along the shape to each point [m]."""
+    positions: tuple[float, ...] = ()
+    """SUMO's lane position of each point [m]; empty where it is proportional to the distance.
+
+    It is not on a lane that goes up and down: SUMO counts along the road, and tells its shape from above.
+    """
 
     @property
     def shape_length(self) -> float:
@@ -56,6 +63,15 @@ class LaneShape:
     def scale(self) -> float:
         """Counted length over drawn length."""
         return self.length / self.stations[-1] if self.stations[-1] > 0.0 else 1.0
+
+    def position(self, along: float) -> float:
+        """Return SUMO's lane position [m] of a distance along the shape [m]."""
+        if not self.positions:
+            return along * self.scale
+        number = min(max(bisect_right(self.stations, along) - 1, 0), len(self.points) - 2)
+        drawn = self.stations[number + 1] - self.stations[number]
+        counted = self.positions[number + 1] - self.positions[number]
+        return self.positions[number] + (along - self.stations[number]) * counted / (drawn or 1.0)
 
     @property
     def no_direction(self) -> bool:
@@ -267,14 +283,14 @@ class Lanes:
         x, y : the point [m]
         """
         if abs(place.across) <= 0.5 * lane.width:
-            return place.along * lane.scale, self._upwards * place.across
+            return lane.position(place.along), self._upwards * place.across
         side = 1 if self._upwards * place.across > 0.0 else -1
         for other in self.beside(lane, vehicle_class):
             if other.index == lane.index + side:
                 there = other.place(x, y)
                 across = self._upwards * there.across + side * 0.5 * (lane.width + other.width)
                 if abs(across) > 0.5 * lane.width:
-                    return there.along * other.scale, across
+                    return other.position(there.along), across
         return None
 
     @cached_property
@@ -307,7 +323,7 @@ class Lanes:
             before += lane.length
             lane = self._nearest(following, vehicle_class, x, y)
             place = lane.place(x, y)
-        return lane, before + place.along * lane.scale
+        return lane, before + lane.position(place.along)
 
     def _nearest(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> LaneShape:
         if abs(lane.place(x, y).across) <= 0.5 * lane.width:
@@ -342,7 +358,7 @@ class Lanes:
         stations = [0.0]
         for start, end in pairwise(shape):
             stations.append(stations[-1] + math.dist(start, end))
-        return LaneShape(
+        found = LaneShape(
             name=name,
             edge=lane.getEdgeID(name),
             index=int(name.rpartition("_")[2]),
@@ -351,6 +367,23 @@ class Lanes:
             points=tuple((point[0], point[1]) for point in shape),
             stations=tuple(stations),
         )
+        return replace(found, positions=self._positions(found))
+
+    def _positions(self, lane: LaneShape) -> tuple[float, ...]:
+        """Return SUMO's lane position [m] of each point of a shape; nothing where they are proportional."""
+        if len(lane.points) < 3 or abs(lane.length - lane.shape_length) <= FLAT:
+            return ()
+        convert = self._connection.simulation.convert2D
+
+        def along(position: float) -> float:
+            return lane.place(*convert(lane.edge, position, lane.index)[:2]).along
+
+        inner = lane.stations[1:-1]
+        if all(abs(along(station * lane.scale) - station) <= FLAT for station in inner):
+            return ()
+        tenth_mm = range(int(1e4 * lane.length))
+        found = (bisect_left(tenth_mm, station, key=lambda one: along(1e-4 * one)) for station in inner)
+        return (0.0, *(1e-4 * one for one in found), lane.length)
 
 
 def _edge(lane: str) -> str:

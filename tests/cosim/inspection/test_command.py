@@ -12,7 +12,7 @@ import pytest
 from cosim.cli import main
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.inspection.test_findings import BRAUNSCHWEIG, CARS, CROSSINGS, PERSONS, WALKS
-from tests.cosim.inspection.towns import build, configure
+from tests.cosim.inspection.towns import build, call_line, configure
 from tests.cosim.test_cli import refused
 
 
@@ -90,10 +90,13 @@ def test_the_map_shows_every_crossing_and_has_the_same_bytes_twice(tmp_path: Pat
     assert "x [m]" in text
 
 
-def test_without_a_crossing_there_is_no_scenario(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    build(tmp_path)
+def test_where_no_crossing_can_be_guessed_there_is_no_scenario(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    build(tmp_path, junction=False)
+    call_line("netconvert -s town.net.xml --keep-edges.explicit east_1 -o town.net.xml", tmp_path)
     assert main(["inspect", "town.net.xml", "--scaffold", "mine"]) == 2
-    assert "there is no crossing" in capsys.readouterr().err
+    assert "there is no crossing in town.net.xml, nor one that netconvert guesses" in capsys.readouterr().err
     assert not (tmp_path / "mine").exists()
 
 

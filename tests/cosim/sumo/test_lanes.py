@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import subprocess
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import ClassVar
@@ -109,3 +110,48 @@ def test_the_edges_inside_a_junction_are_those_of_all_lanes() -> None:
     assert lanes.on_way(":j_3", ("in", "out"))
     assert not lanes.on_way(":j_9", ("in", "out"))
     assert lanes.on_way("out", ("in", "out"))
+
+
+def test_a_lane_that_goes_up_and_down_is_counted_piece_by_piece() -> None:
+    # The second half climbs as far as it goes: it counts more than it is long from above.
+    points, length = ((0.0, 0.0), (50.0, 0.0), (100.0, 0.0)), 50.0 + 50.0 * math.sqrt(2.0)
+    hill = replace(lane(*points, length=length), positions=(0.0, 50.0, length))
+    assert hill.position(20.0) == pytest.approx(20.0)
+    assert hill.position(60.0) == pytest.approx(50.0 + 10.0 * math.sqrt(2.0))
+    assert hill.position(110.0) == pytest.approx(length + 10.0 * math.sqrt(2.0))
+    assert hill.position(-1.0) == pytest.approx(-1.0)
+
+
+@pytest.mark.sumo
+def test_an_ego_is_driven_exactly_over_hills(tmp_path: Path) -> None:
+    (tmp_path / "n.nod.xml").write_text(
+        '<nodes><node id="a" x="0" y="0" z="0"/><node id="b" x="300" y="0" z="0"/></nodes>'
+    )
+    heights = " ".join(f"{x},0,{4.0 * math.sin(x / 15.0):.2f}" for x in range(0, 301, 20))
+    (tmp_path / "e.edg.xml").write_text(
+        f'<edges><edge id="ab" from="a" to="b" numLanes="2" speed="13.9" shape="{heights}"/></edges>'
+    )
+    netconvert = str(Path(sumo.SUMO_HOME) / "bin" / "netconvert")
+    command = [netconvert, "-n", "n.nod.xml", "-e", "e.edg.xml", "-o", "hills.net.xml"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    net = str(tmp_path / "hills.net.xml")
+    libsumo.start(["sumo", "-n", net, "--lateral-resolution", "0.4", "--step-length", "0.1"])
+    try:
+        libsumo.route.add("r", ["ab"])
+        libsumo.vehicle.add("ego", "r", departLane="1", departPos="20", departSpeed="10")
+        libsumo.simulationStep()
+        shape = Lanes(libsumo).shape("ab_1")
+        assert shape.length > shape.shape_length + 1.0
+        actuation = Actuation(libsumo, 0.1)
+        actuation.take_over("ego")
+        x, y = libsumo.vehicle.getPosition("ego")
+        off = 0.0
+        for number in range(1, 240):
+            actuation.drive("ego", x + number, y, 0.0, 10.0)
+            libsumo.simulationStep()
+            executed = actuation.executed("ego")
+            off = max(off, math.hypot(executed.x - x - number, executed.y - y))
+        assert off < 0.005
+        assert actuation.moves("ego") == 0
+    finally:
+        libsumo.close()

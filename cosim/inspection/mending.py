@@ -1,0 +1,78 @@
+"""A network given the crossings and sidewalks that it lacks, and demand that fits it."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from cosim.errors import InputError
+from cosim.inspection.carry_over import CarryOver
+from cosim.inspection.inspection import Inspection, inspect_source
+from cosim.inspection.roads import any_sidewalk, car_edges, guess_command, guess_options, with_crossings
+from cosim.sumo.network import read_network
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.sumo_installation import netconvert, sumo_home
+
+_COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
+
+
+def mend(found: Inspection, work: Path, folder: Path) -> tuple[Inspection, list[str]]:
+    """Return what is found once netconvert has guessed crossings, and lines that say what was done.
+
+    Parameters
+    ----------
+    found : a network without crossings
+    work : where the network and the copies of files are written
+    folder : where they will be read
+
+    Raises
+    ------
+    InputError
+        If netconvert refuses the network, or there is no road in it.
+    """
+    source = found.source
+    if not car_edges(found.network):
+        return found, []
+    net = work / with_crossings(source.net_file)
+    sidewalks = not any_sidewalk(found.network)
+    _guess(source.net_file, guess_options(found.network, sidewalks), net)
+    carrier = CarryOver(found.network, read_network(net), folder)
+    additional = _copies(carrier, source.additional_files, work / "additional", "additional")
+    routes = _copies(carrier, source.route_files, work / "routes", "routes")
+    mended = replace(source, net_file=net, additional_files=additional, route_files=routes)
+    said = [
+        f"mended by: {guess_command(found.network, source.net_file, sidewalks)}",
+        *carrier.carried.lines(),
+    ]
+    return inspect_source(mended), said
+
+
+def _copies(carrier: CarryOver, paths: Iterable[Path], work: Path, root: str) -> tuple[Path, ...]:
+    found = []
+    for number, path in enumerate(paths):
+        target = work / str(number) / path.name.removesuffix(".gz")
+        target.parent.mkdir(parents=True)
+        carrier.write(path, target, root)
+        found.append(target)
+    return tuple(found)
+
+
+def _guess(net_file: Path, options: Iterable[str], target: Path) -> None:
+    """Write the network with crossings; without netconvert's comment, which has the date and paths."""
+    try:
+        program = netconvert()
+        environment = {**os.environ, "SUMO_HOME": str(sumo_home())}
+    except ScenarioError as error:
+        raise InputError(f"--scaffold: {error}") from error
+    command = [str(program), "--sumo-net-file", str(net_file), *options, "--xml-validation", "never"]
+    command += ["--output-file", str(target)]
+    result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    if result.returncode != 0 or not target.is_file():
+        reasons = [line for line in result.stderr.splitlines() if line.startswith("Error")]
+        reason = " ".join(reasons) or f"it ended with {result.returncode}"
+        raise InputError(f"--scaffold: netconvert cannot add crossings to {net_file}: {reason}")
+    target.write_bytes(_COMMENT.sub(b"", target.read_bytes()))

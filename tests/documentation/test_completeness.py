@@ -1,0 +1,37 @@
+"""Pages that list something list all of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from cosim.conformance.suite import cases
+from cosim.inspection.inspection import inspect
+from sumo_scenarios.sumo_installation import packaged_file
+from tests.cosim.inspection.test_findings import BRAUNSCHWEIG
+from tests.documentation.command_blocks import ROOT
+
+MISHAPS = (
+    "n_teleports",
+    "n_routes_restored",
+    "n_steps_off_the_way",
+    "egos_given_up",
+    "cars_not_taken",
+    "solvers",
+)
+
+
+def test_every_conformance_case_has_a_row() -> None:
+    page = (ROOT / "docs/coupling.md").read_text("utf-8")
+    assert [case.key for case in cases() if f"\n| {case.key} |" not in page] == []
+
+
+def test_every_check_of_inspect_is_explained() -> None:
+    page = (ROOT / "docs/inspect.md").read_text("utf-8")
+    heads = [line.split("|")[1] for line in page.splitlines() if line.startswith("| ")]
+    explained = {name.strip() for head in heads for name in head.split(",")}
+    assert {finding.check for finding in inspect(packaged_file(BRAUNSCHWEIG)).findings} <= explained
+
+
+@pytest.mark.parametrize("key", MISHAPS)
+def test_what_a_run_says_of_itself_is_explained(key: str) -> None:
+    assert f"`{key}`" in (ROOT / "docs/architecture.md").read_text("utf-8")
