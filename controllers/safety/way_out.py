@@ -7,6 +7,7 @@ leads. Of some steering angles the one nearest to the plan is taken that touches
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
 from controllers.driving.plane import to_plane
@@ -17,6 +18,8 @@ SPEED, ACCELERATION = 0.4, 0.5
 """Of the way out [m/s, m/s^2]."""
 ANGLES = 13
 """Steering angles that are tried, evenly from right to left."""
+ASIDE = 1.2
+"""How far beside its lane's centre line it may lead [m]."""
 TO_VEHICLES = 0.1
 """Distance kept to vehicles [m]."""
 NEAR_VEHICLES = 15.0
@@ -42,7 +45,7 @@ def way_out(
     angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
     x, y, heading = _rolled(perception, angles, times)
     near = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius) < margin
-    free = ~near.any(axis=(0, 2))
+    free = ~near.any(axis=(0, 2)) & _on_its_way(perception, x[-1], y[-1])
     cars = _vehicles(perception, len(times))
     if len(cars.x):
         apart = disc_clearances(x, y, heading, ego.body, cars.x, cars.y, cars.radius)
@@ -54,6 +57,13 @@ def way_out(
     angle = angles[free][np.argmin(np.abs(angles[free] - wanted))]
     speeding = (SPEED - ego.speed) / max(ego.plan_interval, 0.5)
     return Command(np.zeros(1), np.array([min(speeding, ACCELERATION)]), np.array([float(angle)]))
+
+
+def _on_its_way(perception: Perception, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
+    """Return which places are not too far beside the lane's centre line, or nearer to it than the ego is."""
+    middle, heading = to_plane(perception.road, x, np.zeros(len(x)))
+    beside = np.cos(heading) * (y - middle[:, 1]) - np.sin(heading) * (x - middle[:, 0])
+    return np.asarray(np.abs(beside) <= max(ASIDE, abs(perception.ego.across)))
 
 
 def _rolled(
