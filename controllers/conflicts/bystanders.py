@@ -1,8 +1,7 @@
 """People who stay beside the way: how near the body comes to them, and how fast it may pass.
 
 The body is laid along the way into a lane, with all four corners on the true curve of the road. Whoever is
-not expected to enter that way is a disc where he will be when the body gets there. The nearer it comes to
-him, the slower it passes.
+not expected to enter that way is a disc where he is. The nearer the body comes to him, the slower it passes.
 """
 
 from __future__ import annotations
@@ -14,9 +13,8 @@ from numpy.typing import NDArray
 
 from controllers.driving import way_into_lane
 from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.plane import people_in_plane
 from controllers.interface import Body, FloatArray, Perception, RoadAhead
-from controllers.prediction.discs import discs
-from controllers.prediction.forecast import Forecast
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
 """Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
@@ -28,8 +26,6 @@ FREE, FAST = 0.8, 14.0
 """Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
-WALKING_FOR = 3.0
-"""How long people are expected to go on as they do [s]."""
 ASIDE = 2.2
 """Whoever is farther from the band into the lane cannot be near a front that swings out [m]."""
 LARGEST_SWING = 1.5
@@ -75,13 +71,7 @@ def passing_speed(clearance: FloatArray) -> FloatArray:
     return np.where(clearance < FREE, bounded, UNBOUNDED).round(9)
 
 
-def bystanders(
-    perception: Perception,
-    offset: float,
-    way: tuple[FloatArray, FloatArray],
-    walks: NDArray[np.bool_],
-    forecast: Forecast | None = None,
-) -> Bystanders | None:
+def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_]) -> Bystanders | None:
     """Return how near the body comes to the people beside its way into a lane; ``None`` without any.
 
     Parameters
@@ -90,12 +80,9 @@ def bystanders(
         What the ego is told.
     offset
         Across coordinate of the lane's centre line [m].
-    way
-        Times, and where the rear axle is expected then, ascending, shape (N,) [s, m].
-    walks
-        Who of the pedestrians walks on; the others stay where they are.
-    forecast
-        Where those go; ``None``: they keep their velocities.
+    enters
+        Who of the pedestrians may enter the way. Those are waited for, or passed with the margins of their
+        class; of them only who is beside the body already counts.
     """
     ego, people = perception.ego, perception.pedestrians
     half = 0.5 * ego.body.width + ASIDE
@@ -103,15 +90,16 @@ def bystanders(
     near = (people.across + people.radius > low) & (people.across - people.radius < high)
     last = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed)
     near &= (people.along > -ego.body.rear_overhang - 1.0) & (people.along < last + ego.body.front)
+    near &= ~enters | (people.along < ego.body.front)
     who = np.flatnonzero(near)
     if not len(who):
         return None
     farthest = float(people.along[who].max()) + ego.body.rear_overhang + 2.0
     places, way_there = way_into_lane.poses(perception, offset, min(farthest, last))
     x, y, heading = way_there[:, :, None]
-    found = discs(perception, who, walks, forecast, _arrival(places, *way))
-    clearance = disc_clearances(x, y, heading, ego.body, found.x, found.y, found.radius)
-    return Bystanders(places, who, clearance[:, 0, :])
+    at, _ = people_in_plane(ego, perception.road, people)
+    still = (np.broadcast_to(values[who, None], (len(who), len(places))) for values in (*at.T, people.radius))
+    return Bystanders(places, who, disc_clearances(x, y, heading, ego.body, *still)[:, 0, :])
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -120,16 +108,10 @@ def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArra
     The rear axle keeps to the centre line, so the front leaves it outward: by half its distance squared
     over the bend's radius.
     """
-    if not len(road.curvature):
+    if not road.curvature.any():
         none = np.zeros(len(along))
         return none, none
     at = ((along - 0.5 * body.front) / road.curvature_step).astype(np.int64)
     bend = road.curvature[np.clip(at, 0, len(road.curvature) - 1)]
     swing = np.clip(0.5 * body.front**2 * bend, -LARGEST_SWING, LARGEST_SWING)
     return np.maximum(swing, 0.0), np.maximum(-swing, 0.0)
-
-
-def _arrival(places: FloatArray, times: FloatArray, positions: FloatArray) -> FloatArray:
-    """Return when the rear axle gets to each place, at most so late as people are expected to walk on [s]."""
-    known = np.interp(places, np.append(0.0, positions), np.append(0.0, times))
-    return np.minimum(np.where(places > positions[-1], WALKING_FOR, known), WALKING_FOR)

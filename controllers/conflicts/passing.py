@@ -161,6 +161,7 @@ def find(
     forecast: Forecast | None = None,
     abreast: bool = True,
     clearance: FloatArray | None = None,
+    expectation: Expectation | None = None,
 ) -> Conflicts:
     """Return the pedestrians who will be in the band within the horizon.
 
@@ -186,13 +187,16 @@ def find(
     clearance
         How near the true body comes to those who are not expected to enter, shape (n,); ``None``: their
         distance to the band decides [m].
+    expectation
+        Of everybody, where it is known already; ``None``: it is worked out.
     """
     people = perception.pedestrians
     road = perception.road
     n = len(people)
     if n == 0:
         return _empty()
-    across_speed, enters, assumed, lets_go = expected(perception, watch, assume, forecast)
+    known = expectation or expected(perception, watch, assume, forecast)
+    across_speed, enters, assumed, lets_go = known
     # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
     # is he counts.
     occupied = np.where(lets_go, SQUEEZED, OCCUPIED)

@@ -14,7 +14,7 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
 
     The plane's origin and axes are those of the route frame at the rear axle; before it the road is straight.
     """
-    if not len(road.curvature):
+    if not road.curvature.any():
         return np.column_stack((along, across)), np.zeros(len(along))
     step = road.curvature_step
     heading = np.concatenate(([0.0], np.cumsum(road.curvature) * step))

@@ -97,11 +97,10 @@ class SpeedPlanner:
     """Of the speed programs."""
     forecast: Forecast | None = None
     """Of the present instant; ``None`` without a predictor."""
-    may_enter: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
-    """Who of the pedestrians may come into the way who is not there yet, shape (n,)."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
+    _expectation: passing.Expectation = field(init=False)
     _stops: list[StopPlace] = field(default_factory=list)
     _waiting_place: float = np.inf
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
@@ -132,8 +131,12 @@ class SpeedPlanner:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
             self.forecast = self.predictor.predict(perception, times)
-        expected = passing.expected(perception, self._watch, self.settings.assume, self.forecast)
-        self.may_enter = expected.enters
+        self._expectation = passing.expected(perception, self._watch, self.settings.assume, self.forecast)
+
+    @property
+    def may_enter(self) -> NDArray[np.bool_]:
+        """Who of the pedestrians may come into the way who is not there yet, shape (n,)."""
+        return self._expectation.enters
 
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
@@ -158,7 +161,8 @@ class SpeedPlanner:
             How long the vehicles ahead in the present lane still count when another lane is the target [s].
         """
         s, times = self.settings, self.memory.times
-        beside = self._bystanders(perception, lane)
+        offset = lane.offset if lane is not None else 0.0
+        beside = bystanders.bystanders(perception, offset, self.may_enter)
         right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
         band = _swept(perception, lane)
         conflicts = passing.find(
@@ -173,6 +177,7 @@ class SpeedPlanner:
             # pulling forward would be a race. He is the last check's.
             abreast=False,
             clearance=None if beside is None else beside.least(len(perception.pedestrians)),
+            expectation=self._expectation,
         )
         slowly = None if beside is None else beside.speed_limit(conflicts.index)
         task, because = self._task(perception, lane, leaving_for, slowly)
@@ -334,12 +339,6 @@ class SpeedPlanner:
             headway=headway,
         )
         return task, stop or ahead.name
-
-    def _bystanders(self, perception: Perception, lane: Lane | None) -> bystanders.Bystanders | None:
-        """Return how near the body comes to those beside its way into a lane."""
-        way = (self.memory.times, self.memory.expected(perception.ego)[0])
-        offset = lane.offset if lane is not None else 0.0
-        return bystanders.bystanders(perception, offset, way, self.may_enter, self.forecast)
 
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
         """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -14,11 +12,10 @@ from tests.controllers.scenes import Walker, bend, ego, perception, straight_roa
 from tests.controllers.toy_runs import Ride, ride
 
 BODY = Body()
-TIMES = np.arange(0.25, 8.1, 0.25)
 
 
-def _beside(seen: Perception, speed: float = 8.0, walks: bool = False, offset: float = 0.0) -> Bystanders:
-    found = bystanders(seen, offset, (TIMES, speed * TIMES), np.full(len(seen.pedestrians), walks))
+def _beside(seen: Perception, enters: bool = False) -> Bystanders:
+    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters))
     assert found is not None
     return found
 
@@ -39,9 +36,8 @@ def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
 
 
 def test_nobody_near_is_nobody() -> None:
-    ways = (TIMES, TIMES)
     for walkers in ([], [Walker(20.0, -8.0)], [Walker(-20.0, -1.5)]):
-        assert bystanders(perception(ego(), walkers=walkers), 0.0, ways, np.zeros(len(walkers), bool)) is None
+        assert bystanders(perception(ego(), walkers=walkers), 0.0, np.zeros(len(walkers), bool)) is None
 
 
 def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
@@ -59,15 +55,9 @@ def test_beyond_a_distance_the_speed_is_free() -> None:
     assert far.speed_limit(np.zeros(0, dtype=np.int64)) is None
 
 
-def test_somebody_who_walks_on_counts_where_he_will_be() -> None:
-    with_it = _beside(
-        perception(ego(), walkers=[replace(_stands(0.3, along=12.0), along_speed=1.4)]), 8.0, True
-    )
-    limit = with_it.speed_limit(np.zeros(0, dtype=np.int64))
-    assert limit is not None
-    slow = limit[0][limit[1] < 3.0]
-    # The bumper gets to him after 1.3 s, 1.8 m further on.
-    assert 12.0 < slow.min() + BODY.front < 15.0
+def test_of_those_who_enter_only_who_is_beside_the_body_counts() -> None:
+    seen = perception(ego(), walkers=[_stands(0.3), _stands(0.4, along=2.0)])
+    assert _beside(seen, enters=True).least(2) == pytest.approx([np.inf, 0.4])
 
 
 def test_the_front_swings_out_of_a_bend() -> None:
