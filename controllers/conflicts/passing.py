@@ -344,6 +344,28 @@ def class_name(conflicts: Conflicts, behind: int) -> str:
     return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
 
 
+def stops(
+    conflicts: Conflicts, behind: int, front: float, margin_along: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where those are who are let pass, where the front bumper stops, and how long [m, m, s].
+
+    Parameters
+    ----------
+    conflicts, behind
+        By time of entry, and how many of them are let pass.
+    front
+        From the rear axle to the front bumper [m].
+    margin_along
+        [m].
+    """
+    c = conflicts
+    before = c.along[:behind] - c.radius[:behind] - margin_along
+    line = c.stop_line[:behind]
+    # Once the bumper is past the stop line only the pedestrian counts.
+    places = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
+    return c.along[:behind], places, c.leave[:behind]
+
+
 class ClassBounds(NamedTuple):
     """What each passing class asks of the rear axle's position, shape (n + 1, N) each.
 

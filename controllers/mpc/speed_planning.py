@@ -31,8 +31,6 @@ SIDE_CLEARANCE_FROM = 2.0
 """From this speed on the whole distance is kept, below it in proportion [m/s]."""
 STUCK_WITHIN = 0.5
 """Who cannot go as far as this cannot go anywhere [m]."""
-STANDS_FOR = 1.0
-"""Who would stand on a crossing for longer than this stops before it [s]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
@@ -382,7 +380,8 @@ class SpeedPlanner:
         bounds = self._class_bounds(perception, task, conflicts)
         front, people = perception.ego.body.front, bounds.upper[behind]
         # Who would have to stop for somebody with the body on a crossing stops before that crossing.
-        line, _ = road_profile.keep_clear_line(perception, self.memory.times, people + front, 0.0, STANDS_FOR)
+        stops = passing.stops(conflicts, behind, front, self.settings.margin_along)
+        line = road_profile.keep_clear_of_people(perception, *stops)
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
         return task._replace(
