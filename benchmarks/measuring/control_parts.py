@@ -7,35 +7,40 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from time import perf_counter
 from typing import Any
 
-from controllers.conflicts import passing
+from controllers.conflicts import bystanders, passing
 from controllers.mpc import lateral, longitudinal
 from controllers.mpc.driver import VelocityObstacleMpc
 from controllers.mpc.lateral import LateralProgram
 from controllers.mpc.longitudinal import LongitudinalProgram
 from controllers.mpc.speed_planning import SpeedPlanner
+from controllers.mpc.speed_tasks import SpeedTasks
 from controllers.optimisation import solve as solving
+from controllers.safety.last_check import LastCheck
 from measuring.stopwatch import OTHER, Stopwatch, replaced, watching
 
-PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY = (
+PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, CHECK = (
     "predict",
     "conflicts",
     "task",
     "assembly",
     "solve",
     "verify",
+    "check",
 )
-PARTS = (PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, OTHER)
+PARTS = (PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, CHECK, OTHER)
 PLACES = (
     (SpeedPlanner, "look", PREDICT),
-    (passing, "_expected_motion", PREDICT),
+    (passing, "expected", PREDICT),
     (passing, "find", CONFLICTS),
+    (bystanders, "bystanders", CONFLICTS),
     (passing, "class_bounds", CONFLICTS),
     (SpeedPlanner, "_candidates", CONFLICTS),
-    (SpeedPlanner, "_task", TASK),
+    (SpeedTasks, "task", TASK),
     (VelocityObstacleMpc, "_steering_task", TASK),
     (LongitudinalProgram, "build", ASSEMBLY),
     (LateralProgram, "build", ASSEMBLY),
     (solving, "certify", VERIFY),
+    (LastCheck, "checked", CHECK),
 )
 
 

@@ -39,7 +39,9 @@ from controllers.mpc.cone_planning import SLOTS, ConePlanner
 from controllers.mpc.cone_program import ConeProgram
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedPlan, SpeedWeights
-from controllers.mpc.speed_planning import Chosen, PassingSettings, SpeedPlanner, front_across, with_margins
+from controllers.mpc.passing_settings import PassingSettings
+from controllers.mpc.speed_planning import Chosen, SpeedPlanner, with_margins
+from controllers.mpc.speed_tasks import front_across
 from controllers.numerics import last_plan
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, Tally

@@ -8,60 +8,25 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import bystanders, occlusion, passing
-from controllers.conflicts.occlusion import HiddenPedestrian
-from controllers.driving import road_profile, traffic
+from controllers.conflicts import bystanders, passing
+from controllers.driving import road_profile
 from controllers.driving.plan_memory import PlanMemory
-from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Lane, Perception
 from controllers.mpc.lateral import SteeringPlan
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.mpc.passing_settings import PassingSettings
+from controllers.mpc.speed_tasks import SpeedTasks, swept
 from controllers.numerics import passing_classes, position_bounds
 from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
 
 FloatArray = NDArray[np.float64]
 
-SIDE_CLEARANCE = 0.3
-"""Distance kept beside other vehicles [m]."""
-BESIDE = 0.1
-"""The same of an ego that stands, and for those in the lane that is being left: only who is really in the way
-counts [m]."""
-SIDE_CLEARANCE_FROM = 2.0
-"""From this speed on the whole distance is kept, below it in proportion [m/s]."""
 STUCK_WITHIN = 0.5
 """Who cannot go as far as this cannot go anywhere [m]."""
-CAREFUL_BEFORE = 5.0
-"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
-CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
-"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
-deceleration [m/s^2], plus this [m/s]."""
-SLOWING_FOR_THE_ROAD = 1.5
-"""Deceleration with which limits and bends ahead are met [m/s^2]."""
-SpeedLimit = tuple[FloatArray, FloatArray]
-"""Positions of the rear axle, and the speed allowed there [m, m/s]."""
 FORECAST_SPACING = 0.1
 """How finely a predictor is asked; in between people go straight on [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class PassingSettings:
-    """How pedestrians are passed."""
-
-    margin_along: float
-    margin_across: float
-    hysteresis: float
-    lock: float
-    max_classes: int
-    passes: int
-    reconsider: float
-    """While the present class is reachable, others are tried only this often [s]."""
-    standstill_gap: float
-    bend_acceleration: float
-    assume: passing.PedestrianAssumptions
-    hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
-    uncertainty_gain: float = 0.0
-    """What a margin grows by for each metre that a position is uncertain (standard deviation)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,19 +64,12 @@ class SpeedPlanner:
     _reconsidered: float = -np.inf
     _watch: passing.Watch = field(default_factory=passing.Watch)
     _expectation: passing.Expectation = field(init=False)
-    _stops: list[StopPlace] = field(default_factory=list)
-    _waiting_place: float = np.inf
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
-    _no_lower_bound: FloatArray = field(init=False)
-    _demands: FloatArray = field(init=False)
-    # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
+    _tasks: SpeedTasks = field(init=False)
 
     def __post_init__(self) -> None:
-        lateral = self.settings.bend_acceleration
-        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
-        self._demands = np.array([wanted, ceiling])
-        self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
+        self._tasks = SpeedTasks(self.settings, self.program.limits, self.memory, self.right_of_way)
 
     def look(self, perception: Perception, waiting_place: float = np.inf) -> None:
         """Take note of signals, of vehicles with priority, and of where people will be; once per plan.
@@ -123,8 +81,7 @@ class SpeedPlanner:
         waiting_place
             Where the front bumper waits in the present lane for a change to another; inf for nowhere [m].
         """
-        self._stops = self.right_of_way.stops(perception)
-        self._waiting_place = waiting_place
+        self._tasks.look(perception, waiting_place)
         if self.predictor is not None:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
@@ -138,7 +95,8 @@ class SpeedPlanner:
 
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
-        return min(self._stops, key=lambda stop: stop.along).name if self._stops else ""
+        stops = self._tasks.stops
+        return min(stops, key=lambda stop: stop.along).name if stops else ""
 
     def commit(self, perception: Perception, chosen: Chosen) -> None:
         """Remember the passing class that is followed from now on."""
@@ -162,7 +120,7 @@ class SpeedPlanner:
         offset = lane.offset if lane is not None else 0.0
         beside = bystanders.bystanders(perception, offset, self.may_enter)
         right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
-        band = _swept(perception, lane)
+        band = swept(perception, lane)
         conflicts = passing.find(
             perception,
             self._watch,
@@ -178,7 +136,7 @@ class SpeedPlanner:
             expectation=self._expectation,
         )
         slowly = None if beside is None else beside.speed_limit(conflicts.index)
-        task, because = self._task(perception, lane, leaving_for, slowly)
+        task, because = self._tasks.task(perception, lane, leaving_for, self._watch, slowly)
         best: Chosen | None = None
         best_cost = np.inf
         flips = self._flips(conflicts)
@@ -297,80 +255,6 @@ class SpeedPlanner:
             flips.append(flips[-1] + (one is not None) * (1 if one else -1))
         return flips
 
-    def _task(
-        self, perception: Perception, lane: Lane | None, leaving_for: float, slowly: SpeedLimit | None
-    ) -> tuple[SpeedTask, str]:
-        """Return the speed task without people in conflict, and who bounds the position apart from them."""
-        s, ego, front = self.settings, perception.ego, perception.ego.body.front
-        times, limits = self.memory.times, self.program.limits
-        positions, expected = self.memory.expected(ego)
-        ahead = self._vehicles(perception, lane, leaving_for)
-        line, stop = self._line(perception, lane, ahead.rest)
-        gap_now = s.standstill_gap + limits.headway * ego.speed
-        upper, stoppable, headway = position_bounds.position_bounds(
-            ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
-        )
-        reference, ceiling = road_profile.reference_speeds(
-            perception,
-            positions,
-            self._demands,
-        )
-        ceiling += CEILING_MARGIN
-        for along in self._watch.carefully_past(perception, s.assume):
-            beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
-            reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
-        for limit in (slowly, occlusion.speed_limit(perception, _swept(perception, lane), s.hidden)):
-            if limit is not None:
-                slow = occlusion.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
-                reference = np.minimum(reference, slow)
-                ceiling = np.minimum(ceiling, occlusion.reached(*limit, positions, CEILING_BRAKING))
-        task = SpeedTask(
-            speed=ego.speed,
-            acceleration=ego.acceleration,
-            command=self.memory.commanded(ego)[0],
-            reference=reference,
-            expected=expected,
-            ceiling=ceiling,
-            upper=upper,
-            lower=self._no_lower_bound,
-            stoppable=stoppable,
-            headway=headway,
-        )
-        return task, stop or ahead.name
-
-    def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
-        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
-        ego, times = perception.ego, self.memory.times
-        # Who waits for a car beside him that waits for him has to pass it closely, and slowly.
-        kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
-        reach = 0.5 * ego.body.width + kept
-        offset = lane.offset if lane is not None else 0.0
-        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
-        if abs(offset - ego.across) < 0.3:
-            return then
-        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
-        body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
-        now = traffic.blockade(perception, (at - body, at + body), times)
-        left = times > leaving_for
-        return traffic.Blockade(
-            np.minimum(np.where(left, np.inf, now.rear), then.rear),
-            np.minimum(np.where(left, np.inf, now.rest), then.rest),
-            np.minimum(np.where(left, np.inf, now.rear), then.follow),
-            then.name or (now.name if leaving_for > 0.0 else ""),
-        )
-
-    def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
-        """Return the place the front bumper must not pass now, and why; inf for none."""
-        places = [(stop.along, stop.name) for stop in self._stops]
-        gap = self.settings.standstill_gap
-        places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
-        if lane is not None:
-            here = lane.number == perception.road.reference
-            end = min(lane.follows_route_for, self._waiting_place) if here else lane.follows_route_for
-            places.append((end, "lane end"))
-        nearest, name = min(places)
-        return nearest, name if np.isfinite(nearest) else ""
-
     def _bounded(
         self, perception: Perception, task: SpeedTask, conflicts: passing.Conflicts, behind: int
     ) -> SpeedTask:
@@ -430,17 +314,3 @@ def with_margins(perception: Perception, gain: float) -> Perception:
         return perception
     grown = replace(people, radius=people.radius + gain * people.uncertainty)
     return replace(perception, pedestrians=grown)
-
-
-def front_across(perception: Perception) -> float:
-    """Return the across coordinate of the front bumper's centre [m]."""
-    ego = perception.ego
-    return ego.across + ego.body.front * float(np.sin(ego.heading_error))
-
-
-def _swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
-    """Return right and left end of what the body sweeps on its way into a lane."""
-    half = 0.5 * perception.ego.body.width
-    offset = lane.offset if lane is not None else 0.0
-    across = perception.ego.across
-    return min(across, offset) - half, max(across, offset) + half

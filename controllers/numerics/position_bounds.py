@@ -1,4 +1,4 @@
-"""Bounds on the position from what is ahead; see :mod:`controllers.mpc.speed_planning`."""
+"""Bounds on the position from what is ahead; see :mod:`controllers.mpc.speed_tasks`."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from controllers.mpc.driver import ConeParameters, Settings, Shape, VelocityObst
 from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import SteeringWeights
 from controllers.mpc.longitudinal import SpeedLimits, SpeedWeights
-from controllers.mpc.speed_planning import PassingSettings
+from controllers.mpc.passing_settings import PassingSettings
 from controllers.optimisation.settings import SolverSettings
 from controllers.prediction import named
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.driving.road_profile import keep_clear_line, reference_speed
+from controllers.driving.road_profile import keep_clear_line, keep_clear_of_people, reference_speed
 from controllers.interface import Perception
 from tests.controllers.scenes import FRONT, bend, ego, perception, straight_road, zebra
 
@@ -78,3 +78,24 @@ def test_a_crossing_the_ego_is_on_or_cannot_stop_before_is_not_stopped_at() -> N
     assert _line(perception(ego(speed=8.0), crossings=[zebra(2.0)]), 10.0) == (np.inf, "")
     assert _line(perception(ego(speed=14.0), crossings=[zebra(20.0)]), 25.0) == (np.inf, "")
     assert _line(perception(ego(speed=8.0), crossings=[zebra(20.0)]), 25.0) == (19.0, "zebra")
+
+
+@pytest.mark.parametrize(
+    ("along", "place", "until", "line"),
+    [
+        (38.0, 37.0, 60.0, 29.0),
+        (38.0, 37.0, np.inf, 29.0),
+        # Gone by the time the ego has left the crossing, and a second later.
+        (38.0, 37.0, 4.0, np.inf),
+        # On the crossing itself, and so far behind it that a car has room between.
+        (33.0, 29.0, 60.0, np.inf),
+        (42.0, 39.5, 60.0, np.inf),
+    ],
+)
+def test_a_crossing_is_kept_clear_of_people_behind_it(
+    along: float, place: float, until: float, line: float
+) -> None:
+    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)])
+    found = keep_clear_of_people(scene, np.array([along]), np.array([place]), np.array([until]))
+    assert found == line
+    assert keep_clear_of_people(scene, np.zeros(0), np.zeros(0), np.zeros(0)) == np.inf

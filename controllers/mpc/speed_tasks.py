@@ -1,0 +1,166 @@
+"""What bounds the speed plan apart from people in conflict: the road, signals, vehicles, who is beside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.conflicts import occlusion, passing
+from controllers.driving import road_profile, traffic
+from controllers.driving.plan_memory import PlanMemory
+from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.interface import Lane, Perception
+from controllers.mpc.longitudinal import SpeedLimits, SpeedTask
+from controllers.mpc.passing_settings import PassingSettings
+from controllers.numerics import position_bounds
+
+FloatArray = NDArray[np.float64]
+
+SIDE_CLEARANCE = 0.3
+"""Distance kept beside other vehicles [m]."""
+BESIDE = 0.1
+"""The same of an ego that stands, and for those in the lane that is being left: only who is really in the way
+counts [m]."""
+SIDE_CLEARANCE_FROM = 2.0
+"""From this speed on the whole distance is kept, below it in proportion [m/s]."""
+CAREFUL_BEFORE = 5.0
+"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
+CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
+"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
+deceleration [m/s^2], plus this [m/s]."""
+SLOWING_FOR_THE_ROAD = 1.5
+"""Deceleration with which limits and bends ahead are met [m/s^2]."""
+SpeedLimit = tuple[FloatArray, FloatArray]
+"""Positions of the rear axle, and the speed allowed there [m, m/s]."""
+
+
+@dataclass(slots=True)
+class SpeedTasks:
+    """Makes the tasks of one ego."""
+
+    settings: PassingSettings
+    limits: SpeedLimits
+    memory: PlanMemory
+    right_of_way: RightOfWay
+    stops: list[StopPlace] = field(default_factory=list)
+    waiting_place: float = np.inf
+    """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    _no_lower_bound: FloatArray = field(init=False)
+    _demands: FloatArray = field(init=False)
+    # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
+
+    def __post_init__(self) -> None:
+        lateral = self.settings.bend_acceleration
+        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
+        self._demands = np.array([wanted, ceiling])
+        self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
+
+    def look(self, perception: Perception, waiting_place: float) -> None:
+        """Take note of signals and of vehicles with priority."""
+        self.stops = self.right_of_way.stops(perception)
+        self.waiting_place = waiting_place
+
+    def task(
+        self,
+        perception: Perception,
+        lane: Lane | None,
+        leaving_for: float,
+        watch: passing.Watch,
+        slowly: SpeedLimit | None,
+    ) -> tuple[SpeedTask, str]:
+        """Return the speed task without people in conflict, and who bounds the position apart from them.
+
+        Parameters
+        ----------
+        perception, lane, leaving_for
+            As for :meth:`controllers.mpc.speed_planning.SpeedPlanner.cheapest`.
+        watch
+            What is remembered of the pedestrians.
+        slowly
+            How fast people may be passed who stay beside the way; ``None``: nobody is near.
+        """
+        s, ego, front = self.settings, perception.ego, perception.ego.body.front
+        times, limits = self.memory.times, self.limits
+        positions, expected = self.memory.expected(ego)
+        ahead = self._vehicles(perception, lane, leaving_for)
+        line, stop = self._line(perception, lane, ahead.rest)
+        gap_now = s.standstill_gap + limits.headway * ego.speed
+        upper, stoppable, headway = position_bounds.position_bounds(
+            ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
+        )
+        reference, ceiling = road_profile.reference_speeds(
+            perception,
+            positions,
+            self._demands,
+        )
+        ceiling += CEILING_MARGIN
+        for along in watch.carefully_past(perception, s.assume):
+            beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
+            reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
+        for limit in (slowly, occlusion.speed_limit(perception, swept(perception, lane), s.hidden)):
+            if limit is not None:
+                slow = occlusion.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
+                reference = np.minimum(reference, slow)
+                ceiling = np.minimum(ceiling, occlusion.reached(*limit, positions, CEILING_BRAKING))
+        task = SpeedTask(
+            speed=ego.speed,
+            acceleration=ego.acceleration,
+            command=self.memory.commanded(ego)[0],
+            reference=reference,
+            expected=expected,
+            ceiling=ceiling,
+            upper=upper,
+            lower=self._no_lower_bound,
+            stoppable=stoppable,
+            headway=headway,
+        )
+        return task, stop or ahead.name
+
+    def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
+        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
+        ego, times = perception.ego, self.memory.times
+        # Who waits for a car beside him that waits for him has to pass it closely, and slowly.
+        kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
+        reach = 0.5 * ego.body.width + kept
+        offset = lane.offset if lane is not None else 0.0
+        then = traffic.blockade(perception, (offset - reach, offset + reach), times)
+        if abs(offset - ego.across) < 0.3:
+            return then
+        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
+        body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
+        now = traffic.blockade(perception, (at - body, at + body), times)
+        left = times > leaving_for
+        return traffic.Blockade(
+            np.minimum(np.where(left, np.inf, now.rear), then.rear),
+            np.minimum(np.where(left, np.inf, now.rest), then.rest),
+            np.minimum(np.where(left, np.inf, now.rear), then.follow),
+            then.name or (now.name if leaving_for > 0.0 else ""),
+        )
+
+    def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
+        """Return the place the front bumper must not pass now, and why; inf for none."""
+        places = [(stop.along, stop.name) for stop in self.stops]
+        gap = self.settings.standstill_gap
+        places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
+        if lane is not None:
+            here = lane.number == perception.road.reference
+            end = min(lane.follows_route_for, self.waiting_place) if here else lane.follows_route_for
+            places.append((end, "lane end"))
+        nearest, name = min(places)
+        return nearest, name if np.isfinite(nearest) else ""
+
+
+def front_across(perception: Perception) -> float:
+    """Return the across coordinate of the front bumper's centre [m]."""
+    ego = perception.ego
+    return ego.across + ego.body.front * float(np.sin(ego.heading_error))
+
+
+def swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
+    """Return right and left end of what the body sweeps on its way into a lane."""
+    half = 0.5 * perception.ego.body.width
+    offset = lane.offset if lane is not None else 0.0
+    across = perception.ego.across
+    return min(across, offset) - half, max(across, offset) + half
