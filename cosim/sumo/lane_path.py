@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
+from cosim.sumo.bends import CAR, Turning, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
 from cosim.sumo.path import Path, arc_lengths, crossing_point
 
@@ -96,12 +97,21 @@ class LanePath:
     """
 
     def __init__(
-        self, polyline: FloatArray, origin: float, pieces: Sequence[Piece], leads_to_end: bool, step: int
+        self,
+        polyline: FloatArray,
+        origin: float,
+        pieces: Sequence[Piece],
+        leads_to_end: bool,
+        step: int,
+        turning: Turning = CAR,
     ) -> None:
-        self.curve = Path(*_without_jogs(polyline, origin, pieces))
+        self.curve, self.bends = widened(Path(*_without_jogs(polyline, origin, pieces)), turning)
+        """`bends`: those that the lanes make tighter than the vehicle can drive."""
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:
+            if any(bend.start < station < bend.end for bend in self.bends):
+                return self.curve.station_along(station)
             # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
             x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
             return self.curve.place_near(x, y, self.curve.station_along(station))[0]

@@ -15,6 +15,7 @@ from cosim.plant import Plant, body_of
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
@@ -80,7 +81,7 @@ class SumoWorld:
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = Drive() if drive is None else drive
         self._egos: dict[str, DrivenEgo] = {}
-        self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
+        self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
         self._off_the_way = 0
@@ -356,16 +357,17 @@ class SumoWorld:
         vehicle = self._sumo.vehicle
         kind = vehicle.getVehicleClass(name)
         edges = tuple(vehicle.getRoute(name))
-        key = (edges, kind)
+        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
+        turning = turning_of(body, self._drive)
+        key = (edges, kind, turning)
         if key not in self._routes:
             try:
-                self._routes[key] = Route(self._network, edges, kind)
+                self._routes[key] = Route(self._network, edges, kind, turning)
             except InputError as error:
                 if self._sources.is_of_share(name):
                     self._not_taken.append(name)
                     return
                 raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
-        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         seen = self._seen(name)
         heading = heading_of(vehicle.getAngle(name))
         rear = rear_axle_of(seen.x, seen.y, heading, body.front)

@@ -1,0 +1,184 @@
+"""Bends tighter than a vehicle can drive, and the way that it takes through them instead.
+
+SUMO's lanes meet in junctions with any radius, down to a bare corner. A car cuts such a corner with its rear
+axle and swings out with its front; where there is no room for one arc, as in a hairpin, it swings out
+before. The way chosen is the one on which neither axle nor front bumper gets far from the lanes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Body, Drive
+from cosim.sumo.arcs import Arcs, Pose, between
+from cosim.sumo.path import SPACING, Path, arc_lengths, evenly
+
+FloatArray = NDArray[np.float64]
+
+RESERVE = 1.1
+"""Bends are driven with a radius greater by this than the vehicle's smallest, which leaves room to steer."""
+APART = 3.0
+"""Bends nearer to each other than so many radii are one."""
+REACH = 12.0
+"""How far before and behind a bend the way may leave the lanes [m]."""
+DETOUR = 2.0
+"""A way longer than the shortest by more radii than this goes round in circles."""
+FINE = 0.2
+"""Distance of points on arcs [m]."""
+LATER = 0.02
+"""So much further off the lanes [m] a way may get that leaves them a metre later."""
+EVENED = 0.02
+"""Share of stations that only follow the length of the way, so that none stays the same."""
+
+
+class Turning(NamedTuple):
+    """What of a vehicle decides how it gets round a bend [m]."""
+
+    radius: float
+    """Smallest that the middle of its rear axle can drive."""
+    front: float
+    """From there to the front bumper."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bend:
+    """A bend too tight, and the way through it."""
+
+    start: float
+    """Stations where the way leaves the lanes and where it is back on them [m]."""
+    end: float
+    off: float
+    """Distance from the lanes that the rear axle's middle or the front bumper's gets to [m]."""
+    points: FloatArray
+    """(n, 2) [m]"""
+    stations: FloatArray
+    """Of the points: those of the places on the lanes beside them, (n,) [m]."""
+
+
+def turning_of(body: Body, drive: Drive) -> Turning:
+    """Return how tightly a vehicle turns.
+
+    >>> round(turning_of(Body(), Drive()).radius, 2)
+    3.8
+    """
+    return Turning(body.wheelbase / math.tan(drive.max_steering), body.front)
+
+
+CAR = turning_of(Body(), Drive())
+
+
+def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
+    """Return a path that the vehicle can drive, and its bends that were drawn anew.
+
+    A path that it can drive already is returned as it is.
+    """
+    tight = _tight(path, turning)
+    if not tight:
+        return path, ()
+    # Between two bends each has half of the way.
+    halves = [(one[1] + other[0]) // 2 for one, other in pairwise(tight)]
+    lows, highs = [1, *(half + 1 for half in halves)], [*halves, len(path.samples) - 2]
+    bends: list[Bend] = []
+    samples: list[FloatArray] = []
+    stations: list[FloatArray] = []
+    done = 0
+    for (first, last), low, high in zip(tight, lows, highs, strict=True):
+        begin, end, bend = _best(path, (first, last), (low, high), turning)
+        samples += [path.samples[done:begin], bend.points]
+        stations += [path.stations[done:begin], bend.stations]
+        bends.append(bend)
+        done = end + 1
+    samples.append(path.samples[done:])
+    stations.append(path.stations[done:])
+    return Path.through(np.concatenate(samples), np.concatenate(stations)), tuple(bends)
+
+
+def _tight(path: Path, turning: Turning) -> list[tuple[int, int]]:
+    """Return the first and the last sample of each bend that is too tight."""
+    tight = np.flatnonzero(np.abs(path.curvature) * turning.radius > 1.0)
+    if not len(tight):
+        return []
+    gaps = np.flatnonzero(np.diff(path.along[tight]) > APART * turning.radius)
+    firsts, lasts = tight[np.append(0, gaps + 1)], tight[np.append(gaps, len(tight) - 1)]
+    return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
+
+
+def _best(
+    path: Path, bend: tuple[int, int], room: tuple[int, int], turning: Turning
+) -> tuple[int, int, Bend]:
+    """Return the samples between which a bend is drawn anew, and how.
+
+    Parameters
+    ----------
+    path
+    bend : first and last sample where it is too tight
+    room : first and last sample that may be used
+    turning
+    """
+    least = math.inf
+    for reach in range(int(REACH / SPACING) + 1):
+        begin, end = max(bend[0] - reach, room[0]), min(bend[1] + reach, room[1])
+        near = slice(max(begin - 2, 0), end + math.ceil(2.0 * turning.front / SPACING))
+        start = _pose(path, begin)
+        for way in _ways(start, _pose(path, end), turning):
+            points, headings = way.places(start, FINE)
+            fronts = points + turning.front * np.column_stack([np.cos(headings), np.sin(headings)])
+            away, beside = _on_lanes(path, np.concatenate([points, fronts]), near)
+            cost = float(away.max()) + LATER * reach * SPACING
+            if cost < least:
+                least, found = cost, (begin, end, points, beside[: len(points)], float(away.max()))
+    begin, end, points, beside, off = found
+    stations = _stations(points, np.clip(beside, path.stations[begin], path.stations[end]))
+    gone = arc_lengths(points)
+    grid = evenly(float(gone[-1]))
+    drawn = np.column_stack([np.interp(grid, gone, points[:, axis]) for axis in (0, 1)])
+    ends = float(path.stations[begin]), float(path.stations[end])
+    return begin, end, Bend(*ends, off, drawn, np.interp(grid, gone, stations))
+
+
+def _pose(path: Path, number: int) -> Pose:
+    """Return place and direction of the lanes at a sample."""
+    x, y = path.samples[number].tolist()
+    return Pose(x, y, float(path.heading[number]))
+
+
+def _ways(start: Pose, end: Pose, turning: Turning) -> list[Arcs]:
+    """Return the ways worth a look: not those that go round in circles."""
+    ways = list(between(start, end, RESERVE * turning.radius))
+    longest = min(way.length for way in ways) + DETOUR * turning.radius
+    return [way for way in ways if way.length <= longest]
+
+
+def _on_lanes(path: Path, points: FloatArray, near: slice) -> tuple[FloatArray, FloatArray]:
+    """Return how far points (n, 2) are from the lanes [m], and the stations where they are nearest [m].
+
+    Parameters
+    ----------
+    path
+    points
+    near : samples of the path that are looked at
+    """
+    line, stations = path.samples[near], path.stations[near]
+    steps = np.diff(line, axis=0)
+    rest = points[:, None, :] - line[None, :-1, :]
+    share = np.clip((rest * steps).sum(axis=2) / (steps**2).sum(axis=1), 0.0, 1.0)
+    away = np.hypot(*(rest - share[:, :, None] * steps).transpose(2, 0, 1))
+    nearest = away.argmin(axis=1)
+    rows = np.arange(len(points))
+    station = stations[nearest] + share[rows, nearest] * np.diff(stations)[nearest]
+    return away[rows, nearest], station
+
+
+def _stations(points: FloatArray, beside: FloatArray) -> FloatArray:
+    """Return increasing stations of points (n, 2) from those of the nearest places on the lanes [m]."""
+    gone = arc_lengths(points)
+    # Where a way swings out of a hairpin, the places beside it jump or turn back; stations never do.
+    onward = np.maximum.accumulate(beside)
+    evened = onward[0] + (onward[-1] - onward[0]) * gone / gone[-1]
+    return np.asarray((1.0 - EVENED) * onward + EVENED * evened)
