@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
-from cosim.sumo.bends import CAR, Turning, widened
+from cosim.sumo.bends import CAR, Bend, Turning, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
 from cosim.sumo.path import Path, arc_lengths, crossing_point
 
@@ -119,6 +119,7 @@ class LanePath:
         self.pieces = tuple(
             Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
         )
+        self._drawn_anew = [tuple(map(self.curve.station_along, (b.start, b.end))) for b in self.bends]
         ahead = self.pieces[next(number for number, piece in enumerate(pieces) if piece.start > -1e-6) :]
         self.own = ahead[0]
         self.edge_end = self.own.end
@@ -153,6 +154,13 @@ class LanePath:
             if along < piece.end:
                 return piece
         return self.pieces[-1]
+
+    def bend_at(self, along: float) -> Bend | None:
+        """Return the bend drawn anew there [m]; ``None`` where the path follows its lanes."""
+        for bend, (start, end) in zip(self.bends, self._drawn_anew, strict=True):
+            if start < along < end:
+                return bend
+        return None
 
     def beside(self, other: LanePath) -> FloatArray:
         """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""

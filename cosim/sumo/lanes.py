@@ -213,6 +213,18 @@ class Lanes:
             found = self._inside[key] = frozenset(map(_edge, lanes))
         return found
 
+    def past_end(self, lane: LaneShape, width: float, x: float, y: float) -> bool:
+        """Return whether a place [m] is just before or beyond a lane and beside it, but the body touches it.
+
+        That is where a front bumper swings out of a bend between two lanes. SUMO disregards the lane that it
+        is told there, unless only those of the route count.
+        """
+        place = lane.place(x, y)
+        past = max(-place.along, place.along - lane.shape_length)
+        if lane.no_direction or past <= 0.0 or (place.along < 0.0 and -PAST_END <= place.along and abs(place.across) <= MIDDLE):
+            return False
+        return math.hypot(past, place.across) <= 0.5 * (lane.width + width) - TOUCH
+
     def placeable(
         self, lane: LaneShape, width: float, x: float, y: float, heading: float, astray: bool = False
     ) -> tuple[float, float, float]:

@@ -36,6 +36,11 @@ class Track:
         """The path along the lane."""
         return self.route.path(self.step, self.index)
 
+    def lane_in_bend(self) -> str:
+        """Return the lane that the front bumper is beside in a bend drawn anew; empty elsewhere."""
+        path = self.path
+        return "" if path.bend_at(self.along) is None else path.piece_at(self.along).lane.name
+
     @property
     def arrived(self) -> bool:
         """Whether the route's end is reached."""

@@ -153,7 +153,9 @@ class SumoWorld:
                 if not ego.handed_back:
                     plant = ego.plant
                     plant.follow(ego.command, ego.elapsed, self.step)
-                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed)
+                    ego.track.update(*plant.front)
+                    lane = ego.track.lane_in_bend()
+                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed, lane)
                     self._connection.pending = True
                     if not self._actuation.strayed(ego.name) <= GIVEN_UP:
                         self._give_up(ego)
@@ -312,7 +314,8 @@ class SumoWorld:
                 self._off_the_way += self._actuation.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
-        ego.track.update(*ego.front)
+        if ego.handed_back:
+            ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _give_up(self, ego: DrivenEgo) -> None:
