@@ -88,6 +88,8 @@ class _Ego:
     routes_restored: int = 0
     astray: bool = False
     """After the last step SUMO had another route than the ego's own, or the ego on a foreign lane."""
+    off_route: bool = False
+    """It was another route."""
     strayed: float = 0.0
     """From where the front bumper is to where it was put, in the last move [m]."""
 
@@ -319,7 +321,7 @@ class Actuation:
                 ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
         x, y, angle, keep = *aim, heading, ON_ROUTE
-        if ego.astray or not self._lanes.past_end(there, ego.width, *aim):
+        if ego.off_route or not self._lanes.found_on_route(there, ego.route, ego.width, *aim):
             x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, ego.astray)
             keep = EXACT_POSITION
         ego.strayed = math.dist((x, y), aim)
@@ -342,6 +344,7 @@ class Actuation:
         vehicle = self._connection.vehicle
         rest = self._rest(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
+        ego.off_route = not kept
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:
             if not ego.astray:

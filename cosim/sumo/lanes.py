@@ -139,6 +139,7 @@ class Lanes:
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._inside: dict[tuple[str, str], frozenset[str]] = {}
+        self._returning: dict[tuple[str, ...], bool] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -213,17 +214,34 @@ class Lanes:
             found = self._inside[key] = frozenset(map(_edge, lanes))
         return found
 
-    def past_end(self, lane: LaneShape, width: float, x: float, y: float) -> bool:
-        """Return whether a place [m] is just before or beyond a lane and beside it, but the body touches it.
+    def found_on_route(self, lane: LaneShape, route: tuple[str, ...], width: float, x: float, y: float) -> bool:
+        """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
-        That is where a front bumper swings out of a bend between two lanes. SUMO disregards the lane that it
-        is told there, unless only those of the route count.
+        In a junction and between two lanes others are often nearer than the one that it is told, where a
+        front bumper swings out of a bend. But it would take a later passage of the same junction for this one.
+
+        Parameters
+        ----------
+        lane : that the vehicle is to be on
+        route : edges from the present one on
+        width : of the vehicle [m]
+        x, y : centre of the front bumper [m]
         """
-        place = lane.place(x, y)
-        past = max(-place.along, place.along - lane.shape_length)
-        if lane.no_direction or past <= 0.0 or (place.along < 0.0 and -PAST_END <= place.along and abs(place.across) <= MIDDLE):
+        if lane.no_direction or self._returns(route):
             return False
-        return math.hypot(past, place.across) <= 0.5 * (lane.width + width) - TOUCH
+        place = lane.place(x, y)
+        past = max(-place.along, place.along - lane.shape_length, 0.0)
+        aside = 0.5 * (lane.width + width) - TOUCH
+        return (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
+
+    def _returns(self, route: tuple[str, ...]) -> bool:
+        """Return whether a route passes its next junction more than once."""
+        found = self._returning.get(route)
+        if found is None:
+            junctions = [{_junction(edge) for edge in self.inside(*pair)} for pair in pairwise(route)]
+            found = any(junctions[0] & later for later in junctions[1:])
+            self._returning[route] = found
+        return found
 
     def placeable(
         self, lane: LaneShape, width: float, x: float, y: float, heading: float, astray: bool = False
@@ -367,3 +385,12 @@ class Lanes:
 
 def _edge(lane: str) -> str:
     return lane.rpartition("_")[0]
+
+
+def _junction(edge: str) -> str:
+    """Return the junction that an edge is inside.
+
+    >>> _junction(":town_hall_12")
+    ':town_hall'
+    """
+    return edge.rpartition("_")[0]
