@@ -80,6 +80,19 @@ class PathJunction:
 
 
 @dataclass(frozen=True, slots=True)
+class PathBend:
+    """A bend that the lanes make tighter than the vehicle can turn, and the path therefore wider."""
+
+    lane: str
+    """That bends; of several the first one inside a junction."""
+    start: float
+    """Where the path leaves the lanes, and where it is back on them [m]."""
+    end: float
+    off: float
+    """How far the vehicle gets from the middle of the lanes [m]."""
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """The part of a path that one lane makes."""
 
@@ -105,12 +118,11 @@ class LanePath:
         step: int,
         turning: Turning = CAR,
     ) -> None:
-        self.curve, self.bends = widened(Path(*_without_jogs(polyline, origin, pieces)), turning)
-        """`bends`: those that the lanes make tighter than the vehicle can drive."""
+        self.curve, drawn_anew = widened(Path(*_without_jogs(polyline, origin, pieces)), turning)
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:
-            if any(bend.start < station < bend.end for bend in self.bends):
+            if any(bend.start < station < bend.end for bend in drawn_anew):
                 return self.curve.station_along(station)
             # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
             x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
@@ -119,7 +131,7 @@ class LanePath:
         self.pieces = tuple(
             Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
         )
-        self._drawn_anew = [tuple(map(self.curve.station_along, (b.start, b.end))) for b in self.bends]
+        self.bends = tuple(self._path_bend(bend) for bend in drawn_anew)
         ahead = self.pieces[next(number for number, piece in enumerate(pieces) if piece.start > -1e-6) :]
         self.own = ahead[0]
         self.edge_end = self.own.end
@@ -155,12 +167,19 @@ class LanePath:
                 return piece
         return self.pieces[-1]
 
-    def bend_at(self, along: float) -> Bend | None:
-        """Return the bend drawn anew there [m]; ``None`` where the path follows its lanes."""
-        for bend, (start, end) in zip(self.bends, self._drawn_anew, strict=True):
-            if start < along < end:
+    def bend_at(self, along: float, length: float = 0.0) -> PathBend | None:
+        """Return the bend drawn anew there, or on so much of the path before [m]; ``None`` for none."""
+        for bend in self.bends:
+            if bend.start < along and along - length < bend.end:
                 return bend
         return None
+
+    def _path_bend(self, bend: Bend) -> PathBend:
+        start, end = self.curve.station_along(bend.start), self.curve.station_along(bend.end)
+        on_it = [piece for piece in self.pieces if piece.start < end and piece.end > start]
+        inside = [piece for piece in on_it if piece.lane.internal]
+        lane = (inside or on_it or [self.piece_at(start)])[0].lane.name
+        return PathBend(lane, start, end, bend.off)
 
     def beside(self, other: LanePath) -> FloatArray:
         """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""

@@ -214,11 +214,13 @@ class Lanes:
             found = self._inside[key] = frozenset(map(_edge, lanes))
         return found
 
-    def found_on_route(self, lane: LaneShape, route: tuple[str, ...], width: float, x: float, y: float) -> bool:
+    def found_on_route(
+        self, lane: LaneShape, route: tuple[str, ...], width: float, x: float, y: float
+    ) -> bool:
         """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
         In a junction and between two lanes others are often nearer than the one that it is told, where a
-        front bumper swings out of a bend. But it would take a later passage of the same junction for this one.
+        front bumper swings out of a bend. But a later passage of the same junction would be taken for this one.
 
         Parameters
         ----------

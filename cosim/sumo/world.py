@@ -19,6 +19,7 @@ from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
+from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
@@ -39,10 +40,6 @@ PLAN_INTERVAL = 0.1
 """Controllers are asked at most this often [s]."""
 PATIENCE = 5.0
 """An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
-POSITION_TOLERANCE = 0.02
-"""SUMO differs from the plant by an intervention when it is further off than this [m]."""
-SPEED_TOLERANCE = 0.1
-"""The same for speeds [m/s]."""
 GIVEN_UP = 15.0
 """An ego further than this from where SUMO can have it on its way is handed back [m]."""
 
@@ -85,6 +82,7 @@ class SumoWorld:
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
         self._off_the_way = 0
+        self._tight_bends: dict[str, float] = {}
         self._given_up: list[str] = []
         self._not_taken: list[str] = []
         self._to_take: list[str] = []
@@ -206,6 +204,7 @@ class SumoWorld:
                 self._off_the_way,
                 tuple(self._given_up),
                 tuple(self._not_taken),
+                dict(self._tight_bends),
             ),
         )
 
@@ -300,13 +299,16 @@ class SumoWorld:
             before_speed = plant.speed
             plant.adopt(ego.executed.x, ego.executed.y, heading, speed, (speed - before_speed) / self.step)
             ego.travelled += speed * self.step
-            ego.intervention = False
+            ego.intervention = ""
         else:
             ego.executed = self._actuation.executed(ego.name)
-            off = math.dist(before, (ego.executed.x, ego.executed.y))
-            slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
+            bend = ego.track.bend(plant.body.front)
+            ego.intervention = (
+                cause_of(self._actuation, ego.name, before, ego.executed, bend is not None) or ""
+            )
+            if bend is not None:
+                self._tight_bends[bend.lane] = max(bend.off, self._tight_bends.get(bend.lane, 0.0))
             astray = self._actuation.astray(ego.name)
-            ego.intervention = astray or off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
             if ego.astray_for > PATIENCE:
                 self._give_up(ego)
