@@ -27,6 +27,12 @@ APART = 3.0
 """Bends nearer to each other than so many radii are one."""
 REACH = 12.0
 """How far before and behind a bend the way may leave the lanes [m]."""
+CALM = 0.8
+"""Share of the rate at which the wheels can turn that following the way may ask for."""
+SLOWEST = 2.0
+"""No bend has to be driven slower for it [m/s]."""
+BEFORE = 2.5
+"""Smooth as it is, a path begins to bend so far before a bend, and ends behind it [m]."""
 DETOUR = 2.0
 """A way longer than the shortest by more radii than this goes round in circles."""
 FINE = 0.2
@@ -38,12 +44,16 @@ EVENED = 0.02
 
 
 class Turning(NamedTuple):
-    """What of a vehicle decides how it gets round a bend [m]."""
+    """What of a vehicle decides how it gets round a bend."""
 
     radius: float
-    """Smallest that the middle of its rear axle can drive."""
+    """Smallest that the middle of its rear axle can drive [m]."""
     front: float
-    """From there to the front bumper."""
+    """From there to the front bumper [m]."""
+    wheelbase: float
+    """[m]"""
+    rate: float
+    """How fast its wheels are turned at most [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +77,8 @@ def turning_of(body: Body, drive: Drive) -> Turning:
     >>> round(turning_of(Body(), Drive()).radius, 2)
     3.8
     """
-    return Turning(body.wheelbase / math.tan(drive.max_steering), body.front)
+    radius = body.wheelbase / math.tan(drive.max_steering)
+    return Turning(radius, body.front, body.wheelbase, drive.max_steering_rate)
 
 
 CAR = turning_of(Body(), Drive())
@@ -97,6 +108,14 @@ def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
     samples.append(path.samples[done:])
     stations.append(path.stations[done:])
     return Path.through(np.concatenate(samples), np.concatenate(stations)), tuple(bends)
+
+
+def highest_speed(path: Path, start: float, end: float, turning: Turning) -> float:
+    """Return how fast a part of a path [m] can be driven with wheels that take their time to turn [m/s]."""
+    part = (path.along > start) & (path.along < end)
+    angles = np.arctan(turning.wheelbase * path.curvature)
+    fastest = float(np.abs(np.gradient(angles, path.along)[part]).max(initial=0.0))
+    return max(CALM * turning.rate / max(fastest, 1e-6), SLOWEST)
 
 
 def _tight(path: Path, turning: Turning) -> list[tuple[int, int]]:

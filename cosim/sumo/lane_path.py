@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
-from cosim.sumo.bends import CAR, Bend, Turning, widened
+from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
 from cosim.sumo.path import Path, arc_lengths, crossing_point
 
@@ -143,6 +143,8 @@ class LanePath:
         self.leads_to_end = leads_to_end
         """Whether the chain ends because the route does."""
         self._limits = self._speed_limits()
+        if self.bends:
+            self._limits = self._slowed(turning)
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
         self.junctions: tuple[PathJunction, ...] = ()
@@ -150,7 +152,7 @@ class LanePath:
 
     @property
     def limits(self) -> tuple[FloatArray, FloatArray]:
-        """Where speed limits begin [m], and the limits [m/s]."""
+        """Where speed limits begin [m], and the limits [m/s]; bends drawn anew have one for the vehicle."""
         return self._limits
 
     @cached_property
@@ -199,6 +201,18 @@ class LanePath:
                 starts.append(piece.start)
                 limits.append(piece.lane.speed)
         return np.array(starts), np.array(limits)
+
+    def _slowed(self, turning: Turning) -> tuple[FloatArray, FloatArray]:
+        """Return the limits with those of the bends: what the vehicle can steer through."""
+        starts, limits = self._limits
+        for bend in self.bends:
+            start, end = max(bend.start - BEFORE, float(starts[0])), bend.end + BEFORE
+            speed = highest_speed(self.curve, start, end, turning)
+            places = np.union1d(starts, [start, end])
+            limits = limits[np.searchsorted(starts, places, side="right") - 1]
+            limits = np.where((places >= start) & (places < end), np.minimum(limits, speed), limits)
+            starts = places
+        return starts, limits
 
     def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
         """Find the crossings, signals and junctions along the path."""

@@ -220,7 +220,7 @@ class Lanes:
         """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
         In a junction and between two lanes others are often nearer than the one that it is told, where a
-        front bumper swings out of a bend. But a later passage of the same junction would be taken for this one.
+        front bumper swings out of a bend. But a later passage of the same junction might be nearer too.
 
         Parameters
         ----------
