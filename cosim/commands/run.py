@@ -153,7 +153,7 @@ def _tell_mishaps(description: dict[str, Any]) -> None:
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:
         furthest = max(beside.values())
-        text = f"egos pass up to {furthest:.1f} m beside lanes that bend more than they can: {next(iter(beside))}"
+        text = f"egos pass up to {furthest:.1f} m beside lanes too tight for them: {next(iter(beside))}"
         typer.echo(f"cosim: note: {text}{', …' if len(beside) > 1 else ''}", err=True)
     if not_taken:
         text = f"{len(not_taken)} cars of the share have routes that no ego can drive: {not_taken[0]}"
