@@ -11,7 +11,7 @@ import pyarrow as pa
 SCHEMA_VERSION = "1"
 
 INTERVENTIONS = {
-    "tight_bend": "in a bend tighter than the ego can turn, SUMO could not have it on its way",
+    "tight_bend": "the ego was in a bend tighter than it can turn, too far off for SUMO to have it there",
     "way_lost": "SUMO had another route for the ego, or had it on another way through a junction",
     "off_lane": "the ego was too far beside or beyond its lane for SUMO to have it there",
     "held": "SUMO drove slower than it was told",

@@ -15,7 +15,10 @@ from cosim.sumo.route import Route
 
 pytestmark = pytest.mark.sumo
 
-CORNER = ('<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-100" y="-120"/>', "")
+CORNER = (
+    '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-100" y="-120"/>',
+    "",
+)
 FORK = (
     '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" type="priority" radius="0.2"/>'
     '<node id="e" x="150" y="0"/><node id="s" x="-100" y="-120"/>',
