@@ -93,18 +93,18 @@ def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
     if not tight:
         return path, ()
     # Between two bends each has half of the way.
-    halves = [(one[1] + other[0]) // 2 for one, other in pairwise(tight)]
-    lows, highs = [1, *(half + 1 for half in halves)], [*halves, len(path.samples) - 2]
-    bends: list[Bend] = []
+    halves = [0.5 * (one.last + other.first) for one, other in pairwise(tight)]
+    rooms = pairwise([float(path.stations[1]), *halves, float(path.stations[-2])])
+    bends = [_drawn_anew(path, one, room, turning) for one, room in zip(tight, rooms, strict=True)]
     samples: list[FloatArray] = []
     stations: list[FloatArray] = []
     done = 0
-    for (first, last), low, high in zip(tight, lows, highs, strict=True):
-        begin, end, bend = _best(path, (first, last), (low, high), turning)
+    for bend in bends:
+        # Where samples and points meet they are about as far apart as elsewhere.
+        begin, end = np.searchsorted(path.stations, [bend.start - 0.5 * SPACING, bend.end + 0.5 * SPACING])
         samples += [path.samples[done:begin], bend.points]
         stations += [path.stations[done:begin], bend.stations]
-        bends.append(bend)
-        done = end + 1
+        done = int(end)
     samples.append(path.samples[done:])
     stations.append(path.stations[done:])
     return Path.through(np.concatenate(samples), np.concatenate(stations)), tuple(bends)
@@ -118,53 +118,73 @@ def highest_speed(path: Path, start: float, end: float, turning: Turning) -> flo
     return max(CALM * turning.rate / max(fastest, 1e-6), SLOWEST)
 
 
-def _tight(path: Path, turning: Turning) -> list[tuple[int, int]]:
-    """Return the first and the last sample of each bend that is too tight."""
+class _Tight(NamedTuple):
+    """Where a path bends too much; stations [m]."""
+
+    first: float
+    middle: float
+    last: float
+
+
+def _tight(path: Path, turning: Turning) -> list[_Tight]:
+    """Return the bends that are too tight."""
     tight = np.flatnonzero(np.abs(path.curvature) * turning.radius > 1.0)
     if not len(tight):
         return []
     gaps = np.flatnonzero(np.diff(path.along[tight]) > APART * turning.radius)
-    firsts, lasts = tight[np.append(0, gaps + 1)], tight[np.append(gaps, len(tight) - 1)]
-    return list(zip(firsts.tolist(), lasts.tolist(), strict=True))
+    found = []
+    for bend in np.split(tight, gaps + 1):
+        stations, weights = path.stations[bend], np.abs(path.curvature[bend]) * turning.radius - 1.0
+        # The mean, not the place of the largest curvature: it does not depend on where samples happen to be.
+        middle = float(np.average(stations, weights=weights))
+        found.append(_Tight(float(stations[0]), middle, float(stations[-1])))
+    return found
 
 
-def _best(
-    path: Path, bend: tuple[int, int], room: tuple[int, int], turning: Turning
-) -> tuple[int, int, Bend]:
-    """Return the samples between which a bend is drawn anew, and how.
+def _drawn_anew(path: Path, tight: _Tight, room: tuple[float, float], turning: Turning) -> Bend:
+    """Return a bend with the best way through it.
 
     Parameters
     ----------
     path
-    bend : first and last sample where it is too tight
-    room : first and last sample that may be used
+    tight : the bend
+    room : stations between which the way may leave the lanes [m]
     turning
     """
     least = math.inf
-    for reach in range(int(REACH / SPACING) + 1):
-        begin, end = max(bend[0] - reach, room[0]), min(bend[1] + reach, room[1])
-        near = slice(max(begin - 2, 0), end + math.ceil(2.0 * turning.front / SPACING))
+    furthest = max(tight.last - tight.middle, tight.middle - tight.first) + REACH
+    for reach in np.arange(SPACING, furthest + SPACING, SPACING).tolist():
+        begin, end = max(tight.middle - reach, room[0]), min(tight.middle + reach, room[1])
+        near = _between(path, begin - SPACING, end + 2.0 * turning.front)
         start = _pose(path, begin)
         for way in _ways(start, _pose(path, end), turning):
             points, headings = way.places(start, FINE)
             fronts = points + turning.front * np.column_stack([np.cos(headings), np.sin(headings)])
             away, beside = _on_lanes(path, np.concatenate([points, fronts]), near)
-            cost = float(away.max()) + LATER * reach * SPACING
+            cost = float(away.max()) + LATER * reach
             if cost < least:
                 least, found = cost, (begin, end, points, beside[: len(points)], float(away.max()))
     begin, end, points, beside, off = found
-    stations = _stations(points, np.clip(beside, path.stations[begin], path.stations[end]))
+    beside = np.clip(beside, begin, end)
+    beside[0], beside[-1] = begin, end
     gone = arc_lengths(points)
     grid = evenly(float(gone[-1]))
     drawn = np.column_stack([np.interp(grid, gone, points[:, axis]) for axis in (0, 1)])
-    ends = float(path.stations[begin]), float(path.stations[end])
-    return begin, end, Bend(*ends, off, drawn, np.interp(grid, gone, stations))
+    return Bend(begin, end, off, drawn, np.interp(grid, gone, _stations(gone, beside)))
 
 
-def _pose(path: Path, number: int) -> Pose:
-    """Return place and direction of the lanes at a sample."""
-    x, y = path.samples[number].tolist()
-    return Pose(x, y, float(path.heading[number]))
+def _between(path: Path, begin: float, end: float) -> slice:
+    """Return the samples between two stations [m]."""
+    first, last = np.searchsorted(path.stations, [begin, end])
+    return slice(max(int(first) - 1, 0), int(last) + 1)
+
+
+def _pose(path: Path, station: float) -> Pose:
+    """Return place and direction of the lanes at a station [m]."""
+    x, y, heading = (
+        float(np.interp(station, path.stations, values)) for values in (*path.samples.T, path.heading)
+    )
+    return Pose(x, y, heading)
 
 
 def _ways(start: Pose, end: Pose, turning: Turning) -> list[Arcs]:
@@ -194,9 +214,14 @@ def _on_lanes(path: Path, points: FloatArray, near: slice) -> tuple[FloatArray, 
     return away[rows, nearest], station
 
 
-def _stations(points: FloatArray, beside: FloatArray) -> FloatArray:
-    """Return increasing stations of points (n, 2) from those of the nearest places on the lanes [m]."""
-    gone = arc_lengths(points)
+def _stations(gone: FloatArray, beside: FloatArray) -> FloatArray:
+    """Return increasing stations of points on a way [m].
+
+    Parameters
+    ----------
+    gone : distances along the way (n,) [m]
+    beside : stations of the nearest places on the lanes (n,) [m]
+    """
     # Where a way swings out of a hairpin, the places beside it jump or turn back; stations never do.
     onward = np.maximum.accumulate(beside)
     evened = onward[0] + (onward[-1] - onward[0]) * gone / gone[-1]
