@@ -94,8 +94,11 @@ def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
         return path, ()
     # Between two bends each has half of the way.
     halves = [0.5 * (one.last + other.first) for one, other in pairwise(tight)]
-    rooms = pairwise([float(path.stations[1]), *halves, float(path.stations[-2])])
-    bends = [_drawn_anew(path, one, room, turning) for one, room in zip(tight, rooms, strict=True)]
+    lows = [float(path.stations[1]), *(half + 0.5 * SPACING for half in halves)]
+    highs = [*(half - 0.5 * SPACING for half in halves), float(path.stations[-2])]
+    bends = [
+        _drawn_anew(path, *one, turning) for one in zip(tight, zip(lows, highs, strict=True), strict=True)
+    ]
     samples: list[FloatArray] = []
     stations: list[FloatArray] = []
     done = 0
@@ -152,8 +155,9 @@ def _drawn_anew(path: Path, tight: _Tight, room: tuple[float, float], turning: T
     turning
     """
     least = math.inf
-    furthest = max(tight.last - tight.middle, tight.middle - tight.first) + REACH
-    for reach in np.arange(SPACING, furthest + SPACING, SPACING).tolist():
+    half = max(tight.last - tight.middle, tight.middle - tight.first)
+    steps = range(math.floor(half / SPACING) + 1, math.ceil((half + REACH) / SPACING) + 1)
+    for reach in (SPACING * step for step in steps):
         begin, end = max(tight.middle - reach, room[0]), min(tight.middle + reach, room[1])
         near = _between(path, begin - SPACING, end + 2.0 * turning.front)
         start = _pose(path, begin)

@@ -83,11 +83,22 @@ def test_a_hairpin_is_swung_round() -> None:
     assert bend.off < 4.5
 
 
-def test_two_bends_are_each_drawn_anew() -> None:
-    points = np.array([[-60.0, 0.0], [0.0, 0.0], [0.0, 25.0], [60.0, 25.0]])
+@pytest.mark.parametrize("apart", [3.0, 6.0, 9.0, 12.0])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_bends_near_each_other_are_driven_as_one(apart: float, side: float) -> None:
+    points = np.array([[-60.0, 0.0], [0.0, 0.0], [0.0, apart], [side * 60.0, apart]])
+    path, bends = widened(Path(points, origin=-60.0), CAR)
+    assert len(bends) == 1
+    assert 1.0 / np.abs(path.curvature).max() > CAR.radius
+
+
+@pytest.mark.parametrize("apart", [16.0, 18.0, 25.0, 40.0])
+def test_two_bends_are_each_drawn_anew(apart: float) -> None:
+    points = np.array([[-60.0, 0.0], [0.0, 0.0], [0.0, apart], [60.0, apart]])
     path, bends = widened(Path(points, origin=-60.0), CAR)
     assert len(bends) == 2
     assert bends[0].end < bends[1].start
+    assert np.diff(path.stations).min() > 0.0
     assert 1.0 / np.abs(path.curvature).max() > CAR.radius
 
 

@@ -36,7 +36,14 @@ def build(folder: Path, net: tuple[str, str], step_s: float = 0.1) -> Path:
     (folder / "n.nod.xml").write_text(f"<nodes>{nodes}</nodes>")
     (folder / "n.edg.xml").write_text(f"<edges>{ROADS}{edges}</edges>")
     netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
-    inputs: list[str | Path] = ["-n", folder / "n.nod.xml", "-e", folder / "n.edg.xml", "-o", folder / "n.net.xml"]
+    inputs: list[str | Path] = [
+        "-n",
+        folder / "n.nod.xml",
+        "-e",
+        folder / "n.edg.xml",
+        "-o",
+        folder / "n.net.xml",
+    ]
     subprocess.run([netconvert, *inputs], check=True, capture_output=True)
     configuration = folder / "n.sumocfg"
     configuration.write_text(
