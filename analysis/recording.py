@@ -10,6 +10,16 @@ import pyarrow as pa
 
 SCHEMA_VERSION = "1"
 
+INTERVENTIONS = {
+    "tight_bend": "the ego was in a bend tighter than it can turn, too far off for SUMO to have it there",
+    "way_lost": "SUMO had another route for the ego, or had it on another way through a junction",
+    "off_lane": "the ego was too far beside or beyond its lane for SUMO to have it there",
+    "held": "SUMO drove slower than it was told",
+    "position": "SUMO's own driving ended elsewhere",
+    "speed": "SUMO drove faster than it was told",
+}
+"""Causes of interventions and their meanings; of several that hold in a step the first one counts."""
+
 _f = pa.float64()
 _s = pa.string()
 _b = pa.bool_()
@@ -36,6 +46,7 @@ EGOS = pa.schema(
         ("executed_y_m", _f),
         ("executed_speed_mps", _f),
         ("intervention", _b),
+        ("intervention_cause", _s),  # of INTERVENTIONS; null without an intervention
         ("handed_back", _b),
         ("planned", _b),  # a plan was made at the beginning of this step; the rest is null otherwise
         ("rule", _s),
@@ -55,6 +66,9 @@ EGOS = pa.schema(
         ("slack_m", _f),
     ]
 )
+
+ADDED = frozenset({"intervention_cause"})
+"""Columns that recordings of this version did not have from the beginning."""
 
 NEIGHBOURS = pa.schema(
     [

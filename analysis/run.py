@@ -33,7 +33,7 @@ _EGO_NUMBERS = (
 )
 _EGO_OPTIONAL = ("speed_limit_mps", "route_position_m", "lane_number", "gap_ahead_m", "slack_m")
 _EGO_FLAGS = ("intervention", "handed_back", "planned", "solved")
-_EGO_TEXTS = ("ego_id", "lane", "rule", "plan_status", "passing")
+_EGO_TEXTS = ("ego_id", "lane", "rule", "plan_status", "passing", "intervention_cause")
 _OBJECT_NUMBERS = ("time_s", "x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m")
 _OBJECT_TEXTS = ("object_id", "object_kind", "object_type", "edge_or_lane", "crossing_id", "phase")
 _PERFECT = "perfect"
@@ -206,15 +206,21 @@ def _load(path: Path, schema: pa.Schema) -> pa.Table:
         with pq.ParquetFile(path) as file:
             present = file.schema_arrow
             for field in schema:
+                if field.name in recording.ADDED - set(present.names):
+                    continue
                 if field.name not in present.names:
                     raise RecordingError(f"{path}: no column {field.name!r}")
                 kind = present.field(field.name).type
                 if kind != field.type:
                     raise RecordingError(f"{path}: column {field.name!r} is {kind}, {field.type} expected")
-            return file.read()
+            table = file.read()
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise RecordingError(f"{path}: truncated or not Parquet ({reason})") from None
+    for field in schema:
+        if field.name not in table.column_names:
+            table = table.append_column(field, pa.nulls(len(table), field.type))
+    return table
 
 
 def _numbers(path: Path, table: pa.Table, name: str, needed: bool) -> FloatArray:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from analysis.recording import INTERVENTIONS
+
 SCHEMA_VERSION = "2"
 """Of the CSV files; changes whenever a column changes its name or meaning."""
 
@@ -354,6 +356,10 @@ RUNS = Table(
         _count("n_shielded", "plans that the last check replaced by braking", required=True),
         _at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),
         _count("n_interventions", "steps at which SUMO did something else", required=True),
+        *(
+            _count(f"n_interventions_{cause}", f"those in which {said}")
+            for cause, said in INTERVENTIONS.items()
+        ),
         _count("n_straight", "plans under the rule STRAIGHT", required=True),
         _count("n_lane_change", "plans under the rule LANE CHANGE", required=True),
         _count("n_autonomous", "plans under the rule AUTONOMOUS", required=True),

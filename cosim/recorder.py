@@ -160,6 +160,7 @@ def _ego_columns(ego: EgoTruth) -> tuple[Any, ...]:
         _finite(ego.executed_y),
         _finite(ego.executed_speed),
         ego.intervention,
+        ego.intervention_cause or None,
         ego.handed_back,
     )
 

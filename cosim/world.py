@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -42,6 +42,8 @@ class EgoTruth:
     intervention: bool
     """SUMO's position or speed differs from the plant's by more than 0.02 m or 0.1 m/s."""
     handed_back: bool
+    intervention_cause: str = ""
+    """One of ``analysis.recording.INTERVENTIONS``; empty without an intervention."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +114,8 @@ class Mishaps:
     """Egos handed back to the simulator's driver, because they had left their way for good."""
     not_taken: tuple[str, ...] = ()
     """Cars of a share that could not be taken over: nobody can drive their route."""
+    tight_bends: Mapping[str, float] = field(default_factory=dict)
+    """Lanes that bend more than an ego on them can, and how far it gets from them there at least [m]."""
 
 
 @dataclass(frozen=True, slots=True)

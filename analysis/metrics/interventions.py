@@ -1,7 +1,9 @@
-"""Steps at which SUMO did not do what the controller commanded.
+"""Steps at which SUMO did not do what the controller commanded, and why.
 
 The recorded flag: after the step SUMO's position or speed of the ego differs from the plant's by more
-than 0.02 m or 0.1 m/s. For an encounter: steps until the ego has left the conflict area.
+than 0.02 m or 0.1 m/s, or SUMO has it on another way than its own. For an encounter: steps until the ego
+has left the conflict area. The causes are counted over the run and add up to the total; recordings of
+earlier versions have none.
 
 Undefined: never.
 """
@@ -11,13 +13,14 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.recording import INTERVENTIONS
 
 SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
 COLUMNS = ("n_interventions",)
-RUN_COLUMNS = ("n_interventions",)
+RUN_COLUMNS = ("n_interventions", *(f"n_interventions_{cause}" for cause in INTERVENTIONS))
 
 
 def compute(case: Case) -> Values:
@@ -27,5 +30,10 @@ def compute(case: Case) -> Values:
 
 
 def summarise(case: Case, columns: Values) -> Values:
-    """Return the number of steps in the run."""
-    return {"n_interventions": int(case.run.egos.flags["intervention"].sum())}
+    """Return the number of steps in the run, all and by cause."""
+    egos = case.run.egos
+    causes = egos.texts["intervention_cause"]
+    return {
+        "n_interventions": int(egos.flags["intervention"].sum()),
+        **{f"n_interventions_{cause}": int(causes.equal(cause).sum()) for cause in INTERVENTIONS},
+    }

@@ -13,6 +13,8 @@ from cosim.commands.apart import OWN_PROCESS
 from cosim.commands.options import Debug, Out, Settings
 from cosim.request import RunRequest, parse_settings
 
+BESIDE_THE_LANE = 2.0
+"""An ego further from the middle of its lane is beside it [m]."""
 COARSE_STEP_S = 0.2
 """In a longer step a pedestrian goes further than his own radius [s]."""
 
@@ -148,6 +150,11 @@ def _tell_mishaps(description: dict[str, Any]) -> None:
     if given_up:
         text = f"{len(given_up)} egos left their way and were handed back to SUMO's driver: {given_up[0]}"
         typer.echo(f"cosim: note: {text}{', …' if len(given_up) > 1 else ''}", err=True)
+    beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
+    if beside:
+        furthest = max(beside.values())
+        text = f"egos pass up to {furthest:.1f} m beside lanes too tight for them: {next(iter(beside))}"
+        typer.echo(f"cosim: note: {text}{', …' if len(beside) > 1 else ''}", err=True)
     if not_taken:
         text = f"{len(not_taken)} cars of the share have routes that no ego can drive: {not_taken[0]}"
         typer.echo(f"cosim: note: {text}{', …' if len(not_taken) > 1 else ''}", err=True)

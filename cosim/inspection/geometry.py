@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR, TURNAROUND
 from cosim.sensing.sight import distance_to_pieces
+from cosim.sumo.bends import CAR as CAR_TURNING
+from cosim.sumo.bends import widened
 from cosim.sumo.network import Connection, NetCrossing, Network
 from cosim.sumo.path import Path
 
@@ -79,13 +81,15 @@ def tight_bends(network: Network) -> list[Finding]:
     if not ways:
         return []
     radii = {connection.via[0]: radius for connection, _, radius in ways}
+    off = max((bend.off for _, path, _ in ways for bend in widened(path, CAR_TURNING)[1]), default=0.0)
     bad = sorted((name for name, radius in radii.items() if radius < TIGHTEST), key=lambda name: radii[name])
     if not bad:
         return [Finding("bends", Level.GOOD, f"a car can drive all {len(radii)} ways through junctions")]
     text = (
         f"{len(bad)} of {len(radii)} ways through junctions bend more than a car can (radius below "
-        f"{TIGHTEST:g} m): {_some(bad)}, {radii[bad[0]]:.1f} m. An ego leaves its lane there: give the "
-        "junction a greater radius (netconvert --default.junctions.radius 8) or draw the lane wider (netedit)"
+        f"{TIGHTEST:g} m): {_some(bad)}, {radii[bad[0]]:.1f} m. An ego takes a wider way there, up to "
+        f"{off:.1f} m from the middle of its lane: give the junction a greater radius (netconvert "
+        "--default.junctions.radius 8) or draw the lane wider (netedit)"
     )
     return [Finding("bends", Level.NOTE, text)]
 

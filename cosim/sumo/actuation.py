@@ -22,6 +22,8 @@ OBEY_LANE = 0
 """Lane-change mode: SUMO neither decides nor corrects a lateral movement."""
 EXACT_POSITION = 2
 """``keepRoute`` of moveToXY: take the position as it is. 6 (with 4, ignore permissions) can crash SUMO."""
+ON_ROUTE = 3
+"""The same, but of lanes near the position only those of the route count, whichever lane is told."""
 
 POSITION_TOLERANCE = 0.02
 """Further from the plant [m] than this after a native step, the ego is moved until its lane changes."""
@@ -86,6 +88,8 @@ class _Ego:
     routes_restored: int = 0
     astray: bool = False
     """After the last step SUMO had another route than the ego's own, or the ego on a foreign lane."""
+    off_route: bool = False
+    """It was another route."""
     strayed: float = 0.0
     """From where the front bumper is to where it was put, in the last move [m]."""
 
@@ -158,7 +162,9 @@ class Actuation:
             for key, value in _BLIND_PARAMETERS:
                 vehicle.setParameter(name, key, value)
 
-    def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
+    def drive(
+        self, name: str, front_x: float, front_y: float, heading: float, speed: float, lane: str = ""
+    ) -> None:
         """Say where the vehicle has to be after the next step; call it once before every step.
 
         Parameters
@@ -166,6 +172,7 @@ class Actuation:
         front_x, front_y : centre of the front bumper after the step [m]
         heading : after the step [rad]
         speed : after the step [m/s]
+        lane : that it will be on, where its way cuts a corner and lanes' ends do not tell
         """
         ego = self._ego(name)
         ego.aim = (front_x, front_y)
@@ -177,9 +184,10 @@ class Actuation:
         trusted = bool(found) and not ego.astray
         trusted = trusted and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
         here = self._lanes.shape(found) if trusted else believed
-        native = trusted and self._method is Method.HYBRID
+        there = self._lanes.shape(lane) if lane else None
+        native = trusted and self._method is Method.HYBRID and (there is None or there.edge == here.edge)
         if not native or not self._native(name, ego, here, ego.aim, speed):
-            self._move(name, ego, here, ego.aim, trusted, heading, speed)
+            self._move(name, ego, here, there, ego.aim, trusted, heading, speed)
         ego.speed = speed
 
     def executed(self, name: str) -> Executed:
@@ -262,6 +270,9 @@ class Actuation:
         if here.internal or here.name == ego.moves_on:
             return False
         place = here.place(*aim)
+        inside = abs(place.across) <= 0.5 * here.width
+        if inside and math.dist(here.point(place.along, place.across), aim) > POSITION_TOLERANCE:
+            return False  # the wedge outside a corner of the lane's shape, into which SUMO cannot drive
         if not 0.0 <= place.along < here.shape_length or not self._lanes.paved(
             here, ego.vehicle_class, ego.width, place.across
         ):
@@ -291,6 +302,7 @@ class Actuation:
         name: str,
         ego: _Ego,
         here: LaneShape,
+        there: LaneShape | None,
         aim: tuple[float, float],
         trusted: bool,
         heading: float,
@@ -300,17 +312,21 @@ class Actuation:
         vehicle = self._connection.vehicle
         if not ego.moved and not ego.astray:
             ego.route = self._rest(name)
-        lane, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
         ego.asked_speed = speed
-        if self._method is Method.HYBRID and trusted:
-            rate = (way - vehicle.getLanePosition(name)) / self._step
-            slowest, fastest = sorted((ego.speed, speed))
-            ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
+        if there is None:
+            there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
+            if self._method is Method.HYBRID and trusted:
+                rate = (way - vehicle.getLanePosition(name)) / self._step
+                slowest, fastest = sorted((ego.speed, speed))
+                ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
-        x, y, angle = self._lanes.placeable(lane, ego.width, *aim, heading, ego.astray)
+        x, y, angle, keep = *aim, heading, ON_ROUTE
+        if ego.off_route or not self._lanes.found_on_route(there, ego.route, ego.width, *aim):
+            x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, ego.astray)
+            keep = EXACT_POSITION
         ego.strayed = math.dist((x, y), aim)
-        vehicle.moveToXY(name, lane.edge, lane.index, x, y, degrees_of(angle), EXACT_POSITION)
-        ego.lane = lane.name
+        vehicle.moveToXY(name, there.edge, there.index, x, y, degrees_of(angle), keep)
+        ego.lane = there.name
         ego.moved = True
         ego.moves += 1
 
@@ -328,6 +344,7 @@ class Actuation:
         vehicle = self._connection.vehicle
         rest = self._rest(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
+        ego.off_route = not kept
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:
             if not ego.astray:

@@ -32,7 +32,8 @@ class DrivenEgo:
     elapsed: float = 0.0
     """Since the command was given [s]."""
     travelled: float = 0.0
-    intervention: bool = False
+    intervention: str = ""
+    """Why SUMO's state differs from the plant's after the last step; empty if it does not."""
     handed_back: bool = False
     astray_for: float = 0.0
     """How long SUMO has had another route than the ego's own [s]."""
@@ -69,8 +70,9 @@ class DrivenEgo:
             self.executed.x,
             self.executed.y,
             self.executed.speed,
-            self.intervention,
+            bool(self.intervention),
             self.handed_back,
+            self.intervention,
         )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
+from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
 from cosim.sumo.path import Path, arc_lengths, crossing_point
 
@@ -79,6 +80,19 @@ class PathJunction:
 
 
 @dataclass(frozen=True, slots=True)
+class PathBend:
+    """A bend that the lanes make tighter than the vehicle can turn, and the path therefore wider."""
+
+    lane: str
+    """That bends; of several the first one inside a junction."""
+    start: float
+    """Where the path leaves the lanes, and where it is back on them [m]."""
+    end: float
+    off: float
+    """How far the vehicle gets from the middle of the lanes [m]."""
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """The part of a path that one lane makes."""
 
@@ -96,12 +110,20 @@ class LanePath:
     """
 
     def __init__(
-        self, polyline: FloatArray, origin: float, pieces: Sequence[Piece], leads_to_end: bool, step: int
+        self,
+        polyline: FloatArray,
+        origin: float,
+        pieces: Sequence[Piece],
+        leads_to_end: bool,
+        step: int,
+        turning: Turning = CAR,
     ) -> None:
-        self.curve = Path(*_without_jogs(polyline, origin, pieces))
+        self.curve, drawn_anew = widened(Path(*_without_jogs(polyline, origin, pieces)), turning)
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:
+            if any(bend.start < station < bend.end for bend in drawn_anew):
+                return self.curve.station_along(station)
             # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
             x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
             return self.curve.place_near(x, y, self.curve.station_along(station))[0]
@@ -109,6 +131,7 @@ class LanePath:
         self.pieces = tuple(
             Piece(piece.lane, piece.step, along(piece.start), along(piece.end)) for piece in pieces
         )
+        self.bends = tuple(self._path_bend(bend) for bend in drawn_anew)
         ahead = self.pieces[next(number for number, piece in enumerate(pieces) if piece.start > -1e-6) :]
         self.own = ahead[0]
         self.edge_end = self.own.end
@@ -120,6 +143,8 @@ class LanePath:
         self.leads_to_end = leads_to_end
         """Whether the chain ends because the route does."""
         self._limits = self._speed_limits()
+        if self.bends:
+            self._limits = self._slowed(turning)
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
         self.junctions: tuple[PathJunction, ...] = ()
@@ -127,7 +152,7 @@ class LanePath:
 
     @property
     def limits(self) -> tuple[FloatArray, FloatArray]:
-        """Where speed limits begin [m], and the limits [m/s]."""
+        """Where speed limits begin [m], and the limits [m/s]; bends drawn anew have one for the vehicle."""
         return self._limits
 
     @cached_property
@@ -143,6 +168,20 @@ class LanePath:
             if along < piece.end:
                 return piece
         return self.pieces[-1]
+
+    def bend_at(self, along: float, length: float = 0.0) -> PathBend | None:
+        """Return the bend drawn anew there, or on so much of the path before [m]; ``None`` for none."""
+        for bend in self.bends:
+            if bend.start < along and along - length < bend.end:
+                return bend
+        return None
+
+    def _path_bend(self, bend: Bend) -> PathBend:
+        start, end = self.curve.station_along(bend.start), self.curve.station_along(bend.end)
+        on_it = [piece for piece in self.pieces if piece.start < end and piece.end > start]
+        inside = [piece for piece in on_it if piece.lane.internal]
+        lane = (inside or on_it or [self.piece_at(start)])[0].lane.name
+        return PathBend(lane, start, end, bend.off)
 
     def beside(self, other: LanePath) -> FloatArray:
         """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""
@@ -162,6 +201,18 @@ class LanePath:
                 starts.append(piece.start)
                 limits.append(piece.lane.speed)
         return np.array(starts), np.array(limits)
+
+    def _slowed(self, turning: Turning) -> tuple[FloatArray, FloatArray]:
+        """Return the limits with those of the bends: what the vehicle can steer through."""
+        starts, limits = self._limits
+        for bend in self.bends:
+            start, end = max(bend.start - BEFORE, float(starts[0])), bend.end + BEFORE
+            speed = highest_speed(self.curve, start, end, turning)
+            places = np.union1d(starts, [start, end])
+            limits = limits[np.searchsorted(starts, places, side="right") - 1]
+            limits = np.where((places >= start) & (places < end), np.minimum(limits, speed), limits)
+            starts = places
+        return starts, limits
 
     def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
         """Find the crossings, signals and junctions along the path."""

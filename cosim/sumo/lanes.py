@@ -155,6 +155,7 @@ class Lanes:
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._inside: dict[tuple[str, str], frozenset[str]] = {}
+        self._returning: dict[tuple[str, ...], bool] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -227,6 +228,37 @@ class Lanes:
                             lanes.add(via)
                             ahead += [on.via for on in self.links(via) if on.via]
             found = self._inside[key] = frozenset(map(_edge, lanes))
+        return found
+
+    def found_on_route(
+        self, lane: LaneShape, route: tuple[str, ...], width: float, x: float, y: float
+    ) -> bool:
+        """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
+
+        In a junction and between two lanes others are often nearer than the one that it is told, where a
+        front bumper swings out of a bend. But a later passage of the same junction might be nearer too.
+
+        Parameters
+        ----------
+        lane : that the vehicle is to be on
+        route : edges from the present one on
+        width : of the vehicle [m]
+        x, y : centre of the front bumper [m]
+        """
+        if lane.no_direction or self._returns(route):
+            return False
+        place = lane.place(x, y)
+        past = max(-place.along, place.along - lane.shape_length, 0.0)
+        aside = 0.5 * (lane.width + width) - TOUCH
+        return (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
+
+    def _returns(self, route: tuple[str, ...]) -> bool:
+        """Return whether a route passes its next junction more than once."""
+        found = self._returning.get(route)
+        if found is None:
+            junctions = [{_junction(edge) for edge in self.inside(*pair)} for pair in pairwise(route)]
+            found = any(junctions[0] & later for later in junctions[1:])
+            self._returning[route] = found
         return found
 
     def placeable(
@@ -388,3 +420,12 @@ class Lanes:
 
 def _edge(lane: str) -> str:
     return lane.rpartition("_")[0]
+
+
+def _junction(edge: str) -> str:
+    """Return the junction that an edge is inside.
+
+    >>> _junction(":town_hall_12")
+    ':town_hall'
+    """
+    return edge.rpartition("_")[0]

@@ -39,16 +39,36 @@ class Path:
 
     def __init__(self, polyline: FloatArray, origin: float = 0.0, knots: FloatArray | None = None) -> None:
         knots = arc_lengths(polyline) if knots is None else knots
-        count = max(int(np.ceil(knots[-1] / SPACING)), 2) + 1
-        grid = np.linspace(0.0, knots[-1], count)
-        raw = np.column_stack([np.interp(grid, knots, polyline[:, axis]) for axis in (0, 1)])
-        self.points = _smoothed(_smoothed(raw))
+        grid = evenly(knots[-1])
+        samples = np.column_stack([np.interp(grid, knots, polyline[:, axis]) for axis in (0, 1)])
+        self._draw(samples, grid + origin)
+
+    @classmethod
+    def through(cls, samples: FloatArray, stations: FloatArray) -> Path:
+        """Return the path along points about `SPACING` apart, whose stations are given.
+
+        Parameters
+        ----------
+        samples : (n, 2) [m]
+        stations : (n,), increasing [m]
+        """
+        path = cls.__new__(cls)
+        path._draw(samples, stations)
+        return path
+
+    def _draw(self, samples: FloatArray, stations: FloatArray) -> None:
+        self.samples = samples
+        """What the curve is made of: points on the polyline, (n, 2) [m]."""
+        self.stations = stations
+        """Of the samples [m]."""
+        self.points = _smoothed(_smoothed(samples))
+        """Of the curve, one for each sample, (n, 2) [m]."""
         chords = np.diff(self.points, axis=0)
         lengths = np.hypot(*chords.T)
-        self._stations = grid + origin
+        origin = float(stations[0])
         cut = np.concatenate([[0.0], np.cumsum(lengths)])
         # `along` agrees with the station at the curve's origin: station 0 is where the lane begins.
-        self.along = cut - float(np.interp(0.0, self._stations, cut)) if origin < 0.0 else cut + origin
+        self.along = cut - float(np.interp(0.0, stations, cut)) if origin < 0.0 else cut + origin
         direction = np.unwrap(np.arctan2(chords[:, 1], chords[:, 0]))
         self.heading = np.concatenate([direction[:1], 0.5 * (direction[1:] + direction[:-1]), direction[-1:]])
         self.curvature = _smoothed(np.gradient(self.heading, self.along)[:, None])[:, 0]
@@ -69,9 +89,9 @@ class Path:
 
     def station_along(self, station: float) -> float:
         """Return the arc length on the smooth curve [m] of a station of the polyline."""
-        if station > self._stations[-1]:
-            return float(self.along[-1] + station - self._stations[-1])
-        return float(np.interp(station, self._stations, self.along))
+        if station > self.stations[-1]:
+            return float(self.along[-1] + station - self.stations[-1])
+        return float(np.interp(station, self.stations, self.along))
 
     def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return arc length, offset to the left [m] and the curve's heading [rad] of each point.
@@ -228,6 +248,11 @@ def interpolated(at: float, places: FloatArray, values: FloatArray) -> float:
         return below
     slope = (above - below) / (float(places[number + 1]) - low)
     return slope * (at - low) + below
+
+
+def evenly(length: float) -> FloatArray:
+    """Return distances from 0 to a length [m], at most `SPACING` apart."""
+    return np.linspace(0.0, length, max(int(np.ceil(length / SPACING)), 2) + 1)
 
 
 def arc_lengths(polyline: FloatArray) -> FloatArray:

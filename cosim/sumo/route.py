@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import InputError
+from cosim.sumo.bends import CAR, Turning
 from cosim.sumo.lane_path import LanePath, joined
 from cosim.sumo.network import Connection, NetLane, Network
 
@@ -30,6 +31,7 @@ class Route:
     network
     edges : names, in driving order
     vehicle_class : SUMO's name of it
+    turning : how tightly the vehicle turns
 
     Raises
     ------
@@ -37,10 +39,13 @@ class Route:
         If an edge does not exist, may not be used by the class, or does not follow the one before.
     """
 
-    def __init__(self, network: Network, edges: Sequence[str], vehicle_class: str) -> None:
+    def __init__(
+        self, network: Network, edges: Sequence[str], vehicle_class: str, turning: Turning = CAR
+    ) -> None:
         self.network = network
         self.edges = tuple(edges)
         self.vehicle_class = vehicle_class
+        self.turning = turning
         check_route(network, self.edges, vehicle_class)
         self._reach = self._reaches()
         self._paths: dict[tuple[int, int], LanePath] = {}
@@ -152,7 +157,7 @@ class Route:
             leads_to_end = False
         before, entering, shift = self._before(step, index)
         polyline, origin, pieces = joined([(part, step - 1) for part in before], lanes, shift)
-        path = LanePath(polyline, origin, pieces, leads_to_end, step)
+        path = LanePath(polyline, origin, pieces, leads_to_end, step, self.turning)
         edges = {part.edge for part, _ in lanes if not part.internal}
         edges |= {part.edge for part in before if not part.internal}
         crossings = [c for c in self.network.crossings.values() if c.edges & edges]

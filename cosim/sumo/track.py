@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.sumo.lane_path import LanePath
+from cosim.sumo.lane_path import LanePath, PathBend
 from cosim.sumo.route import Route
 
 HYSTERESIS = 0.15
@@ -35,6 +35,19 @@ class Track:
     def path(self) -> LanePath:
         """The path along the lane."""
         return self.route.path(self.step, self.index)
+
+    def bend(self, length: float = 0.0) -> PathBend | None:
+        """Return the bend, too tight for the vehicle, that it is in; ``None`` elsewhere.
+
+        Parameters
+        ----------
+        length : of the vehicle's part behind the front bumper that counts [m]
+        """
+        return self.path.bend_at(self.along, length)
+
+    def lane_in_bend(self) -> str:
+        """Return the lane that the front bumper is beside in such a bend; empty elsewhere."""
+        return "" if self.bend() is None else self.path.piece_at(self.along).lane.name
 
     @property
     def arrived(self) -> bool:

@@ -15,9 +15,11 @@ from cosim.plant import Plant, body_of
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
+from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
@@ -38,10 +40,6 @@ PLAN_INTERVAL = 0.1
 """Controllers are asked at most this often [s]."""
 PATIENCE = 5.0
 """An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
-POSITION_TOLERANCE = 0.02
-"""SUMO differs from the plant by an intervention when it is further off than this [m]."""
-SPEED_TOLERANCE = 0.1
-"""The same for speeds [m/s]."""
 GIVEN_UP = 15.0
 """An ego further than this from where SUMO can have it on its way is handed back [m]."""
 
@@ -80,10 +78,11 @@ class SumoWorld:
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = Drive() if drive is None else drive
         self._egos: dict[str, DrivenEgo] = {}
-        self._routes: dict[tuple[tuple[str, ...], str], Route] = {}
+        self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
         self._off_the_way = 0
+        self._tight_bends: dict[str, float] = {}
         self._given_up: list[str] = []
         self._not_taken: list[str] = []
         self._to_take: list[str] = []
@@ -152,7 +151,9 @@ class SumoWorld:
                 if not ego.handed_back:
                     plant = ego.plant
                     plant.follow(ego.command, ego.elapsed, self.step)
-                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed)
+                    ego.track.update(*plant.front)
+                    lane = ego.track.lane_in_bend()
+                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed, lane)
                     self._connection.pending = True
                     if not self._actuation.strayed(ego.name) <= GIVEN_UP:
                         self._give_up(ego)
@@ -203,6 +204,7 @@ class SumoWorld:
                 self._off_the_way,
                 tuple(self._given_up),
                 tuple(self._not_taken),
+                dict(self._tight_bends),
             ),
         )
 
@@ -297,13 +299,16 @@ class SumoWorld:
             before_speed = plant.speed
             plant.adopt(ego.executed.x, ego.executed.y, heading, speed, (speed - before_speed) / self.step)
             ego.travelled += speed * self.step
-            ego.intervention = False
+            ego.intervention = ""
         else:
             ego.executed = self._actuation.executed(ego.name)
-            off = math.dist(before, (ego.executed.x, ego.executed.y))
-            slower = abs(ego.executed.speed - self._actuation.asked_speed(ego.name))
+            bend = ego.track.bend(plant.body.front)
+            ego.intervention = (
+                cause_of(self._actuation, ego.name, before, ego.executed, bend is not None) or ""
+            )
+            if bend is not None:
+                self._tight_bends[bend.lane] = max(bend.off, self._tight_bends.get(bend.lane, 0.0))
             astray = self._actuation.astray(ego.name)
-            ego.intervention = astray or off > POSITION_TOLERANCE or slower > SPEED_TOLERANCE
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
             if ego.astray_for > PATIENCE:
                 self._give_up(ego)
@@ -311,7 +316,8 @@ class SumoWorld:
                 self._off_the_way += self._actuation.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
-        ego.track.update(*ego.front)
+        if ego.handed_back:
+            ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _give_up(self, ego: DrivenEgo) -> None:
@@ -356,16 +362,17 @@ class SumoWorld:
         vehicle = self._sumo.vehicle
         kind = vehicle.getVehicleClass(name)
         edges = tuple(vehicle.getRoute(name))
-        key = (edges, kind)
+        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
+        turning = turning_of(body, self._drive)
+        key = (edges, kind, turning)
         if key not in self._routes:
             try:
-                self._routes[key] = Route(self._network, edges, kind)
+                self._routes[key] = Route(self._network, edges, kind, turning)
             except InputError as error:
                 if self._sources.is_of_share(name):
                     self._not_taken.append(name)
                     return
                 raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
-        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         seen = self._seen(name)
         heading = heading_of(vehicle.getAngle(name))
         rear = rear_axle_of(seen.x, seen.y, heading, body.front)

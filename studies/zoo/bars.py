@@ -92,7 +92,12 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
         ),
         _none("0 stops on a crossing", judged.total("n_stopped_on_crossing"), ran),
         _none("0 deadlocks", judged.total("deadlock"), ran),
-        _none("0 interventions", judged.total("n_interventions"), ran),
+        _none(
+            "0 interventions, but in bends too tight for a car",
+            judged.total("n_interventions") - judged.total("n_interventions_tight_bend"),
+            ran,
+        ),
+        _none("0 passes within 0.5 m above 3 m/s", judged.total("n_close_passes"), ran),
         _delay(runs),
     ]
 

@@ -98,6 +98,12 @@ def test_a_missing_column_is_named(folder: Path) -> None:
     assert "no column 'phase'" in text
 
 
+def test_a_recording_from_before_interventions_had_causes_can_be_read(folder: Path) -> None:
+    change(folder, "egos.parquet", lambda table: table.drop_columns(["intervention_cause"]))
+    causes = read_run(folder).egos.texts["intervention_cause"]
+    assert (causes.codes == -1).all()
+
+
 def test_a_column_of_another_type_is_named(folder: Path) -> None:
     def as_text(table: pa.Table) -> pa.Table:
         at = table.schema.get_field_index("speed_mps")

@@ -13,6 +13,7 @@ import pytest
 from analysis.ego_steps import standing_stretches
 from analysis.metrics import injury_risk_mm2025, injury_risk_rosen2009
 from analysis.moments import stopping_distance
+from analysis.recording import INTERVENTIONS
 from analysis.report import analyse_run
 from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
 
@@ -65,6 +66,17 @@ def test_decisions_unsolved_plans_interventions_and_slack_are_counted(tmp_path: 
     assert run["n_solver_fail"] == 5
     assert run["n_interventions"] == 3
     assert run["slack_share"] == pytest.approx(10 / 101)
+
+
+def test_interventions_are_counted_by_cause(tmp_path: Path) -> None:
+    def cause(t: float) -> str | None:
+        return "tight_bend" if 5.0 <= t < 5.25 else "held" if 6.0 <= t < 6.15 else None
+
+    ego = recorded(intervention=lambda t: cause(t) is not None, intervention_cause=cause)
+    run = summary(tmp_path, ego, Person(line(32.5, -4, 0, 1.25)))
+    counts = {name: run[f"n_interventions_{name}"] for name in INTERVENTIONS}
+    assert counts == {**dict.fromkeys(INTERVENTIONS, 0), "tight_bend": 3, "held": 2}
+    assert run["n_interventions"] == 5
 
 
 def _solved(status: str, t: float) -> bool:

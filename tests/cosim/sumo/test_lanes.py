@@ -155,3 +155,25 @@ def test_an_ego_is_driven_exactly_over_hills(tmp_path: Path) -> None:
         assert actuation.moves("ego") == 0
     finally:
         libsumo.close()
+
+
+@pytest.mark.sumo
+def test_lanes_of_the_route_decide_in_junctions_that_it_passes_once(tmp_path: Path) -> None:
+    net = str(tmp_path / "grid.net.xml")
+    netgenerate = str(Path(sumo.SUMO_HOME) / "bin" / "netgenerate")
+    subprocess.run([netgenerate, "--grid", "--grid.number=3", "-o", net], check=True, capture_output=True)
+    libsumo.start(["sumo", "-n", net])
+    try:
+        lanes = Lanes(libsumo)
+        once, twice = ("A1B1", "B1C1", "C1C2"), ("A1B1", "B1C1", "C1C2", "C2B2", "B2B1", "B1B0")
+        (name,) = (link.via for link in lanes.links("A1B1_0") if link.lane == "B1C1_0")
+        inside, road = lanes.shape(name), lanes.shape("B1C1_0")
+        beside = inside.point(0.5 * inside.shape_length, 2.0)
+        assert lanes.found_on_route(inside, once, 1.8, *beside)
+        # On the way back from the north it passes the place beside its way.
+        assert not lanes.found_on_route(inside, twice, 1.8, *beside)
+        assert not lanes.found_on_route(inside, once, 1.8, *inside.point(0.5 * inside.shape_length, 3.0))
+        assert lanes.found_on_route(road, once, 1.8, *road.point(-0.5, 1.0))
+        assert not lanes.found_on_route(road, once, 1.8, *road.point(20.0, 1.0))
+    finally:
+        libsumo.close()

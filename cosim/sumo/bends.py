@@ -1,0 +1,232 @@
+"""Bends tighter than a vehicle can drive, and the way that it takes through them instead.
+
+SUMO's lanes meet in junctions with any radius, down to a bare corner. A car cuts such a corner with its rear
+axle and swings out with its front; where there is no room for one arc, as in a hairpin, it swings out
+before. The way chosen is the one on which neither axle nor front bumper gets far from the lanes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Body, Drive
+from cosim.sumo.arcs import Arcs, Pose, between
+from cosim.sumo.path import SPACING, Path, arc_lengths, evenly
+
+FloatArray = NDArray[np.float64]
+
+RESERVE = 1.1
+"""Bends are driven with a radius greater by this than the vehicle's smallest, which leaves room to steer."""
+APART = 3.0
+"""Bends nearer to each other than so many radii are one."""
+REACH = 12.0
+"""How far before and behind a bend the way may leave the lanes [m]."""
+CALM = 0.8
+"""Share of the rate at which the wheels can turn that following the way may ask for."""
+SLOWEST = 2.0
+"""No bend has to be driven slower for it [m/s]."""
+BEFORE = 2.5
+"""Smooth as it is, a path begins to bend so far before a bend, and ends behind it [m]."""
+DETOUR = 2.0
+"""A way longer than the shortest by more radii than this goes round in circles."""
+FINE = 0.2
+"""Distance of points on arcs [m]."""
+LATER = 0.02
+"""So much further off the lanes [m] a way may get that leaves them a metre later."""
+EVENED = 0.02
+"""Share of stations that only follow the length of the way, so that none stays the same."""
+
+
+class Turning(NamedTuple):
+    """What of a vehicle decides how it gets round a bend."""
+
+    radius: float
+    """Smallest that the middle of its rear axle can drive [m]."""
+    front: float
+    """From there to the front bumper [m]."""
+    wheelbase: float
+    """[m]"""
+    rate: float
+    """How fast its wheels are turned at most [rad/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bend:
+    """A bend too tight, and the way through it."""
+
+    start: float
+    """Stations where the way leaves the lanes and where it is back on them [m]."""
+    end: float
+    off: float
+    """Distance from the lanes that the rear axle's middle or the front bumper's gets to [m]."""
+    points: FloatArray
+    """(n, 2) [m]"""
+    stations: FloatArray
+    """Of the points: those of the places on the lanes beside them, (n,) [m]."""
+
+
+def turning_of(body: Body, drive: Drive) -> Turning:
+    """Return how tightly a vehicle turns.
+
+    >>> round(turning_of(Body(), Drive()).radius, 2)
+    3.8
+    """
+    radius = body.wheelbase / math.tan(drive.max_steering)
+    return Turning(radius, body.front, body.wheelbase, drive.max_steering_rate)
+
+
+CAR = turning_of(Body(), Drive())
+
+
+def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
+    """Return a path that the vehicle can drive, and its bends that were drawn anew.
+
+    A path that it can drive already is returned as it is.
+    """
+    tight = _tight(path, turning)
+    if not tight:
+        return path, ()
+    # Between two bends each has half of the way.
+    halves = [0.5 * (one.last + other.first) for one, other in pairwise(tight)]
+    lows = [float(path.stations[1]), *(half + 0.5 * SPACING for half in halves)]
+    highs = [*(half - 0.5 * SPACING for half in halves), float(path.stations[-2])]
+    bends = [
+        _drawn_anew(path, *one, turning) for one in zip(tight, zip(lows, highs, strict=True), strict=True)
+    ]
+    samples: list[FloatArray] = []
+    stations: list[FloatArray] = []
+    done = 0
+    for bend in bends:
+        # Where samples and points meet they are about as far apart as elsewhere.
+        begin, end = np.searchsorted(path.stations, [bend.start - 0.5 * SPACING, bend.end + 0.5 * SPACING])
+        samples += [path.samples[done:begin], bend.points]
+        stations += [path.stations[done:begin], bend.stations]
+        done = int(end)
+    samples.append(path.samples[done:])
+    stations.append(path.stations[done:])
+    return Path.through(np.concatenate(samples), np.concatenate(stations)), tuple(bends)
+
+
+def highest_speed(path: Path, start: float, end: float, turning: Turning) -> float:
+    """Return how fast a part of a path [m] can be driven with wheels that take their time to turn [m/s]."""
+    part = (path.along > start) & (path.along < end)
+    angles = np.arctan(turning.wheelbase * path.curvature)
+    fastest = float(np.abs(np.gradient(angles, path.along)[part]).max(initial=0.0))
+    return max(CALM * turning.rate / max(fastest, 1e-6), SLOWEST)
+
+
+class _Tight(NamedTuple):
+    """Where a path bends too much; stations [m]."""
+
+    first: float
+    middle: float
+    last: float
+
+
+def _tight(path: Path, turning: Turning) -> list[_Tight]:
+    """Return the bends that are too tight."""
+    tight = np.flatnonzero(np.abs(path.curvature) * turning.radius > 1.0)
+    if not len(tight):
+        return []
+    gaps = np.flatnonzero(np.diff(path.along[tight]) > APART * turning.radius)
+    found = []
+    for bend in np.split(tight, gaps + 1):
+        stations, weights = path.stations[bend], np.abs(path.curvature[bend]) * turning.radius - 1.0
+        # The mean, not the place of the largest curvature: it does not depend on where samples happen to be.
+        middle = float(np.average(stations, weights=weights))
+        found.append(_Tight(float(stations[0]), middle, float(stations[-1])))
+    return found
+
+
+def _drawn_anew(path: Path, tight: _Tight, room: tuple[float, float], turning: Turning) -> Bend:
+    """Return a bend with the best way through it.
+
+    Parameters
+    ----------
+    path
+    tight : the bend
+    room : stations between which the way may leave the lanes [m]
+    turning
+    """
+    least = math.inf
+    half = max(tight.last - tight.middle, tight.middle - tight.first)
+    steps = range(math.floor(half / SPACING) + 1, math.ceil((half + REACH) / SPACING) + 1)
+    for reach in (SPACING * step for step in steps):
+        begin, end = max(tight.middle - reach, room[0]), min(tight.middle + reach, room[1])
+        near = _between(path, begin - SPACING, end + 2.0 * turning.front)
+        start = _pose(path, begin)
+        for way in _ways(start, _pose(path, end), turning):
+            points, headings = way.places(start, FINE)
+            fronts = points + turning.front * np.column_stack([np.cos(headings), np.sin(headings)])
+            away, beside = _on_lanes(path, np.concatenate([points, fronts]), near)
+            cost = float(away.max()) + LATER * reach
+            if cost < least:
+                least, found = cost, (begin, end, points, beside[: len(points)], float(away.max()))
+    begin, end, points, beside, off = found
+    beside = np.clip(beside, begin, end)
+    beside[0], beside[-1] = begin, end
+    gone = arc_lengths(points)
+    grid = evenly(float(gone[-1]))
+    drawn = np.column_stack([np.interp(grid, gone, points[:, axis]) for axis in (0, 1)])
+    return Bend(begin, end, off, drawn, np.interp(grid, gone, _stations(gone, beside)))
+
+
+def _between(path: Path, begin: float, end: float) -> slice:
+    """Return the samples between two stations [m]."""
+    first, last = np.searchsorted(path.stations, [begin, end])
+    return slice(max(int(first) - 1, 0), int(last) + 1)
+
+
+def _pose(path: Path, station: float) -> Pose:
+    """Return place and direction of the lanes at a station [m]."""
+    x, y, heading = (
+        float(np.interp(station, path.stations, values)) for values in (*path.samples.T, path.heading)
+    )
+    return Pose(x, y, heading)
+
+
+def _ways(start: Pose, end: Pose, turning: Turning) -> list[Arcs]:
+    """Return the ways worth a look: not those that go round in circles."""
+    ways = list(between(start, end, RESERVE * turning.radius))
+    longest = min(way.length for way in ways) + DETOUR * turning.radius
+    return [way for way in ways if way.length <= longest]
+
+
+def _on_lanes(path: Path, points: FloatArray, near: slice) -> tuple[FloatArray, FloatArray]:
+    """Return how far points (n, 2) are from the lanes [m], and the stations where they are nearest [m].
+
+    Parameters
+    ----------
+    path
+    points
+    near : samples of the path that are looked at
+    """
+    line, stations = path.samples[near], path.stations[near]
+    steps = np.diff(line, axis=0)
+    rest = points[:, None, :] - line[None, :-1, :]
+    share = np.clip((rest * steps).sum(axis=2) / (steps**2).sum(axis=1), 0.0, 1.0)
+    away = np.hypot(*(rest - share[:, :, None] * steps).transpose(2, 0, 1))
+    nearest = away.argmin(axis=1)
+    rows = np.arange(len(points))
+    station = stations[nearest] + share[rows, nearest] * np.diff(stations)[nearest]
+    return away[rows, nearest], station
+
+
+def _stations(gone: FloatArray, beside: FloatArray) -> FloatArray:
+    """Return increasing stations of points on a way [m].
+
+    Parameters
+    ----------
+    gone : distances along the way (n,) [m]
+    beside : stations of the nearest places on the lanes (n,) [m]
+    """
+    # Where a way swings out of a hairpin, the places beside it jump or turn back; stations never do.
+    onward = np.maximum.accumulate(beside)
+    evened = onward[0] + (onward[-1] - onward[0]) * gone / gone[-1]
+    return np.asarray((1.0 - EVENED) * onward + EVENED * evened)

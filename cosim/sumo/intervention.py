@@ -1,0 +1,54 @@
+"""Whether SUMO did what the plant did in a step, and if not, why."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+from cosim.sumo.actuation import Actuation, Executed
+
+POSITION_TOLERANCE = 0.02
+"""SUMO differs from the plant by an intervention when it is further off than this [m]."""
+SPEED_TOLERANCE = 0.1
+"""The same for speeds [m/s]."""
+
+
+class Cause(StrEnum):
+    """Why SUMO did something else; ``analysis.recording.INTERVENTIONS`` says what each means."""
+
+    TIGHT_BEND = "tight_bend"
+    WAY_LOST = "way_lost"
+    OFF_LANE = "off_lane"
+    HELD = "held"
+    POSITION = "position"
+    SPEED = "speed"
+
+
+def cause_of(
+    actuation: Actuation, name: str, front: tuple[float, float], executed: Executed, in_bend: bool
+) -> Cause | None:
+    """Return why SUMO's state of a driven vehicle differs from the plant's; ``None`` if it does not.
+
+    Parameters
+    ----------
+    actuation : that drives it
+    name : of the vehicle
+    front : centre of the plant's front bumper [m]
+    executed : where SUMO has it
+    in_bend : whether it is in a bend tighter than it can turn
+    """
+    away = math.dist(front, (executed.x, executed.y)) > POSITION_TOLERANCE
+    faster = executed.speed - actuation.asked_speed(name)
+    astray = actuation.astray(name)
+    if not (astray or away or abs(faster) > SPEED_TOLERANCE):
+        return None
+    off_lane = not executed.lane or (away and actuation.strayed(name) > 0.0)
+    if in_bend and (astray or off_lane):
+        return Cause.TIGHT_BEND
+    if astray:
+        return Cause.WAY_LOST
+    if off_lane:
+        return Cause.OFF_LANE
+    if faster < -SPEED_TOLERANCE:
+        return Cause.HELD
+    return Cause.POSITION if away else Cause.SPEED

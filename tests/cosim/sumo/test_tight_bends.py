@@ -1,0 +1,113 @@
+"""Egos in junctions whose lanes bend more than a car can: whole runs in SUMO."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import sumo
+
+from cosim.request import RunRequest
+from cosim.run import run
+from cosim.sumo.network import read_network
+from cosim.sumo.route import Route
+
+pytestmark = pytest.mark.sumo
+
+CORNER = (
+    '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-100" y="-120"/>',
+    "",
+)
+FORK = (
+    '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" type="priority" radius="0.2"/>'
+    '<node id="e" x="150" y="0"/><node id="s" x="-100" y="-120"/>',
+    '<edge id="je" from="j" to="e"/><edge id="ej" from="e" to="j"/>',
+)
+ROADS = (
+    '<edge id="wj" from="w" to="j"/><edge id="jw" from="j" to="w"/>'
+    '<edge id="js" from="j" to="s"/><edge id="sj" from="s" to="j"/>'
+)
+
+
+def build(folder: Path, net: tuple[str, str], step_s: float = 0.1) -> Path:
+    """Return a SUMO configuration of a network with a sharp bend, made by netconvert."""
+    nodes, edges = net
+    (folder / "n.nod.xml").write_text(f"<nodes>{nodes}</nodes>")
+    (folder / "n.edg.xml").write_text(f"<edges>{ROADS}{edges}</edges>")
+    netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
+    inputs: list[str | Path] = [
+        "-n",
+        folder / "n.nod.xml",
+        "-e",
+        folder / "n.edg.xml",
+        "-o",
+        folder / "n.net.xml",
+    ]
+    subprocess.run([netconvert, *inputs], check=True, capture_output=True)
+    configuration = folder / "n.sumocfg"
+    configuration.write_text(
+        '<configuration><input><net-file value="n.net.xml"/></input>'
+        f'<time><step-length value="{step_s}"/></time></configuration>'
+    )
+    return configuration
+
+
+def driven(tmp_path: Path, configuration: Path, route: str, controller: str = "vo_mpc") -> Path:
+    """Return the folder of a run of one ego that has left at its route's end."""
+    out = tmp_path / "run"
+    asked = RunRequest(
+        str(configuration), controller, duration_s=60.0, ego_route=tuple(route.split()), out=out
+    )
+    result = run(asked)
+    assert result.valid, result.invalid_reason
+    assert result.description["egos_given_up"] == []
+    assert result.description["n_routes_restored"] == 0
+    return out
+
+
+@pytest.mark.parametrize(("net", "route"), [(CORNER, "wj js"), (CORNER, "sj jw"), (FORK, "wj js")])
+@pytest.mark.parametrize(("controller", "step_s"), [("vo_mpc", 0.1), ("vo_mpc", 1.0), ("aeb", 0.1)])
+def test_an_ego_gets_round_a_sharp_bend_and_sumo_has_it_where_it_is(
+    tmp_path: Path, net: tuple[str, str], route: str, controller: str, step_s: float
+) -> None:
+    out = driven(tmp_path, build(tmp_path, net, step_s), route, controller)
+    egos = pd.read_parquet(out / "egos.parquet")
+    assert not egos["intervention"].any()
+    assert egos["intervention_cause"].isna().all()
+    assert egos["edge"].iloc[-1] == route.split()[-1]
+
+
+def test_a_run_names_the_bends_that_are_too_tight(tmp_path: Path) -> None:
+    out = driven(tmp_path, build(tmp_path, CORNER), "wj js")
+    bends = json.loads((out / "run.json").read_text())["tight_bends"]
+    assert list(bends) == [":j_1_0"]
+    assert 1.0 < bends[":j_1_0"] < 2.5
+
+
+def test_in_a_hairpin_every_intervention_has_the_bend_as_its_cause(tmp_path: Path) -> None:
+    out = driven(tmp_path, build(tmp_path, CORNER), "js sj")
+    egos = pd.read_parquet(out / "egos.parquet")
+    assert egos["intervention"].any()
+    assert set(egos["intervention_cause"][egos["intervention"]]) == {"tight_bend"}
+    assert egos["edge"].iloc[-1] == "sj"
+
+
+def test_places_on_the_path_through_a_sharp_bend_are_those_of_the_lanes(tmp_path: Path) -> None:
+    build(tmp_path, CORNER)
+    network = read_network(tmp_path / "n.net.xml")
+    path = Route(network, ["wj", "js"], "passenger").path(0, 0)
+    (bend,) = path.bends
+    before, inside, behind = path.pieces
+    ends = [place for piece in path.pieces for place in (piece.start, piece.end)]
+    assert ends == sorted(ends)
+    assert bend.start < inside.start < inside.end < bend.end
+    for piece, position in ((before, 50.0), (before, 120.0), (behind, 30.0), (behind, 100.0)):
+        first, last = piece.lane.shape
+        point = first + (last - first) * position / piece.lane.shape_length
+        along, across, _ = path.curve.project(point[None, :])
+        assert across[0] == pytest.approx(0.0, abs=0.01)
+        if piece is before:
+            assert along[0] - piece.start == pytest.approx(position, abs=0.02)
+        else:
+            assert piece.end - along[0] == pytest.approx(piece.lane.shape_length - position, abs=0.02)
