@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from controllers.driving import way_into_lane
 from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import people_in_plane
 from controllers.interface import Body, FloatArray, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
@@ -27,7 +26,7 @@ FREE, FAST = 0.8, 14.0
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
-"""Whoever is farther from the band into the lane cannot be near a front that swings out [m]."""
+"""Whoever is farther beside the body on the rear axle's way cannot be near a front that swings out [m]."""
 LARGEST_SWING = 1.5
 """[m]"""
 
@@ -85,20 +84,18 @@ def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_])
         class; of them only who is beside the body already counts.
     """
     ego, people = perception.ego, perception.pedestrians
-    half = 0.5 * ego.body.width + ASIDE
-    low, high = min(ego.across, offset) - half, max(ego.across, offset) + half
-    near = (people.across + people.radius > low) & (people.across - people.radius < high)
-    last = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed)
-    near &= (people.along > -ego.body.rear_overhang - 1.0) & (people.along < last + ego.body.front)
-    near &= ~enters | (people.along < ego.body.front)
-    who = np.flatnonzero(near)
+    counts = ~enters | (people.along < ego.body.front)
+    if not counts.any():
+        return None
+    places, way = way_into_lane.poses(perception, offset, max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed))
+    near, at = way_into_lane.people_beside(perception, way, 0.5 * ego.body.width + ASIDE)
+    who, at = near[counts[near]], at[counts[near]]
     if not len(who):
         return None
-    farthest = float(people.along[who].max()) + ego.body.rear_overhang + 2.0
-    places, way_there = way_into_lane.poses(perception, offset, min(farthest, last))
-    x, y, heading = way_there[:, :, None]
-    at, _ = people_in_plane(ego, perception.road, people)
-    still = (np.broadcast_to(values[who, None], (len(who), len(places))) for values in (*at.T, people.radius))
+    x, y, heading = way[:, :, None]
+    still = (
+        np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
+    )
     return Bystanders(places, who, disc_clearances(x, y, heading, ego.body, *still)[:, 0, :])
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving import way_into_lane
-from controllers.driving.plane import people_in_plane
 from controllers.driving.traffic import footprints
 from controllers.interface import FloatArray, Lane, Perception
 
@@ -53,13 +52,8 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
 
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
     """Return how far to move, left positive [m]."""
-    people, body = perception.pedestrians, perception.ego.body
-    half = 0.5 * body.width
-    near = stays & (people.along > -body.rear_overhang) & (people.along < LOOK_AHEAD)
-    near &= np.abs(people.across - lane.offset) - half - people.radius < WANTED + ASIDE
-    if not near.any():
-        return 0.0
-    beside, gap = _passed(perception, lane, np.flatnonzero(near))
+    half = 0.5 * perception.ego.body.width
+    beside, gap = _passed(perception, lane, stays)
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, half)
     from_right = _wanted(gap[beside < 0.0], min(room, to_left), min(room + BEYOND, to_left))
@@ -69,19 +63,22 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     return from_right - from_left
 
 
-def _passed(perception: Perception, lane: Lane, who: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
-    """Return on which side people are when the body is beside them, and the gap to it; inf if it never is.
+def _passed(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Return on which side those are who stay near the way, when the body is beside them, and the gap to it.
 
-    In a bend the front swings out and the rear cuts in, so that is told from the body's places along it.
+    In a bend the front swings out and the rear cuts in, so that is told from the body's places along it. The
+    gap is inf where the body never is beside somebody.
     """
-    body, radius = perception.ego.body, perception.pedestrians.radius[who]
-    _, (x, y, heading) = way_into_lane.poses(perception, lane.offset, LOOK_AHEAD)
-    places, _ = people_in_plane(perception.ego, perception.road, perception.pedestrians)
-    dx, dy = places[who, :1] - x, places[who, 1:] - y
-    cosine, sine = np.cos(heading), np.sin(heading)
+    body = perception.ego.body
+    _, way = way_into_lane.poses(perception, lane.offset, LOOK_AHEAD)
+    who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
+    who, at = who[stays[who]], at[stays[who]]
+    dx, dy = at[:, :1] - way[0], at[:, 1:] - way[1]
+    cosine, sine = np.cos(way[2]), np.sin(way[2])
     ahead, beside = cosine * dx + sine * dy, cosine * dy - sine * dx
     alongside = (ahead < body.front) & (ahead > -body.rear_overhang)
-    gap = np.where(alongside, np.abs(beside) - 0.5 * body.width - radius[:, None], np.inf)
+    radius = perception.pedestrians.radius[who, None]
+    gap = np.where(alongside, np.abs(beside) - 0.5 * body.width - radius, np.inf)
     nearest = np.argmin(gap, axis=1)
     each = np.arange(len(who))
     return beside[each, nearest], gap[each, nearest]

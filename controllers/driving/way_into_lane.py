@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from controllers.driving.lane_manoeuvre import minimum_jerk
-from controllers.driving.plane import to_plane
+from controllers.driving.plane import people_in_plane, to_plane
 from controllers.interface import FloatArray, Perception
 
 MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
@@ -33,3 +34,22 @@ def poses(perception: Perception, offset: float, farthest: float) -> tuple[Float
     turned[0] = ego.heading_error
     at, heading = to_plane(perception.road, places, across)
     return places, np.vstack((at.T, heading + turned))
+
+
+def people_beside(
+    perception: Perception, way: FloatArray, aside: float
+) -> tuple[NDArray[np.intp], FloatArray]:
+    """Return who is near a way, by index, shape (n,), and where in its plane, (n, 2) [m].
+
+    Along the route those at a crossing are told in a frame of that crossing, which says little in a bend.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    way : as :func:`poses` returns it, (3, k)
+    aside : how far beside the rear axle's way to look [m]
+    """
+    places, _ = people_in_plane(perception.ego, perception.road, perception.pedestrians)
+    apart = np.hypot(places[:, :1] - way[0], places[:, 1:] - way[1]).min(axis=1)
+    who = np.flatnonzero(apart - perception.pedestrians.radius < aside)
+    return who, places[who]

@@ -77,7 +77,8 @@ class LastCheck:
             return plan
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         people = discs(perception, near, may_enter, forecast, times, WALK_ON)
-        path, motion = course(perception, plan), planned(perception, plan, times)
+        motion = planned(perception, plan, times)
+        path = course(perception, plan, motion, times)
         clearance = _clearances(perception, people, path, motion)
         starts = perception.ego.speed < STARTING
         margin = self._margins(perception, clearance[0, 0], starts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -36,20 +37,66 @@ class Motion(NamedTuple):
     """[m/s]"""
 
 
-def course(perception: Perception, plan: Plan) -> Course:
-    """Return the course of a plan, straight on along the lane where it has none and beyond its end."""
-    ego = perception.ego
+def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray) -> Course:
+    """Return the course of a plan: as its steering leads, then as planned, then straight on along the lane.
+
+    Parameters
+    ----------
+    perception, plan
+        What is known, and what is to be done.
+    motion
+        The plan's own, one variant, at ``times``.
+    times
+        From now, shape (K,) [s].
+    """
+    led = _steered(perception, plan, motion, times)
     # An ego slower than its steering supposes gets to each offset later in time, not earlier in place.
     driven = np.diff(plan.along, prepend=0.0)
-    steered = np.maximum(driven, STEERED_FROM * np.diff(plan.times, prepend=0.0))
-    along, across = np.append(0.0, np.cumsum(steered)), np.append(ego.across, plan.across)
+    steered = np.cumsum(np.maximum(driven, STEERED_FROM * np.diff(plan.times, prepend=0.0)))
+    later = plan.times > _led_until(plan)
+    ends = float(np.interp(_led_until(plan), plan.times, steered)) if len(plan.times) else 0.0
+    off = float(np.interp(_led_until(plan), plan.times, plan.across)) if len(plan.times) else 0.0
+    along = np.append(led.along, led.along[-1] + steered[later] - ends)
+    across = np.append(led.across, led.across[-1] + plan.across[later] - off)
+    heading = np.append(led.heading_error, np.zeros(int(later.sum())))
     # A plan that stops has several instants at one place.
     onward = np.append(True, np.diff(np.maximum.accumulate(along)) > 0.01)
-    along, across = along[onward], across[onward]
-    heading = np.full(len(along), ego.heading_error)
-    if len(along) > 1:
-        heading[1:] = np.arctan(np.diff(across) / np.diff(along))
+    along, across, heading = along[onward], across[onward], heading[onward]
+    planned_only = np.flatnonzero(onward)[1:] >= len(led.along)
+    slope = np.arctan(np.diff(across) / np.diff(along)) if len(along) > 1 else np.zeros(0)
+    heading[1:] = np.where(planned_only, slope, heading[1:])
     return Course(along, across, heading)
+
+
+def _led_until(plan: Plan) -> float:
+    """Return until when the plan's commands say how it is steered [s]."""
+    return float(plan.command.times[-1])
+
+
+def _steered(perception: Perception, plan: Plan, motion: Motion, times: FloatArray) -> Course:
+    """Return where the commanded steering leads, in the route frame: a kinematic bicycle behind its lag."""
+    ego, road = perception.ego, perception.road
+    bends, step = road.curvature.tolist(), road.curvature_step
+    speed, command = motion.speed[:, 0].tolist(), plan.command
+    until = int(np.searchsorted(times, _led_until(plan) + 1e-9))
+    entry = np.searchsorted(command.times, times[:until] + 1e-9, side="right") - 1
+    wanted = command.steering[np.maximum(entry, 0)].tolist()
+    at, across, turned, angle = 0.0, ego.across, ego.heading_error, ego.steering
+    course = [(at, across, turned)]
+    for k in range(min(until, len(times) - 1)):
+        duration = float(times[k + 1] - times[k])
+        share = 1.0 - math.exp(-duration / ego.drive.steering_lag) if ego.drive.steering_lag > 0.0 else 1.0
+        before, angle = angle, angle + share * (wanted[k] - angle)
+        way = 0.5 * (speed[k] + speed[k + 1]) * duration
+        bend = bends[min(int(at / step), len(bends) - 1)] if bends else 0.0
+        turn = way * math.tan(0.5 * (before + angle)) / ego.body.wheelbase
+        middle = turned + 0.5 * turn
+        gone = way * math.cos(middle) / max(1.0 - bend * across, 0.2)
+        middle -= 0.5 * bend * gone
+        at, across = at + gone, across + way * math.sin(middle)
+        turned += turn - bend * gone
+        course.append((at, across, turned))
+    return Course(*np.array(course).T)
 
 
 def planned(perception: Perception, plan: Plan, times: FloatArray) -> Motion:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -119,13 +120,27 @@ def test_the_front_corner_that_swings_out_in_a_tight_bend_is_seen() -> None:
 
 def test_a_rollout_follows_the_plan_and_the_bend() -> None:
     road = bend(straight_road(), 0.0, 20.0, 40.0)
-    seen = perception(ego(speed=5.0), road)
-    plan = _keeps(5.0)
-    x, y, heading = poses(seen, course(seen, plan), planned(seen, plan, TIMES))
-    angle = 5.0 * TIMES / 20.0
-    assert x[:, 0] == pytest.approx(20.0 * np.sin(angle), abs=0.05)
-    assert y[:, 0] == pytest.approx(20.0 * (1.0 - np.cos(angle)), abs=0.05)
-    assert heading[:, 0] == pytest.approx(angle, abs=0.02)
+    angle = math.atan(BODY.wheelbase / 20.0)
+    seen = perception(ego(speed=5.0, steering=angle), road)
+    plan = replace(_keeps(5.0), command=Command(np.zeros(1), np.zeros(1), np.array([angle])))
+    motion = planned(seen, plan, TIMES)
+    x, y, heading = poses(seen, course(seen, plan, motion, TIMES), motion)
+    turned = 5.0 * TIMES / 20.0
+    assert x[:, 0] == pytest.approx(20.0 * np.sin(turned), abs=0.05)
+    assert y[:, 0] == pytest.approx(20.0 * (1.0 - np.cos(turned)), abs=0.05)
+    assert heading[:, 0] == pytest.approx(turned, abs=0.02)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_where_the_steering_leads_counts_and_not_where_the_plan_meant_to_be(side: float) -> None:
+    """A plan straight on whose wheels are turned comes 0.9 m aside within a second and a half."""
+    beside = Walker(BODY.front + 3.5, side * (0.5 * BODY.width + 0.25 + 0.4))
+    seen = perception(ego(speed=3.0, steering=side * 0.2), straight_road(), [beside])
+    times = np.arange(0.0, 1.5, 0.05)
+    turned = Command(times, 0.0 * times, np.full(len(times), side * 0.2))
+    checked = LastCheck().checked(seen, replace(_keeps(3.0), command=turned), np.array([False]))
+    assert checked.status == SHIELDED
+    assert LastCheck().checked(seen, _keeps(3.0), np.array([False])).status == "ok"
 
 
 def test_braking_behind_its_lag_takes_the_way_it_should_and_ends_in_a_standstill() -> None:
