@@ -246,15 +246,16 @@ def expected(
     along_speed, across = people.along_speed.tolist(), people.across.tolist()
     waiting, on_crossing = people.waiting.tolist(), people.on_crossing.tolist()
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
-    considered, assumed = [not lets for lets in lets_go], [False] * len(people)
+    considered, assumed = [True] * len(people), [False] * len(people)
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
         crossing = road.crossings[at] if at >= 0 else None
-        if lets_go[i]:
-            continue
         if on_crossing[i]:
-            if abs(speed[i]) < assume.standing_below and name in watch.heading:
+            # From whoever lets the ego go first on the crossing itself the whole margin is kept: he may go on.
+            if abs(speed[i]) < assume.standing_below and name in watch.heading and not lets_go[i]:
                 speed[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True
+        elif lets_go[i]:
+            considered[i] = False
         elif waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
             pace = math.hypot(along_speed[i], speed[i])

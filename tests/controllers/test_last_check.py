@@ -133,11 +133,11 @@ def test_a_rollout_follows_the_plan_and_the_bend() -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_where_the_steering_leads_counts_and_not_where_the_plan_meant_to_be(side: float) -> None:
-    """A plan straight on whose wheels are turned comes 0.9 m aside within a second and a half."""
-    beside = Walker(BODY.front + 3.5, side * (0.5 * BODY.width + 0.25 + 0.4))
-    seen = perception(ego(speed=3.0, steering=side * 0.2), straight_road(), [beside])
+    """A plan straight on whose wheels are turned comes aside at once."""
+    beside = Walker(BODY.front + 0.8, side * (0.5 * BODY.width + 0.25 + 0.15))
+    seen = perception(ego(speed=3.0, steering=side * 0.4), straight_road(), [beside])
     times = np.arange(0.0, 1.5, 0.05)
-    turned = Command(times, 0.0 * times, np.full(len(times), side * 0.2))
+    turned = Command(times, 0.0 * times, np.full(len(times), side * 0.4))
     checked = LastCheck().checked(seen, replace(_keeps(3.0), command=turned), np.array([False]))
     assert checked.status == SHIELDED
     assert LastCheck().checked(seen, _keeps(3.0), np.array([False])).status == "ok"
