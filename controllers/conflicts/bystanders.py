@@ -17,7 +17,7 @@ from controllers.interface import Body, FloatArray, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
 """Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
-TOUCHING, CREEPING = 0.15, 1.0
+TOUCHING, CREEPING = 0.3, 1.0
 """Nearer than this somebody is passed with this speed [m, m/s]."""
 NEAR, SLOW = 0.55, 2.5
 """Nearer than this with this one [m, m/s]."""
@@ -62,7 +62,7 @@ class Bystanders(NamedTuple):
 def passing_speed(clearance: FloatArray) -> FloatArray:
     """Return how fast somebody who stays where he is may be passed at a distance [m/s].
 
-    >>> passing_speed(np.array([0.1, 0.2, 0.6, 0.8])).tolist()
+    >>> passing_speed(np.array([0.2, 0.4, 0.6, 0.8])).tolist()
     [1.0, 2.5, 4.8, 100.0]
     """
     rising = SLOW + (FAST - SLOW) * (clearance - NEAR) / (FREE - NEAR)

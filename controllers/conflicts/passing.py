@@ -250,7 +250,7 @@ def expected(
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
         crossing = road.crossings[at] if at >= 0 else None
         if on_crossing[i]:
-            # From whoever lets the ego go first on the crossing itself the whole margin is kept: he may go on.
+            # On the crossing itself whoever lets the ego go first may go on: the whole margin is kept.
             if abs(speed[i]) < assume.standing_below and name in watch.heading and not lets_go[i]:
                 speed[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True

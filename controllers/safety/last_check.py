@@ -2,9 +2,9 @@
 
 Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
-enter the ego's way walk on as they do or as the predictor says, the others come to stand. A plan that would
-touch somebody is replaced by the least braking that does not, as late as that is possible. It is a safety
-net: how seldom it is needed says how good the plans are.
+enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that stand
+count as well, as discs that cover them. A plan that would touch somebody is replaced by the least braking that
+does not, as late as that is possible. It is a safety net: how seldom it is needed says how good the plans are.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from controllers.driving.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
-from controllers.safety.rollout import SPACING, Course, Motion, braked, course, planned, poses
+from controllers.safety.rollout import LAG, SPACING, Course, Motion, braked, course, planned, poses
+from controllers.safety.standing_vehicles import standing_vehicles
 from controllers.safety.way_out import way_out
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
@@ -72,28 +73,31 @@ class LastCheck:
             Whether only people who stay where they are keep the plan from going anywhere.
         """
         near = _near(perception)
-        if not len(near):
+        times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
+        cars = standing_vehicles(perception, len(times))
+        if not len(near) and not len(cars.x):
             self.held_since = None
             return plan
-        times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        people = discs(perception, near, may_enter, forecast, times, WALK_ON)
+        walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
+        people = discs(perception, near, may_enter, forecast, times, walk_on)
+        others = Discs(*(np.concatenate(both) for both in zip(people, cars, strict=True)))
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
-        clearance = _clearances(perception, people, path, motion)
+        clearance = _clearances(perception, others, path, motion)
         starts = perception.ego.speed < STARTING
-        margin = self._margins(perception, clearance[0, 0], starts)
+        margin = self._margins(perception, clearance[0, 0], len(near), starts)
         if not starts:
             self.held_since = None
         touched = bool(_touches(clearance, motion, margin)[0])
         if starts and (touched or stuck):
-            out = self._way_out(perception, plan, people, margin, times)
+            out = self._way_out(perception, plan, people, margin[: len(near)], times)
             if out is not None:
                 return out
         if not touched:
             return plan
         tried = np.array((MILD, *URGENT))
         motion = braked(perception, tried, times)
-        touches = _touches(_clearances(perception, people, path, motion), motion, margin)
+        touches = _touches(_clearances(perception, others, path, motion), motion, margin)
         if not touches[0] and not starts:
             return plan
         enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
@@ -111,13 +115,16 @@ class LastCheck:
         command = way_out(perception, people, margin, times, float(plan.command.steering[0]))
         return None if command is None else replace(plan, command=command, status=WAY_OUT)
 
-    def _margins(self, perception: Perception, now: FloatArray, starts: bool) -> FloatArray:
-        """Return the distance to each that counts as touching, from the present ones, shape (n,) [m]."""
+    def _margins(self, perception: Perception, now: FloatArray, people: int, starts: bool) -> FloatArray:
+        """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
+
+        The first so many are people, the others vehicles.
+        """
         grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), MARGIN)
         if not starts:
             return grazing
         waited = 0.0 if self.held_since is None else perception.ego.time - self.held_since
-        beside = (now > 0.0) & (waited > PATIENCE)
+        beside = (now > 0.0) & (waited > PATIENCE) | (np.arange(len(now)) >= people)
         return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
 
 

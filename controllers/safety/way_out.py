@@ -1,7 +1,8 @@
 """The way out for an ego that is kept from starting: walking pace, steered so that nobody comes nearer.
 
 People gather round a standing car, and those who wait for it to leave their crossing stand where its way
-leads. Of some steering angles the one nearest to the plan is taken that touches neither them nor a vehicle.
+leads. Of some steering angles the one nearest to the plan is taken that touches neither them nor a vehicle
+that stands.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from controllers.driving.path_clearance import disc_clearances
 from controllers.driving.plane import to_plane
 from controllers.interface import Command, FloatArray, Perception
 from controllers.prediction.discs import Discs
+from controllers.safety.standing_vehicles import standing_vehicles
 
 SPEED, ACCELERATION = 0.4, 0.5
 """Of the way out [m/s, m/s^2]."""
@@ -21,11 +23,7 @@ ANGLES = 13
 ASIDE = 1.2
 """How far beside its lane's centre line it may lead [m]."""
 TO_VEHICLES = 0.1
-"""Distance kept to vehicles [m]."""
-NEAR_VEHICLES = 15.0
-"""Farther away none is met on the way [m]."""
-PARTS = 4
-"""Discs that a vehicle is covered with."""
+"""Distance kept to standing vehicles [m]."""
 
 
 def way_out(
@@ -46,7 +44,7 @@ def way_out(
     x, y, heading = _rolled(perception, angles, times)
     near = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius) < margin
     free = ~near.any(axis=(0, 2)) & _on_its_way(perception, x[-1], y[-1])
-    cars = _vehicles(perception, len(times))
+    cars = standing_vehicles(perception, len(times))
     if len(cars.x):
         apart = disc_clearances(x, y, heading, ego.body, cars.x, cars.y, cars.radius)
         # Who is that near already may stay so, but not come nearer.
@@ -79,19 +77,3 @@ def _rolled(
     x = np.cumsum(step * speed * np.cos(heading), axis=0)
     y = ego.across + np.cumsum(step * speed * np.sin(heading), axis=0)
     return x, y, heading
-
-
-def _vehicles(perception: Perception, count: int) -> Discs:
-    """Return the vehicles near as discs that cover them and stand still."""
-    them, body = perception.vehicles, perception.ego.body
-    near = np.hypot(them.along - 0.5 * body.front, them.across - perception.ego.across) < NEAR_VEHICLES
-    length, width, turned = them.length[near], them.width[near], them.heading_error[near]
-    front, heading = to_plane(
-        perception.road, them.along[near], them.across[near] + 0.5 * length * np.sin(turned)
-    )
-    behind = (np.arange(PARTS) + 0.5) / PARTS * length[:, None]
-    x = front[:, :1] - behind * np.cos(heading + turned)[:, None]
-    y = front[:, 1:] - behind * np.sin(heading + turned)[:, None]
-    radius = np.repeat(np.hypot(0.5 * length / PARTS, 0.5 * width), PARTS)
-    parts = (np.repeat(values.ravel()[:, None], count, axis=1) for values in (x, y, radius))
-    return Discs(*parts)
