@@ -2,9 +2,10 @@
 
 Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
-enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that stand
-count as well, as discs that cover them. A plan that would touch somebody is replaced by the least braking that
-does not, as late as that is possible. It is a safety net: how seldom it is needed says how good the plans are.
+enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that
+stand count as well. A plan that would touch somebody is replaced by the least
+braking that does not, as late as that is possible. It is a safety net: how seldom it is needed says how good
+the plans are.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ NEARER = 0.002
 """Who is nearer than what always counts as touching is so where he gets nearer by this [m]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
+WALKING, WALKERS_MARGIN = 0.1, 1.0
+"""Whoever is faster walks, and a way out keeps this distance to him [m/s, m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 MILD = 3.0
@@ -90,7 +93,12 @@ class LastCheck:
             self.held_since = None
         touched = bool(_touches(clearance, motion, margin)[0])
         if starts and (touched or stuck):
-            out = self._way_out(perception, plan, people, margin[: len(near)], times)
+            # Among people who stand there is no need of more than not to touch them; walkers are kept away from.
+            speeds = perception.pedestrians
+            walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
+            now = clearance[0, 0, : len(near)]
+            close = np.where(walk, WALKERS_MARGIN, np.minimum(now - NEARER, TOUCHING))
+            out = self._way_out(perception, plan, people, close, times)
             if out is not None:
                 return out
         if not touched:

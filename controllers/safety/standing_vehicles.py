@@ -1,4 +1,4 @@
-"""Vehicles that stand near the ego, as discs that cover them."""
+"""Vehicles that stand near the ego, as points of their outlines."""
 
 from __future__ import annotations
 
@@ -12,12 +12,21 @@ STANDING = 0.5
 """Slower ones count [m/s]; whoever drives is the plan's business."""
 NEAR = 15.0
 """Those farther from the ego's middle do not count [m]."""
-PARTS = 4
-"""Discs for each."""
+_SIDE = np.linspace(0.0, 1.0, 9)
+OUTLINE = np.vstack(
+    (
+        *(np.column_stack((_SIDE, np.full(len(_SIDE), half))) for half in (-0.5, 0.5)),
+        *(np.column_stack((np.full(3, end), np.linspace(-0.25, 0.25, 3))) for end in (0.0, 1.0)),
+    )
+)
+"""Points of each: share of its length from the front backwards, share of its width to the left."""
 
 
 def standing_vehicles(perception: Perception, count: int) -> Discs:
-    """Return the discs in the plane of :mod:`controllers.driving.plane`, the same at ``count`` instants."""
+    """Return the points in the plane of :mod:`controllers.driving.plane`, as discs without a radius.
+
+    They are the same at ``count`` instants.
+    """
     them, ego = perception.vehicles, perception.ego
     near = np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < NEAR
     near &= np.hypot(them.along_speed, them.across_speed) < STANDING
@@ -25,8 +34,8 @@ def standing_vehicles(perception: Perception, count: int) -> Discs:
     front, heading = to_plane(
         perception.road, them.along[near], them.across[near] + 0.5 * length * np.sin(turned)
     )
-    behind = (np.arange(PARTS) + 0.5) / PARTS * length[:, None]
-    x = front[:, :1] - behind * np.cos(heading + turned)[:, None]
-    y = front[:, 1:] - behind * np.sin(heading + turned)[:, None]
-    radius = np.repeat(np.hypot(0.5 * length / PARTS, 0.5 * width), PARTS)
-    return Discs(*(np.repeat(values.ravel()[:, None], count, axis=1) for values in (x, y, radius)))
+    behind, left = OUTLINE[:, 0] * length[:, None], OUTLINE[:, 1] * width[:, None]
+    cosine, sine = np.cos(heading + turned)[:, None], np.sin(heading + turned)[:, None]
+    x = (front[:, :1] - behind * cosine - left * sine).ravel()
+    y = (front[:, 1:] - behind * sine + left * cosine).ravel()
+    return Discs(*(np.repeat(values[:, None], count, axis=1) for values in (x, y, np.zeros(len(x)))))
