@@ -93,7 +93,7 @@ class LastCheck:
             self.held_since = None
         touched = bool(_touches(clearance, motion, margin)[0])
         if starts and (touched or stuck):
-            # Among people who stand there is no need of more than not to touch them; walkers are kept away from.
+            # Among people who stand it is enough not to touch them; from walkers the way out keeps away.
             speeds = perception.pedestrians
             walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
             now = clearance[0, 0, : len(near)]
