@@ -14,6 +14,8 @@ LAG = 0.35
 """Time constant with which a braking command takes hold, the ramp of the command included [s]."""
 SPACING = 0.1
 """Between instants of a rollout [s]."""
+APART = 0.01
+"""Between places of a course at least; a plan that stops has several instants at one place [m]."""
 STEERED_FROM = 0.5
 """Steering is planned as if the ego were at least so fast: standing wheels lead nowhere [m/s]."""
 
@@ -50,22 +52,23 @@ def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray
         From now, shape (K,) [s].
     """
     led = _steered(perception, plan, motion, times)
-    # An ego slower than its steering supposes gets to each offset later in time, not earlier in place.
-    driven = np.diff(plan.along, prepend=0.0)
-    steered = np.cumsum(np.maximum(driven, STEERED_FROM * np.diff(plan.times, prepend=0.0)))
-    later = plan.times > _led_until(plan)
-    ends = float(np.interp(_led_until(plan), plan.times, steered)) if len(plan.times) else 0.0
-    off = float(np.interp(_led_until(plan), plan.times, plan.across)) if len(plan.times) else 0.0
-    along = np.append(led.along, led.along[-1] + steered[later] - ends)
-    across = np.append(led.across, led.across[-1] + plan.across[later] - off)
-    heading = np.append(led.heading_error, np.zeros(int(later.sum())))
-    # A plan that stops has several instants at one place.
-    onward = np.append(True, np.diff(np.maximum.accumulate(along)) > 0.01)
-    along, across, heading = along[onward], across[onward], heading[onward]
-    planned_only = np.flatnonzero(onward)[1:] >= len(led.along)
-    slope = np.arctan(np.diff(across) / np.diff(along)) if len(along) > 1 else np.zeros(0)
-    heading[1:] = np.where(planned_only, slope, heading[1:])
-    return Course(along, across, heading)
+    at, across, _ = led[-1]
+    until = _led_until(plan)
+    offset = perception.ego.across
+    earlier, gone = 0.0, 0.0
+    # A plain loop: NumPy's calls would take longer than the few dozen places themselves.
+    knots = zip(plan.times.tolist(), plan.along.tolist(), plan.across.tolist(), strict=True)
+    for time, place, beside in knots:
+        if time > until:
+            # An ego slower than its steering supposes gets to each offset later in time, not earlier in place.
+            left = min(1.0, (time - until) / (time - earlier))
+            at += left * max(place - gone, STEERED_FROM * (time - earlier))
+            across += left * (beside - offset)
+            before_at, before_across, _ = led[-1]
+            if at > before_at + APART:
+                led.append((at, across, math.atan((across - before_across) / (at - before_at))))
+        earlier, gone, offset = time, place, beside
+    return Course(*np.array(led).T)
 
 
 def _led_until(plan: Plan) -> float:
@@ -73,8 +76,13 @@ def _led_until(plan: Plan) -> float:
     return float(plan.command.times[-1])
 
 
-def _steered(perception: Perception, plan: Plan, motion: Motion, times: FloatArray) -> Course:
-    """Return where the commanded steering leads, in the route frame: a kinematic bicycle behind its lag."""
+def _steered(
+    perception: Perception, plan: Plan, motion: Motion, times: FloatArray
+) -> list[tuple[float, float, float]]:
+    """Return the points to which the commanded steering leads: a kinematic bicycle behind its lag.
+
+    They are in the route frame: along, across and heading error.
+    """
     ego, road = perception.ego, perception.road
     bends, step = road.curvature.tolist(), road.curvature_step
     speed, command = motion.speed[:, 0].tolist(), plan.command
@@ -83,11 +91,10 @@ def _steered(perception: Perception, plan: Plan, motion: Motion, times: FloatArr
     wanted = command.steering[np.maximum(entry, 0)].tolist()
     at, across, turned, angle = 0.0, ego.across, ego.heading_error, ego.steering
     course = [(at, across, turned)]
+    share = 1.0 - math.exp(-SPACING / ego.drive.steering_lag) if ego.drive.steering_lag > 0.0 else 1.0
     for k in range(min(until, len(times) - 1)):
-        duration = float(times[k + 1] - times[k])
-        share = 1.0 - math.exp(-duration / ego.drive.steering_lag) if ego.drive.steering_lag > 0.0 else 1.0
         before, angle = angle, angle + share * (wanted[k] - angle)
-        way = 0.5 * (speed[k] + speed[k + 1]) * duration
+        way = 0.5 * (speed[k] + speed[k + 1]) * SPACING
         bend = bends[min(int(at / step), len(bends) - 1)] if bends else 0.0
         turn = way * math.tan(0.5 * (before + angle)) / ego.body.wheelbase
         middle = turned + 0.5 * turn
@@ -95,8 +102,9 @@ def _steered(perception: Perception, plan: Plan, motion: Motion, times: FloatArr
         middle -= 0.5 * bend * gone
         at, across = at + gone, across + way * math.sin(middle)
         turned += turn - bend * gone
-        course.append((at, across, turned))
-    return Course(*np.array(course).T)
+        if at > course[-1][0] + APART:
+            course.append((at, across, turned))
+    return course
 
 
 def planned(perception: Perception, plan: Plan, times: FloatArray) -> Motion:

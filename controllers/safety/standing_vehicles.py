@@ -30,6 +30,8 @@ def standing_vehicles(perception: Perception, count: int) -> Discs:
     them, ego = perception.vehicles, perception.ego
     near = np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < NEAR
     near &= np.hypot(them.along_speed, them.across_speed) < STANDING
+    if not near.any():
+        return Discs(*np.empty((3, 0, count)))
     length, width, turned = them.length[near], them.width[near], them.heading_error[near]
     front, heading = to_plane(
         perception.road, them.along[near], them.across[near] + 0.5 * length * np.sin(turned)
