@@ -60,7 +60,7 @@ def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray
     knots = zip(plan.times.tolist(), plan.along.tolist(), plan.across.tolist(), strict=True)
     for time, place, beside in knots:
         if time > until:
-            # An ego slower than its steering supposes gets to each offset later in time, not earlier in place.
+            # An ego slower than its steering supposes gets to an offset later in time, not earlier in place.
             left = min(1.0, (time - until) / (time - earlier))
             at += left * max(place - gone, STEERED_FROM * (time - earlier))
             across += left * (beside - offset)
