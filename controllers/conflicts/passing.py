@@ -24,6 +24,8 @@ IntArray = NDArray[np.int64]
 
 STRAIGHT_ON = 3.0
 """How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
+THERE = 0.3
+"""Nearer than this to the place where somebody waits he is there [m]."""
 KERB = 0.5
 """Nearer to the road than this counts as on it [m]."""
 OCCUPIED = 0.15
@@ -245,6 +247,7 @@ def expected(
     speed = people.across_speed.tolist()
     along_speed, across = people.along_speed.tolist(), people.across.tolist()
     waiting, on_crossing = people.waiting.tolist(), people.on_crossing.tolist()
+    radius = people.radius.tolist()
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
     considered, assumed = [True] * len(people), [False] * len(people)
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
@@ -259,8 +262,16 @@ def expected(
         elif waiting[i] and crossing is not None:
             has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
             pace = math.hypot(along_speed[i], speed[i])
-            if not has_priority or (pace < assume.standing_below and not assume.yield_to_standing):
-                considered[i] = False
+            stands = pace < assume.standing_below
+            if not has_priority or (stands and not assume.yield_to_standing):
+                place = crossing.right if 2.0 * across[i] < crossing.right + crossing.left else crossing.left
+                way = place - across[i]
+                in_lane = abs(place) < 0.5 * perception.ego.body.width + radius[i] + OCCUPIED
+                if stands or not in_lane or abs(way) < THERE:
+                    considered[i] = False
+                else:
+                    # He waits where his crossing begins, and that is in the ego's lane.
+                    speed[i], assumed[i] = math.copysign(max(pace, assume.resume_speed), way), True
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.
                 speed[i] = math.copysign(max(pace, assume.resume_speed), -across[i])

@@ -17,9 +17,10 @@ STANDING = 0.1
 class BlockedLanes:
     """Watches standing vehicles; one per ego.
 
-    A vehicle that has stood for ``patience`` with no crossing, signal or duty to yield close ahead of it is
-    not waiting for anything. Its lane is then told as ending ``distance`` before it, so that whatever
-    leaves a lane that ends also goes round a parked vehicle, and stops where it still can.
+    A vehicle in its lane that has stood for ``patience`` with no crossing, signal or duty to yield close
+    ahead of it is not waiting for anything. Its lane is then told as ending ``distance`` before it, so that
+    whatever leaves a lane that ends also goes round a parked vehicle, and stops where it still can. One that
+    stands across the lane, or faces the ego, may be waiting for the ego: it does not count.
 
     Parameters
     ----------
@@ -52,7 +53,8 @@ class BlockedLanes:
         if not parked:
             return perception
         box = footprints(vehicles)
-        blocking = [i for i in parked if box.rear[i] > 0.0 and not self._waits(perception, box.front[i])]
+        ahead = [i for i in parked if box.rear[i] > 0.0 and box.same_way[i]]
+        blocking = [i for i in ahead if not self._waits(perception, box.front[i])]
         if not blocking:
             return perception
         known = perception.road.lanes

@@ -23,6 +23,8 @@ TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
 BEYOND = 0.5
 """And goes so much further where somebody could not be passed otherwise [m]."""
+SHORT, OVER = 0.05, 3.0
+"""The steering plan may fall short of that by so much, and gets there within this distance [m]."""
 TO_VEHICLES = 0.3
 """And this far from vehicles beside [m]."""
 BESIDE = 10.0
@@ -48,6 +50,29 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
         for one in perception.road.lanes
     )
     return replace(perception, road=replace(perception.road, lanes=lanes))
+
+
+def kept(
+    corridor: tuple[FloatArray, FloatArray], shift: float, across: float, along: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the corridor of a steering plan without the places nearer to those who are kept away from.
+
+    Without that, a plan trades the last centimetres for less steering.
+
+    Parameters
+    ----------
+    corridor : its right and left end for the rear axle, shape (N,) each [m]
+    shift : of the lane's centre line for their sake, left positive [m]
+    across : where the ego is [m]
+    along : planned positions from now, shape (N,) [m]
+    """
+    if shift == 0.0:
+        return corridor
+    right, left = corridor
+    wanted = shift - np.sign(shift) * SHORT
+    missing = min(across - wanted, 0.0) if shift > 0.0 else max(across - wanted, 0.0)
+    bound = wanted + missing * np.clip(1.0 - along / OVER, 0.0, 1.0)
+    return (np.maximum(right, bound), left) if shift > 0.0 else (right, np.minimum(left, bound))
 
 
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:

@@ -136,13 +136,15 @@ class VelocityObstacleMpc:
 
         Whatever comes of it is checked with the true body before it is carried out.
         """
-        plan, stuck = self._plan(perception, decision)
+        plan, chosen = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        return self._last_check.checked(seen, plan, planner.may_enter, planner.forecast, stuck)
+        return self._last_check.checked(
+            seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room
+        )
 
-    def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, bool]:
-        """Return the plan before the last check, and whether people who stay keep it from going anywhere."""
+    def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:
+        """Return the plan before the last check, and the speed plan that it is made of."""
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
@@ -156,7 +158,7 @@ class VelocityObstacleMpc:
                 self._steering_task(perception, chosen.plan, lane), memory=self._steering_memory
             )
         if steering is None or not steering.found:
-            return self._fallback(perception, chosen), False
+            return self._fallback(perception, chosen), chosen
         planner.commit(perception, chosen)
         command = self._command(perception, chosen.plan, steering)
         ego, plan = perception.ego, chosen.plan
@@ -173,7 +175,7 @@ class VelocityObstacleMpc:
             overlay=_overlay(chosen.conflicts, float(self._times[-1])),
             solves=self._solves(),
         )
-        return answer, chosen.stuck
+        return answer, chosen
 
     def _solves(self) -> Solves:
         """Return what was solved since this was asked last."""
@@ -222,7 +224,10 @@ class VelocityObstacleMpc:
         left = max((lane.offset + 0.5 * lane.width for lane in lanes), default=2.0) - half
         if right > left:  # a body wider than its lane
             right = left = 0.5 * (right + left)
-        n = len(self._times)
+        corridor = np.full(len(self._times), right), np.full(len(self._times), left)
+        here = road.lane(road.reference)
+        if here is not None and not self._lanes.running:
+            corridor = place_in_lane.kept(corridor, here.offset, ego.across, speed.position)
         task = SteeringTask(
             across=ego.across,
             heading_error=ego.heading_error,
@@ -231,12 +236,13 @@ class VelocityObstacleMpc:
             speed=np.maximum(mean, STEERED_FROM),
             curvature=curvature,
             target=self._lanes.offsets(perception, self._times),
-            right=np.full(n, right),
-            left=np.full(n, left),
+            right=corridor[0],
+            left=corridor[1],
         )
         if lane is None or not there:
             return task
-        return task._replace(across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
+        target_offset = np.full(len(self._times), lane.offset)
+        return task._replace(across=lane.offset, heading_error=0.0, target=target_offset)
 
     def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
         ego = perception.ego

@@ -16,7 +16,7 @@ from controllers.interface import Lane, Perception
 from controllers.mpc.lateral import SteeringPlan
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.mpc.passing_settings import PassingSettings
-from controllers.mpc.speed_tasks import SpeedTasks, swept
+from controllers.mpc.speed_tasks import SLOW, SpeedTasks, swept
 from controllers.numerics import passing_classes, position_bounds
 from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
@@ -42,8 +42,10 @@ class Chosen:
     """Where speed and steering were planned together."""
     too_far: float = 0.0
     """By how far the plan goes beyond where the people who are let pass should stop it [m]."""
+    room: float = np.inf
+    """How far the front bumper may go until it has to wait for a light, or for whoever will go on [m]."""
     stuck: bool = False
-    """Whether people who stay where they are keep the ego from going anywhere, and nothing else does."""
+    """Whether those who stay where they are keep the ego from going anywhere in that room."""
 
 
 @dataclass(slots=True)
@@ -151,17 +153,22 @@ class SpeedPlanner:
                 best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
         if best is None:
             return Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
-        return self._judged(perception, task, best) if best.behind else best
+        return self._judged(perception, task, best)
 
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen) -> Chosen:
-        """Return a plan that lets somebody pass, with what it makes of that."""
-        upper = self._class_bounds(perception, task, chosen.conflicts).upper[chosen.behind]
-        stay = not self.may_enter[chosen.conflicts.index[: chosen.behind]].any()
-        return replace(
-            chosen,
-            too_far=max(float((chosen.plan.position - upper).max()), 0.0),
-            stuck=stay and float(upper.min()) < STUCK_WITHIN and float(task.upper.min()) > STUCK_WITHIN,
-        )
+        """Return a plan with what it makes of those who are let pass, and of those who stand in the way."""
+        ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
+        farthest, too_far = float(task.upper.min()), 0.0
+        if behind:
+            upper = self._class_bounds(perception, task, conflicts).upper[behind]
+            farthest = min(farthest, float(upper.min()))
+            too_far = max(float((chosen.plan.position - upper).max()), 0.0)
+        if ego.speed >= SLOW:
+            return replace(chosen, too_far=too_far) if too_far else chosen
+        goes_on = self.may_enter[conflicts.index[:behind]]
+        _, places, _ = passing.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
+        room = min(self._tasks.waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
+        return replace(chosen, too_far=too_far, room=room, stuck=farthest < STUCK_WITHIN < room)
 
     def _solve_class(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,6 +26,8 @@ BESIDE = 0.1
 counts [m]."""
 SIDE_CLEARANCE_FROM = 2.0
 """From this speed on the whole distance is kept, below it in proportion [m/s]."""
+SLOW, STANDING = 1.0, 0.1
+"""Slower is slow, and standing [m/s]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
@@ -47,6 +50,9 @@ class SpeedTasks:
     stops: list[StopPlace] = field(default_factory=list)
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    waits_at: float = np.inf
+    """Where that of a slow ego has to wait, as the last task had it: for lights, for vehicles that will go
+    on, for the lane's end; inf for nowhere [m]."""
     _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
     # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
@@ -85,7 +91,9 @@ class SpeedTasks:
         times, limits = self.memory.times, self.limits
         positions, expected = self.memory.expected(ego)
         ahead = self._vehicles(perception, lane, leaving_for)
-        line, stop = self._line(perception, lane, ahead.rest)
+        line, stop = self._line(perception, lane, ahead.rest, self.stops)
+        if ego.speed < SLOW:
+            self.waits_at = self._waits_at(perception, lane, ahead.rest)
         gap_now = s.standstill_gap + limits.headway * ego.speed
         upper, stoppable, headway = position_bounds.position_bounds(
             ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
@@ -139,9 +147,26 @@ class SpeedTasks:
             then.name or (now.name if leaving_for > 0.0 else ""),
         )
 
-    def _line(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> tuple[float, str]:
+    def _waits_at(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> float:
+        """Return the line, or the vehicle of its own lane, where the ego has to wait; inf for nowhere.
+
+        A vehicle that stands across its way may wait for the ego, and no waiting helps.
+        """
+        vehicles = perception.vehicles
+        standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < STANDING
+        stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
+        line, _ = self._line(perception, lane, rest, [stop for stop in self.stops if stop.name not in stand])
+        box = traffic.footprints(vehicles)
+        right, left = swept(perception, lane)
+        ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
+        gap = self.settings.standstill_gap
+        return min(line, float(box.rear[ahead].min(initial=np.inf)) - gap)
+
+    def _line(
+        self, perception: Perception, lane: Lane | None, rest: FloatArray, stops: Sequence[StopPlace]
+    ) -> tuple[float, str]:
         """Return the place the front bumper must not pass now, and why; inf for none."""
-        places = [(stop.along, stop.name) for stop in self.stops]
+        places = [(stop.along, stop.name) for stop in stops]
         gap = self.settings.standstill_gap
         places.append(road_profile.keep_clear_line(perception, self.memory.times, rest, gap))
         if lane is not None:

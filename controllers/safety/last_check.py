@@ -10,7 +10,7 @@ the plans are.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
 from controllers.safety.rollout import LAG, SPACING, Course, Motion, braked, course, planned, poses
-from controllers.safety.standing_vehicles import standing_vehicles
-from controllers.safety.way_out import way_out
+from controllers.safety.vehicle_outlines import standing_vehicles
+from controllers.safety.way_out import PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and by a way out at walking pace."""
@@ -37,20 +37,18 @@ NEARER = 0.002
 """Who is nearer than what always counts as touching is so where he gets nearer by this [m]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
-WALKING, WALKERS_MARGIN = 0.1, 1.0
-"""Whoever is faster walks, and a way out keeps this distance to him [m/s, m]."""
+WALKING = 0.1
+"""Whoever is faster walks [m/s]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 MILD = 3.0
-PATIENCE = 4.0
-"""For so long an ego that starts keeps the larger margin to somebody beside it who does not move [s]."""
 
 
 @dataclass(slots=True)
 class LastCheck:
     """Checks the plans of one ego; remembers since when it has been kept from starting."""
 
-    held_since: float | None = None
+    _out: WayOut = field(default_factory=WayOut)
 
     def checked(
         self,
@@ -59,6 +57,7 @@ class LastCheck:
         may_enter: NDArray[np.bool_],
         forecast: Forecast | None = None,
         stuck: bool = False,
+        room: float = np.inf,
     ) -> Plan:
         """Return the plan, or one that brakes where it would touch somebody.
 
@@ -73,13 +72,15 @@ class LastCheck:
         forecast
             Where those are going who walk on; ``None``: they keep their velocities.
         stuck
-            Whether only people who stay where they are keep the plan from going anywhere.
+            Whether only those who stay where they are keep the plan from going anywhere.
+        room
+            How far the front bumper may go until it has to wait for something else [m].
         """
         near = _near(perception)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         cars = standing_vehicles(perception, len(times))
         if not len(near) and not len(cars.x):
-            self.held_since = None
+            self._out.reset()
             return plan
         walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
         people = discs(perception, near, may_enter, forecast, times, walk_on)
@@ -87,20 +88,17 @@ class LastCheck:
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, others, path, motion)
-        starts = perception.ego.speed < STARTING
+        starts = perception.ego.speed < STARTING or self._out.taken
         margin = self._margins(perception, clearance[0, 0], len(near), starts)
-        if not starts:
-            self.held_since = None
         touched = bool(_touches(clearance, motion, margin)[0])
-        if starts and (touched or stuck):
-            # Among people who stand it is enough not to touch them; from walkers the way out keeps away.
+        if not starts:
+            self._out.reset()
+        else:
             speeds = perception.pedestrians
             walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
-            now = clearance[0, 0, : len(near)]
-            close = np.where(walk, WALKERS_MARGIN, np.minimum(now - NEARER, TOUCHING))
-            out = self._way_out(perception, plan, people, close, times)
+            out = self._out.command(perception, people, walk, times, room, held=touched or stuck)
             if out is not None:
-                return out
+                return replace(plan, command=out, status=WAY_OUT)
         if not touched:
             return plan
         tried = np.array((MILD, *URGENT))
@@ -112,17 +110,6 @@ class LastCheck:
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))
 
-    def _way_out(
-        self, perception: Perception, plan: Plan, people: Discs, margin: FloatArray, times: FloatArray
-    ) -> Plan | None:
-        """Return a way out for an ego that has been kept from starting for long; ``None`` for none yet."""
-        if self.held_since is None:
-            self.held_since = perception.ego.time
-        if perception.ego.time - self.held_since <= PATIENCE:
-            return None
-        command = way_out(perception, people, margin, times, float(plan.command.steering[0]))
-        return None if command is None else replace(plan, command=command, status=WAY_OUT)
-
     def _margins(self, perception: Perception, now: FloatArray, people: int, starts: bool) -> FloatArray:
         """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
 
@@ -131,7 +118,8 @@ class LastCheck:
         grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), MARGIN)
         if not starts:
             return grazing
-        waited = 0.0 if self.held_since is None else perception.ego.time - self.held_since
+        since = self._out.held_since
+        waited = 0.0 if since is None else perception.ego.time - since
         beside = (now > 0.0) & (waited > PATIENCE) | (np.arange(len(now)) >= people)
         return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
 

@@ -1,67 +1,169 @@
-"""The way out for an ego that is kept from starting: walking pace, steered so that nobody comes nearer.
+"""The way out for an ego that is kept from starting: walking pace, round those who stay.
 
 People gather round a standing car, and those who wait for it to leave their crossing stand where its way
-leads. Of some steering angles the one nearest to the plan is taken that touches neither them nor a vehicle
-that stands.
+leads; vehicles that wait for it do so too. After a while the ego looks for a way round them, and once on it
+goes on until it is back in its lane.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import to_plane
-from controllers.interface import Command, FloatArray, Perception
+from controllers.interface import Command, FloatArray, Perception, constant_command
 from controllers.prediction.discs import Discs
-from controllers.safety.standing_vehicles import standing_vehicles
+from controllers.safety import free_way
+from controllers.safety.free_way import Obstacles
+from controllers.safety.vehicle_outlines import driving_vehicles, standing_vehicles
 
-SPEED, ACCELERATION = 0.4, 0.5
+PATIENCE = 4.0
+"""For so long an ego that is kept from starting waits [s]."""
+SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Of the way out [m/s, m/s^2]."""
-ANGLES = 13
-"""Steering angles that are tried, evenly from right to left."""
-ASIDE = 1.2
-"""How far beside its lane's centre line it may lead [m]."""
-TO_VEHICLES = 0.1
-"""Distance kept to standing vehicles [m]."""
+INCHING, APART = 0.07, 0.01
+"""Speed while somebody leans on the car, at which it counts as standing; whoever is nearer leans [m/s, m]."""
+TO_PEOPLE, TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.05, 0.5, 0.1, 0.5
+"""Distance kept to people who stand and who walk, to vehicles that stand and that drive [m]."""
+NEARER = 0.002
+"""Who is nearer already may stay so, but not come nearer by this [m]."""
+SOUGHT_EVERY = 0.5
+"""How often a way is looked for at most [s]."""
+AHEAD = 0.1
+"""The wheels are where the way wants them so far ahead [m]."""
+IN_LANE, ALONG_LANE = 0.4, 0.15
+"""The ego is back in its lane this near to its centre line and direction [m, rad]."""
+STANDING = 0.05
+"""Slower is standing [m/s]."""
+TURNED = 0.15
+"""Wheels that are farther from where they should be are turned first [rad]."""
+CHECKED, CHECKED_WALKERS = 8, 20
+"""Instants of the rollout at which its beginning is checked, for those who stand and for those who walk."""
 
 
-def way_out(
-    perception: Perception, people: Discs, margin: FloatArray, times: FloatArray, wanted: float
-) -> Command | None:
-    """Return a command that leads out; ``None`` where there is none.
+@dataclass(slots=True)
+class WayOut:
+    """The ways out of one ego."""
 
-    Parameters
-    ----------
-    perception : what the ego is told
-    people : where pedestrians will be
-    margin : distance to each that counts as touching, shape (n,) [m]
-    times : of the rollout and of ``people``, from now, shape (K,) [s]
-    wanted : steering angle of the plan [rad]
-    """
+    held_since: float | None = None
+    """Since when it is kept from starting [s]."""
+    taken: bool = False
+    """Whether it is on a way out."""
+    _way: FloatArray | None = None
+    """Steering angles of the arcs of the way, shape (k,) [rad]."""
+    _driven: float = 0.0
+    """How much of it has been driven [m]."""
+    _sought: float = -np.inf
+    _last: float = 0.0
+    # When a way was sought, and when this was asked [s].
+
+    def reset(self) -> None:
+        """Forget everything: the ego is under way."""
+        self.held_since, self.taken, self._way, self._sought = None, False, None, -np.inf
+
+    def command(
+        self,
+        perception: Perception,
+        people: Discs,
+        walks: NDArray[np.bool_],
+        times: FloatArray,
+        farthest: float,
+        held: bool,
+    ) -> Command | None:
+        """Return what leads out; ``None`` where nothing does, where it is too early, or where it has led out.
+
+        Parameters
+        ----------
+        perception
+            What the ego is told.
+        people
+            Where n pedestrians will be.
+        walks
+            Who of them walks, shape (n,).
+        times
+            Of ``people``, from now, shape (K,) [s].
+        farthest
+            How far the front bumper may go for other reasons [m].
+        held
+            Whether somebody keeps the ego from following its plan.
+        """
+        ego = perception.ego
+        in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
+        self._driven += ego.speed * (ego.time - self._last)
+        self._last = ego.time
+        if not held and (in_lane or not self.taken):
+            self.taken, self._way = False, None
+            return None
+        if self.held_since is None:
+            self.held_since = ego.time
+        if not self.taken and ego.time - self.held_since <= PATIENCE:
+            return None
+        now = _distances(perception, people)
+        kept = np.where(walks, TO_WALKERS, np.minimum(now - NEARER, TO_PEOPLE))
+        self._look(perception, people, kept, farthest)
+        self.taken = self._way is not None
+        if self._way is None:
+            return None
+        speed = INCHING if now.min(initial=np.inf) <= APART else SPEED
+        arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
+        return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
+
+    def _look(self, perception: Perception, people: Discs, kept: FloatArray, farthest: float) -> None:
+        """Keep the way as long as it is free, else look for another."""
+        time = perception.ego.time
+        # A walker is in the way wherever he will be within the time looked ahead.
+        instants = slice(None, None, 10)
+        x, y, reach = (values[:, instants] for values in people)
+        cars = standing_vehicles(perception, 1)
+        from_cars = np.minimum(_distances(perception, cars) - NEARER, TO_VEHICLES)
+        cars_x, cars_y = driving_vehicles(perception)
+        obstacles = Obstacles(
+            np.concatenate((x.ravel(), cars.x[:, 0], cars_x)),
+            np.concatenate((y.ravel(), cars.y[:, 0], cars_y)),
+            np.concatenate(((reach + kept[:, None]).ravel(), from_cars, np.full(len(cars_x), TO_DRIVING))),
+        )
+        way = self._way
+        under_way = way is not None and self._driven < (len(way) - 1) * free_way.ARC
+        if way is not None and under_way and free_way.leads_on(perception, obstacles, way, self._driven):
+            return
+        if time - self._sought >= SOUGHT_EVERY - 1e-9:
+            self._way, self._driven, self._sought = free_way.find(perception, obstacles, farthest), 0.0, time
+        else:
+            self._way = None
+
+
+def _towards(
+    perception: Perception,
+    people: Discs,
+    walks: NDArray[np.bool_],
+    kept: FloatArray,
+    times: FloatArray,
+    angle: float,
+    speed: float,
+) -> Command:
+    """Return the command that follows an angle, or waits while somebody walks into the way."""
+    ego, steering = perception.ego, np.array([angle])
+    x, y, heading = _rolled(perception, steering, times)
+    clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
+    meets = (clearance[:CHECKED, 0] < kept - free_way.DRIFT).any()
+    meets |= (clearance[:CHECKED_WALKERS, 0, walks] < kept[walks]).any()
+    turning = abs(ego.steering - angle) > TURNED
+    wanted = 0.0 if meets or turning else speed
+    if wanted == 0.0 and ego.speed < STANDING:
+        return constant_command(-BRAKING, angle)  # it holds its brake
+    change = (wanted - ego.speed) / max(ego.plan_interval, 0.5)
+    return constant_command(float(np.clip(change, -BRAKING, ACCELERATION)), angle)
+
+
+def _distances(perception: Perception, discs: Discs) -> FloatArray:
+    """Return how far the body is from discs now, shape (n,) [m]."""
     ego = perception.ego
-    angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
-    x, y, heading = _rolled(perception, angles, times)
-    near = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius) < margin
-    free = ~near.any(axis=(0, 2)) & _on_its_way(perception, x[-1], y[-1])
-    cars = standing_vehicles(perception, len(times))
-    if len(cars.x):
-        apart = disc_clearances(x, y, heading, ego.body, cars.x, cars.y, cars.radius)
-        # Who is that near already may stay so, but not come nearer.
-        kept = np.minimum(apart[0, 0], TO_VEHICLES) - 1e-3
-        free &= ~(apart < kept).any(axis=(0, 2))
-    if not free.any():
-        return None
-    angle = angles[free][np.argmin(np.abs(angles[free] - wanted))]
-    speeding = (SPEED - ego.speed) / max(ego.plan_interval, 0.5)
-    return Command(np.zeros(1), np.array([min(speeding, ACCELERATION)]), np.array([float(angle)]))
-
-
-def _on_its_way(perception: Perception, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
-    """Return which places are not too far beside the lane's centre line, or nearer to it than the ego is."""
-    middle, heading = to_plane(perception.road, x, np.zeros(len(x)))
-    beside = np.cos(heading) * (y - middle[:, 1]) - np.sin(heading) * (x - middle[:, 0])
-    return np.asarray(np.abs(beside) <= max(ASIDE, abs(perception.ego.across)))
+    place = np.zeros((1, 1))
+    places = (values[:, :1] for values in discs)
+    clearance = disc_clearances(place, place + ego.across, place + ego.heading_error, ego.body, *places)
+    return np.asarray(clearance[0, 0])
 
 
 def _rolled(

@@ -1,0 +1,230 @@
+"""The search for a way at walking pace round people and vehicles that stand.
+
+From where the rear axle is, arcs of equal length are driven with each of some steering angles; of the poses
+that they lead to those are kept that touch nobody and stay near the lane, the cheapest of each small cell.
+After some metres the cheapest way is the answer: the arcs are short, so that a car turns between two people,
+and the distance from the lane's centre line costs, so that it comes back.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.plane import to_plane
+from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+
+ARC, REACH = 0.5, 12.0
+"""Length of an arc, and of the way that is looked for [m]."""
+SHORTEST = 6.0
+"""A way that ends earlier leads nowhere [m]."""
+ANGLES = 13
+"""Steering angles of an arc, evenly from right to left."""
+ASIDE, FRONT_ASIDE = 1.6, 2.3
+"""How far beside the lane's centre line rear axle and front bumper may be: SUMO has no place for a vehicle
+that does not reach into its lane [m]."""
+KEPT = 400
+"""So many ways are followed at a time."""
+DRIFT = 0.03
+"""So much nearer than planned a way may lead when it is driven [m]."""
+CELL, CELL_TURNED = 0.2, 0.05
+"""Poses that differ by less are one [m, rad]."""
+OFF_LANE, TURNED, STEERED = 1.0, 2.0, 0.1
+"""Costs of a metre at 1 m beside the lane, at 1 rad to it, and of 1 rad of steering to and fro."""
+CROWDED, CROWD = 0.4, 2.0
+"""Nearer than this to somebody is dearer [m], by so much for each metre of the way at no distance at all."""
+
+
+class Obstacles(NamedTuple):
+    """Discs that the body may not touch, n of them, in the plane of :mod:`controllers.driving.plane`."""
+
+    x: FloatArray
+    """Shape (n,) [m]."""
+    y: FloatArray
+    kept: FloatArray
+    """Radius and the distance kept to it, shape (n,) [m]."""
+
+
+class _Line(NamedTuple):
+    """The lane's centre line: places and headings, shape (k,) each."""
+
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+
+
+class _Poses(NamedTuple):
+    """Ways found so far, by where they have led; shape (m,) each."""
+
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+    steering: FloatArray
+    """Of the last arc [rad]."""
+    cost: FloatArray
+    before: NDArray[np.intp]
+    """Which of the poses one arc before."""
+
+    def only(self, chosen: NDArray[np.intp]) -> _Poses:
+        """Return some of them."""
+        return _Poses(
+            self.x[chosen],
+            self.y[chosen],
+            self.heading[chosen],
+            self.steering[chosen],
+            self.cost[chosen],
+            self.before[chosen],
+        )
+
+
+def find(perception: Perception, obstacles: Obstacles, farthest: float) -> FloatArray | None:
+    """Return the steering angles of the cheapest way, one an arc, shape (k,); ``None`` for no way [rad].
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    obstacles
+        Who may not be touched.
+    farthest
+        The front bumper is to come no farther than this from where it is [m].
+    """
+    ego = perception.ego
+    space = _space(perception, obstacles)
+    angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
+    arcs = int(min(REACH, farthest) / ARC)
+    tree = [_start(ego)]
+    while len(tree) <= arcs:
+        onward = _cheapest_of_cells(_driven(space, tree[-1], angles))
+        if not len(onward.x):
+            break
+        tree.append(onward)
+    if (len(tree) - 1) * ARC < SHORTEST:
+        return None
+    at, way = int(np.argmin(tree[-1].cost)), []
+    for poses in reversed(tree[1:]):
+        way.append(poses.steering[at])
+        at = int(poses.before[at])
+    return np.array(way[::-1])
+
+
+def leads_on(perception: Perception, obstacles: Obstacles, way: FloatArray, done: float) -> bool:
+    """Return whether what is left of a way is still free.
+
+    Parameters
+    ----------
+    perception, obstacles : as for :func:`find`
+    way : its steering angles, shape (k,) [rad]
+    done : how much of it has been driven [m]
+    """
+    at = _start(perception.ego)
+    space = _space(perception, obstacles._replace(kept=obstacles.kept - DRIFT))
+    space = space._replace(rear=space.rear + DRIFT, front=space.front + DRIFT)
+    for number in range(int(done / ARC), len(way)):
+        length = min(ARC, (number + 1) * ARC - done)
+        at = _driven(space, at, way[number : number + 1], length)
+        if not len(at.x):
+            return False
+    return True
+
+
+class _Space(NamedTuple):
+    """Where ways may lead."""
+
+    ego: EgoState
+    line: _Line
+    obstacles: Obstacles
+    rear: float
+    """How far beside the line the rear axle may be [m]."""
+    front: float
+    """The same of the front bumper [m]."""
+
+
+def _space(perception: Perception, obstacles: Obstacles) -> _Space:
+    ego, line = perception.ego, _centre_line(perception.road)
+    at = _start(ego)
+    rear, front, _ = _aside(ego, line, at.x, at.y, at.heading)
+    # Who is farther beside the lane already may stay so.
+    return _Space(ego, line, obstacles, max(ASIDE, float(rear[0])), max(FRONT_ASIDE, float(front[0])))
+
+
+def _start(ego: EgoState) -> _Poses:
+    zero = np.zeros(1)
+    return _Poses(
+        zero,
+        zero + ego.across,
+        zero + ego.heading_error,
+        zero + ego.steering,
+        zero,
+        np.array([-1]),
+    )
+
+
+def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) -> _Poses:
+    """Return where one more arc leads with each angle, without what is not free."""
+    ego, line = space.ego, space.line
+    steering = np.tile(angles, len(at.x))
+    before = np.repeat(np.arange(len(at.x)), len(angles))
+    bend = np.tan(steering) / ego.body.wheelbase
+    cost = at.cost[before] + STEERED * np.abs(steering - at.steering[before])
+    middle = at.heading[before] + 0.5 * length * bend
+    x = at.x[before] + length * np.cos(middle)
+    y = at.y[before] + length * np.sin(middle)
+    heading = at.heading[before] + length * bend
+    away = _away(ego, x, y, heading, space.obstacles)
+    rear, front, turned = _aside(ego, line, x, y, heading)
+    free = (away >= 0.0) & (rear <= space.rear) & (front <= space.front)
+    cost = cost + length * (OFF_LANE * rear**2 + TURNED * turned**2)
+    cost = cost + length * CROWD * np.maximum(1.0 - away / CROWDED, 0.0)
+    return _Poses(x, y, heading, steering, cost, before).only(np.flatnonzero(free))
+
+
+def _away(
+    ego: EgoState, x: FloatArray, y: FloatArray, heading: FloatArray, obstacles: Obstacles
+) -> FloatArray:
+    """Return how far the body is from what it may not touch, shape (m,) [m]."""
+    places = (values[:, None] for values in obstacles)
+    clearance = disc_clearances(x[None], y[None], heading[None], ego.body, *places)
+    return np.asarray(clearance[0].min(axis=1, initial=CROWDED))
+
+
+def _cheapest_of_cells(poses: _Poses) -> _Poses:
+    """Return the cheapest pose of each cell, at most so many as are kept."""
+    order = np.argsort(poses.cost, kind="stable")
+    cells = np.stack(
+        (
+            np.round(poses.x[order] / CELL),
+            np.round(poses.y[order] / CELL),
+            np.round(poses.heading[order] / CELL_TURNED),
+        )
+    )
+    _, first = np.unique(cells, axis=1, return_index=True)
+    chosen = order[np.sort(first)[:KEPT]]
+    return poses.only(chosen)
+
+
+def _centre_line(road: RoadAhead) -> _Line:
+    along = np.arange(-6.0, REACH + 8.0, 0.5)
+    places, heading = to_plane(road, along, np.zeros(len(along)))
+    return _Line(places[:, 0], places[:, 1], heading)
+
+
+def _aside(
+    ego: EgoState, line: _Line, x: FloatArray, y: FloatArray, heading: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return how far rear axle and front bumper are beside the centre line [m], and the angle to it [rad]."""
+    rear, at_rear = _beside(line, x, y)
+    ahead = ego.body.front
+    front, _ = _beside(line, x + ahead * np.cos(heading), y + ahead * np.sin(heading))
+    return rear, front, np.asarray(np.abs(heading - line.heading[at_rear]))
+
+
+def _beside(line: _Line, x: FloatArray, y: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+    dx, dy = x[:, None] - line.x, y[:, None] - line.y
+    at = np.argmin(dx**2 + dy**2, axis=1)
+    each = np.arange(len(x))
+    beside = np.cos(line.heading[at]) * dy[each, at] - np.sin(line.heading[at]) * dx[each, at]
+    return np.abs(beside), at

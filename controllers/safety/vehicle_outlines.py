@@ -1,0 +1,80 @@
+"""Vehicles near the ego, as points of their outlines."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.plane import to_plane
+from controllers.driving.traffic import footprints
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.discs import Discs
+
+STANDING = 0.5
+"""Slower ones stand [m/s]."""
+NEAR, NEAR_DRIVING = 15.0, 35.0
+"""Those farther from the ego's middle do not count, standing and driving [m]."""
+DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
+"""Instants at which those that drive are looked at [s]."""
+_SIDE = np.linspace(0.0, 1.0, 9)
+OUTLINE = np.vstack(
+    (
+        *(np.column_stack((_SIDE, np.full(len(_SIDE), half))) for half in (-0.5, 0.5)),
+        *(np.column_stack((np.full(3, end), np.linspace(-0.25, 0.25, 3))) for end in (0.0, 1.0)),
+    )
+)
+"""Points of each: share of its length from the front backwards, share of its width to the left."""
+
+
+def standing_vehicles(perception: Perception, count: int) -> Discs:
+    """Return the outlines of those that stand, as discs without a radius, the same at ``count`` instants.
+
+    They are in the plane of :mod:`controllers.driving.plane`.
+    """
+    x, y = _outlines(perception, _apart(perception, NEAR) & _stand(perception))
+    return Discs(*(np.repeat(values.reshape(-1, 1), count, axis=1) for values in (x, y, np.zeros(x.size))))
+
+
+def driving_vehicles(perception: Perception) -> tuple[FloatArray, FloatArray]:
+    """Return x and y of the outlines of those that drive, wherever they will be in the next seconds [m].
+
+    Whoever follows the ego is left out.
+    """
+    them = perception.vehicles
+    follow = footprints(them).same_way & (them.along < 0.0)
+    who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
+    x, y = _outlines(perception, who)
+    _, heading = to_plane(perception.road, them.along[who], them.across[who])
+    along, across = them.along_speed[who], them.across_speed[who]
+    ahead = along * np.cos(heading) - across * np.sin(heading)
+    left = along * np.sin(heading) + across * np.cos(heading)
+    return (
+        (x[..., None] + ahead[:, None, None] * DRIVEN_FOR).ravel(),
+        (y[..., None] + left[:, None, None] * DRIVEN_FOR).ravel(),
+    )
+
+
+def _apart(perception: Perception, most: float) -> NDArray[np.bool_]:
+    them, ego = perception.vehicles, perception.ego
+    return np.asarray(np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < most)
+
+
+def _stand(perception: Perception) -> NDArray[np.bool_]:
+    them = perception.vehicles
+    return np.asarray(np.hypot(them.along_speed, them.across_speed) < STANDING)
+
+
+def _outlines(perception: Perception, who: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Return x and y of the points of m vehicles, shape (m, points) [m]."""
+    if not who.any():
+        none = np.empty((0, len(OUTLINE)))
+        return none, none
+    them = perception.vehicles
+    length, width, turned = them.length[who], them.width[who], them.heading_error[who]
+    # The place of the front bumper's centre: across is told of the body's.
+    front, heading = to_plane(
+        perception.road, them.along[who], them.across[who] + 0.5 * length * np.sin(turned)
+    )
+    behind, left = OUTLINE[:, 0] * length[:, None], OUTLINE[:, 1] * width[:, None]
+    cosine, sine = np.cos(heading + turned)[:, None], np.sin(heading + turned)[:, None]
+    return front[:, :1] - behind * cosine - left * sine, front[:, 1:] - behind * sine + left * cosine
