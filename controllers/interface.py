@@ -143,6 +143,16 @@ class Vehicles:
     """Relative to the centre line, in (−pi, pi] [rad]."""
     length: FloatArray
     width: FloatArray
+    position: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    """Of the front bumper's centre in the world, (n, 2) [m]; not given: nan."""
+    heading: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """In the world [rad]; not given: nan."""
+
+    def __post_init__(self) -> None:
+        """Fill in what is not given."""
+        if not len(self.heading) and self.names:
+            object.__setattr__(self, "position", np.full((len(self.names), 2), np.nan))
+            object.__setattr__(self, "heading", np.full(len(self.names), np.nan))
 
     def __len__(self) -> int:
         return len(self.names)

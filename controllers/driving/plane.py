@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, Pedestrians, RoadAhead
+from controllers.interface import EgoState, FloatArray, Pedestrians, RoadAhead, Vehicles
 
 
 def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -38,12 +38,32 @@ def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tupl
     of that crossing.
     """
     if not np.isnan(people.position).any():
-        line = ego.heading - ego.heading_error
-        cosine, sine = math.cos(line), math.sin(line)
-        turn = np.array([[cosine, -sine], [sine, cosine]])
-        origin = np.array([ego.x + ego.across * sine, ego.y - ego.across * cosine])
+        origin, turn = _from_world(ego)
         return (people.position - origin) @ turn, people.velocity @ turn
     places, heading = to_plane(road, people.along, people.across)
     ahead, left = np.cos(heading), np.sin(heading)
     along, across = people.along_speed, people.across_speed
     return places, np.column_stack((along * ahead - across * left, along * left + across * ahead))
+
+
+def vehicles_in_plane(ego: EgoState, road: RoadAhead, vehicles: Vehicles) -> tuple[FloatArray, FloatArray]:
+    """Return the front bumpers' centres (n, 2) in the plane of :func:`to_plane` [m], and headings there [rad].
+
+    From their places in the world, where these are known: in a bend a vehicle beside the road has a place along
+    it for every part of its body.
+    """
+    if not np.isnan(vehicles.heading).any():
+        origin, turn = _from_world(ego)
+        return (vehicles.position - origin) @ turn, vehicles.heading - (ego.heading - ego.heading_error)
+    turned = vehicles.heading_error
+    middle = vehicles.across + 0.5 * vehicles.length * np.sin(turned)
+    places, heading = to_plane(road, vehicles.along, middle)
+    return places, heading + turned
+
+
+def _from_world(ego: EgoState) -> tuple[FloatArray, FloatArray]:
+    """Return the plane's origin in the world, and the rotation of row vectors into it."""
+    line = ego.heading - ego.heading_error
+    cosine, sine = math.cos(line), math.sin(line)
+    origin = np.array([ego.x + ego.across * sine, ego.y - ego.across * cosine])
+    return origin, np.array([[cosine, -sine], [sine, cosine]])

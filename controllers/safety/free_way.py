@@ -23,9 +23,10 @@ SHORTEST = 6.0
 """A way that ends earlier leads nowhere [m]."""
 ANGLES = 13
 """Steering angles of an arc, evenly from right to left."""
-ASIDE, FRONT_ASIDE = 1.6, 2.3
-"""How far beside the lane's centre line rear axle and front bumper may be: SUMO has no place for a vehicle
-that does not reach into its lane [m]."""
+ASIDE = 1.8
+"""How far beside the lane's centre line the rear axle may be [m]."""
+IN_LANE = 0.1
+"""The front bumper reaches into the lane by so much: SUMO has no place for a vehicle that does not [m]."""
 KEPT = 400
 """So many ways are followed at a time."""
 DRIFT = 0.03
@@ -33,7 +34,7 @@ DRIFT = 0.03
 CELL, CELL_TURNED = 0.2, 0.05
 """Poses that differ by less are one [m, rad]."""
 OFF_LANE, TURNED, STEERED = 1.0, 2.0, 0.1
-"""Costs of a metre at 1 m beside the lane, at 1 rad to it, and of 1 rad of steering to and fro."""
+"""Costs of a metre at 1 m beside the lane, at 1 rad to it, and of 1 rad of steering."""
 CROWDED, CROWD = 0.4, 2.0
 """Nearer than this to somebody is dearer [m], by so much for each metre of the way at no distance at all."""
 
@@ -147,8 +148,10 @@ def _space(perception: Perception, obstacles: Obstacles) -> _Space:
     ego, line = perception.ego, _centre_line(perception.road)
     at = _start(ego)
     rear, front, _ = _aside(ego, line, at.x, at.y, at.heading)
+    lane = perception.road.lane(perception.road.reference)
+    reaches = 0.5 * (ego.body.width + (lane.width if lane else ego.body.width)) - IN_LANE
     # Who is farther beside the lane already may stay so.
-    return _Space(ego, line, obstacles, max(ASIDE, float(rear[0])), max(FRONT_ASIDE, float(front[0])))
+    return _Space(ego, line, obstacles, max(ASIDE, float(rear[0])), max(reaches, float(front[0])))
 
 
 def _start(ego: EgoState) -> _Poses:

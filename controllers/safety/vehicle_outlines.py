@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.plane import to_plane
+from controllers.driving.plane import vehicles_in_plane
 from controllers.driving.traffic import footprints
 from controllers.interface import FloatArray, Perception
 from controllers.prediction.discs import Discs
@@ -44,10 +44,9 @@ def driving_vehicles(perception: Perception) -> tuple[FloatArray, FloatArray]:
     follow = footprints(them).same_way & (them.along < 0.0)
     who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
     x, y = _outlines(perception, who)
-    _, heading = to_plane(perception.road, them.along[who], them.across[who])
-    along, across = them.along_speed[who], them.across_speed[who]
-    ahead = along * np.cos(heading) - across * np.sin(heading)
-    left = along * np.sin(heading) + across * np.cos(heading)
+    _, heading = vehicles_in_plane(perception.ego, perception.road, them)
+    speed = np.hypot(them.along_speed[who], them.across_speed[who])
+    ahead, left = speed * np.cos(heading[who]), speed * np.sin(heading[who])
     return (
         (x[..., None] + ahead[:, None, None] * DRIVEN_FOR).ravel(),
         (y[..., None] + left[:, None, None] * DRIVEN_FOR).ravel(),
@@ -70,11 +69,8 @@ def _outlines(perception: Perception, who: NDArray[np.bool_]) -> tuple[FloatArra
         none = np.empty((0, len(OUTLINE)))
         return none, none
     them = perception.vehicles
-    length, width, turned = them.length[who], them.width[who], them.heading_error[who]
-    # The place of the front bumper's centre: across is told of the body's.
-    front, heading = to_plane(
-        perception.road, them.along[who], them.across[who] + 0.5 * length * np.sin(turned)
-    )
-    behind, left = OUTLINE[:, 0] * length[:, None], OUTLINE[:, 1] * width[:, None]
-    cosine, sine = np.cos(heading + turned)[:, None], np.sin(heading + turned)[:, None]
+    fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
+    front, heading = fronts[who], headings[who]
+    behind, left = OUTLINE[:, 0] * them.length[who][:, None], OUTLINE[:, 1] * them.width[who][:, None]
+    cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
     return front[:, :1] - behind * cosine - left * sine, front[:, 1:] - behind * sine + left * cosine

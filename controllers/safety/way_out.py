@@ -25,8 +25,12 @@ SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Of the way out [m/s, m/s^2]."""
 INCHING, APART = 0.07, 0.01
 """Speed while somebody leans on the car, at which it counts as standing; whoever is nearer leans [m/s, m]."""
-TO_PEOPLE, TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.05, 0.5, 0.1, 0.5
-"""Distance kept to people who stand and who walk, to vehicles that stand and that drive [m]."""
+TO_PEOPLE = (0.1, 0.02)
+"""Distance kept to people who stand, and where there is no way with it [m]."""
+TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
+"""Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
+INSTANTS = 10
+"""Of the instants of a rollout every so many is looked at [-]."""
 NEARER = 0.002
 """Who is nearer already may stay so, but not come nearer by this [m]."""
 SOUGHT_EVERY = 0.5
@@ -101,8 +105,8 @@ class WayOut:
         if not self.taken and ego.time - self.held_since <= PATIENCE:
             return None
         now = _distances(perception, people)
-        kept = np.where(walks, TO_WALKERS, np.minimum(now - NEARER, TO_PEOPLE))
-        self._look(perception, people, kept, farthest)
+        wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
+        self._look(perception, people, (wide, kept), farthest)
         self.taken = self._way is not None
         if self._way is None:
             return None
@@ -110,28 +114,40 @@ class WayOut:
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
-    def _look(self, perception: Perception, people: Discs, kept: FloatArray, farthest: float) -> None:
-        """Keep the way as long as it is free, else look for another."""
-        time = perception.ego.time
-        # A walker is in the way wherever he will be within the time looked ahead.
-        instants = slice(None, None, 10)
-        x, y, reach = (values[:, instants] for values in people)
-        cars = standing_vehicles(perception, 1)
-        from_cars = np.minimum(_distances(perception, cars) - NEARER, TO_VEHICLES)
-        cars_x, cars_y = driving_vehicles(perception)
-        obstacles = Obstacles(
-            np.concatenate((x.ravel(), cars.x[:, 0], cars_x)),
-            np.concatenate((y.ravel(), cars.y[:, 0], cars_y)),
-            np.concatenate(((reach + kept[:, None]).ravel(), from_cars, np.full(len(cars_x), TO_DRIVING))),
-        )
-        way = self._way
-        under_way = way is not None and self._driven < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, obstacles, way, self._driven):
-            return
+    def _look(
+        self, perception: Perception, people: Discs, distances: tuple[FloatArray, FloatArray], farthest: float
+    ) -> None:
+        """Keep the way as long as it is free, else look for another: the wider distances first."""
+        vehicles, time = _vehicles(perception), perception.ego.time
+        wide, narrow = (_obstacles(people, kept, vehicles) for kept in distances)
+        way, self._way = self._way, None
+        if way is not None and self._driven < (len(way) - 1) * free_way.ARC:
+            if free_way.leads_on(perception, narrow, way, self._driven):
+                self._way = way
+                return
         if time - self._sought >= SOUGHT_EVERY - 1e-9:
-            self._way, self._driven, self._sought = free_way.find(perception, obstacles, farthest), 0.0, time
-        else:
-            self._way = None
+            self._driven, self._sought = 0.0, time
+            self._way = free_way.find(perception, wide, farthest)
+            if self._way is None:
+                self._way = free_way.find(perception, narrow, farthest)
+
+
+def _obstacles(people: Discs, kept: FloatArray, vehicles: Obstacles) -> Obstacles:
+    """Return people, each wherever he will be within the time looked ahead, and vehicles."""
+    x, y, reach = (values[:, ::INSTANTS] for values in people)
+    them = x.ravel(), y.ravel(), (reach + kept[:, None]).ravel()
+    return Obstacles(*(np.concatenate(both) for both in zip(them, vehicles, strict=True)))
+
+
+def _vehicles(perception: Perception) -> Obstacles:
+    """Return vehicles that stand, and those that drive wherever they will be."""
+    stand, (x, y) = standing_vehicles(perception, 1), driving_vehicles(perception)
+    kept = np.minimum(_distances(perception, stand) - NEARER, TO_VEHICLES)
+    return Obstacles(
+        np.append(stand.x[:, 0], x),
+        np.append(stand.y[:, 0], y),
+        np.append(kept, np.full(len(x), TO_DRIVING)),
+    )
 
 
 def _towards(

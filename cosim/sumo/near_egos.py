@@ -66,6 +66,8 @@ class NearEgos:
             them.heading_error[part],
             them.length[part],
             them.width[part],
+            them.position[part],
+            them.heading[part],
         )
 
     def pedestrians_of(self, ego: int, crossings: Sequence[PathCrossing]) -> Pedestrians:
@@ -128,6 +130,8 @@ class NearEgos:
             error,
             cars.length[rows],
             cars.width[rows],
+            cars.front[rows],
+            cars.heading[rows],
         )
         return vehicles, back_along, back_across
 
