@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from controllers.driving import way_into_lane
 from controllers.driving.traffic import footprints
-from controllers.interface import FloatArray, Lane, Perception
+from controllers.interface import EgoState, FloatArray, Lane, Perception
 
 LOOK_AHEAD = 45.0
 """People up to here are kept away from [m]."""
@@ -23,8 +23,10 @@ TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
 BEYOND = 0.5
 """And goes so much further where somebody could not be passed otherwise [m]."""
-SHORT, OVER = 0.05, 3.0
-"""The steering plan may fall short of that by so much, and gets there within this distance [m]."""
+SHORT = 0.05
+"""The steering plan may fall short of that by so much [m]."""
+OVER, OVER_S = 3.0, 2.0
+"""And gets there within this distance or this time, whatever is longer [m, s]."""
 TO_VEHICLES = 0.3
 """And this far from vehicles beside [m]."""
 BESIDE = 10.0
@@ -53,7 +55,7 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
 
 
 def kept(
-    corridor: tuple[FloatArray, FloatArray], shift: float, across: float, along: FloatArray
+    corridor: tuple[FloatArray, FloatArray], shift: float, ego: EgoState, along: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the corridor of a steering plan without the places nearer to those who are kept away from.
 
@@ -63,15 +65,15 @@ def kept(
     ----------
     corridor : its right and left end for the rear axle, shape (N,) each [m]
     shift : of the lane's centre line for their sake, left positive [m]
-    across : where the ego is [m]
+    ego : where it is
     along : planned positions from now, shape (N,) [m]
     """
     if shift == 0.0:
         return corridor
     right, left = corridor
     wanted = shift - np.sign(shift) * SHORT
-    missing = min(across - wanted, 0.0) if shift > 0.0 else max(across - wanted, 0.0)
-    bound = wanted + missing * np.clip(1.0 - along / OVER, 0.0, 1.0)
+    missing = min(ego.across - wanted, 0.0) if shift > 0.0 else max(ego.across - wanted, 0.0)
+    bound = wanted + missing * np.clip(1.0 - along / max(OVER, OVER_S * ego.speed), 0.0, 1.0)
     return (np.maximum(right, bound), left) if shift > 0.0 else (right, np.minimum(left, bound))
 
 

@@ -47,10 +47,10 @@ def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tupl
 
 
 def vehicles_in_plane(ego: EgoState, road: RoadAhead, vehicles: Vehicles) -> tuple[FloatArray, FloatArray]:
-    """Return the front bumpers' centres (n, 2) in the plane of :func:`to_plane` [m], and headings there [rad].
+    """Return front bumpers' centres (n, 2) in the plane of :func:`to_plane` [m], and headings there [rad].
 
-    From their places in the world, where these are known: in a bend a vehicle beside the road has a place along
-    it for every part of its body.
+    From their places in the world, where these are known: in a bend each part of a body beside the road has
+    its own place along it.
     """
     if not np.isnan(vehicles.heading).any():
         origin, turn = _from_world(ego)

@@ -227,7 +227,7 @@ class VelocityObstacleMpc:
         corridor = np.full(len(self._times), right), np.full(len(self._times), left)
         here = road.lane(road.reference)
         if here is not None and not self._lanes.running:
-            corridor = place_in_lane.kept(corridor, here.offset, ego.across, speed.position)
+            corridor = place_in_lane.kept(corridor, here.offset, ego, speed.position)
         task = SteeringTask(
             across=ego.across,
             heading_error=ego.heading_error,

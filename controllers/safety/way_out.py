@@ -121,11 +121,10 @@ class WayOut:
         vehicles, time = _vehicles(perception), perception.ego.time
         wide, narrow = (_obstacles(people, kept, vehicles) for kept in distances)
         way, self._way = self._way, None
-        if way is not None and self._driven < (len(way) - 1) * free_way.ARC:
-            if free_way.leads_on(perception, narrow, way, self._driven):
-                self._way = way
-                return
-        if time - self._sought >= SOUGHT_EVERY - 1e-9:
+        under_way = way is not None and self._driven < (len(way) - 1) * free_way.ARC
+        if way is not None and under_way and free_way.leads_on(perception, narrow, way, self._driven):
+            self._way = way
+        elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
             self._way = free_way.find(perception, wide, farthest)
             if self._way is None:

@@ -19,10 +19,12 @@ from controllers.interface import (
     NeighbourGaps,
     Pedestrians,
     Perception,
+    Plan,
     RoadAhead,
     Signal,
     SignalState,
     Vehicles,
+    constant_command,
 )
 
 LANE_WIDTH = 3.5
@@ -113,6 +115,15 @@ def bend(road: RoadAhead, begins: float, radius: float, length: float) -> RoadAh
 def zebra(begins: float, kind: CrossingKind = CrossingKind.ZEBRA, width: float = 4.0) -> Crossing:
     """Return a crossing over a road of three lanes."""
     return Crossing("zebra", kind, begins, begins + width, begins - 1.0, -6.0, 6.0, None)
+
+
+def keeps(speed: float) -> Plan:
+    """Return the plan to keep a speed in the middle of the lane."""
+    horizon = np.linspace(0.2, 5.0, 25)
+    still = np.zeros(len(horizon))
+    return Plan(
+        constant_command(0.0, 0.0), times=horizon, along=speed * horizon, across=still, speed=still + speed
+    )
 
 
 def pedestrians(walkers: Sequence[Walker] = ()) -> Pedestrians:

@@ -23,24 +23,16 @@ from controllers.interface import (
 from controllers.safety.last_check import SHIELDED, LastCheck
 from controllers.safety.rollout import braked, course, planned, poses
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
-from tests.controllers.scenes import Walker, bend, ego, perception, straight_road, zebra
+from tests.controllers.scenes import Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
 
 BODY = Body()
 TIMES = np.arange(0.0, 3.05, 0.1)
 
 
-def _keeps(speed: float) -> Plan:
-    """Return the plan to keep a speed in the middle of the lane."""
-    horizon = np.linspace(0.2, 5.0, 25)
-    still = np.zeros(len(horizon))
-    command = Command(np.zeros(1), np.zeros(1), np.zeros(1))
-    return Plan(command, times=horizon, along=speed * horizon, across=still, speed=still + speed)
-
-
 def _checked(walker: Walker, speed: float = 10.0, enters: bool = True) -> Plan:
     seen = perception(ego(speed=speed), straight_road(), [walker])
-    return LastCheck().checked(seen, _keeps(speed), np.array([enters]))
+    return LastCheck().checked(seen, keeps(speed), np.array([enters]))
 
 
 def _in_world(seen: Perception, position: FloatArray, velocity: FloatArray) -> Perception:
@@ -49,7 +41,7 @@ def _in_world(seen: Perception, position: FloatArray, velocity: FloatArray) -> P
 
 
 def test_a_plan_with_nobody_near_is_carried_out_as_it_is() -> None:
-    plan = _keeps(10.0)
+    plan = keeps(10.0)
     seen = perception(ego(speed=10.0), straight_road())
     assert LastCheck().checked(seen, plan, np.zeros(0, dtype=np.bool_)) is plan
 
@@ -81,7 +73,7 @@ def test_an_ego_does_not_start_while_somebody_touches_it_or_stands_in_its_way() 
     near = Walker(BODY.front + 1.0, 0.5 * BODY.width + 0.25 + 0.15, 0.0, 0.0)
     for walker in (beside, near):
         seen = perception(ego(speed=0.0), straight_road(), [walker])
-        plan = LastCheck().checked(seen, _keeps(2.0), np.array([False]))
+        plan = LastCheck().checked(seen, keeps(2.0), np.array([False]))
         assert plan.command.acceleration.max() < 0.0
 
 
@@ -90,7 +82,7 @@ def test_somebody_beside_a_waiting_ego_who_does_not_move_holds_it_for_a_while_on
     held = []
     for tick in range(60):
         seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(), [near])
-        held.append(check.checked(seen, _keeps(2.0), np.array([False])).status == SHIELDED)
+        held.append(check.checked(seen, keeps(2.0), np.array([False])).status == SHIELDED)
     assert held[0]
     assert not held[-1]
 
@@ -112,17 +104,17 @@ def test_the_front_corner_that_swings_out_in_a_tight_bend_is_seen() -> None:
     (place,), _ = to_plane(road, np.array([6.0]), np.array([-(0.5 * BODY.width + 0.25 + 0.5)]))
     seen = perception(car, road, [Walker(50.0, 5.0, 0.0, 0.0)])
     seen = _in_world(seen, np.array([place]), np.zeros((1, 2)))
-    assert LastCheck().checked(seen, _keeps(4.0), np.array([False])).status == SHIELDED
+    assert LastCheck().checked(seen, keeps(4.0), np.array([False])).status == SHIELDED
     far, _ = to_plane(road, np.array([6.0]), np.array([-(0.5 * BODY.width + 0.25 + 2.5)]))
     seen = _in_world(seen, far, np.zeros((1, 2)))
-    assert LastCheck().checked(seen, _keeps(4.0), np.array([False])).status == "ok"
+    assert LastCheck().checked(seen, keeps(4.0), np.array([False])).status == "ok"
 
 
 def test_a_rollout_follows_the_plan_and_the_bend() -> None:
     road = bend(straight_road(), 0.0, 20.0, 40.0)
     angle = math.atan(BODY.wheelbase / 20.0)
     seen = perception(ego(speed=5.0, steering=angle), road)
-    plan = replace(_keeps(5.0), command=Command(np.zeros(1), np.zeros(1), np.array([angle])))
+    plan = replace(keeps(5.0), command=Command(np.zeros(1), np.zeros(1), np.array([angle])))
     motion = planned(seen, plan, TIMES)
     x, y, heading = poses(seen, course(seen, plan, motion, TIMES), motion)
     turned = 5.0 * TIMES / 20.0
@@ -138,9 +130,9 @@ def test_where_the_steering_leads_counts_and_not_where_the_plan_meant_to_be(side
     seen = perception(ego(speed=3.0, steering=side * 0.4), straight_road(), [beside])
     times = np.arange(0.0, 1.5, 0.05)
     turned = Command(times, 0.0 * times, np.full(len(times), side * 0.4))
-    checked = LastCheck().checked(seen, replace(_keeps(3.0), command=turned), np.array([False]))
+    checked = LastCheck().checked(seen, replace(keeps(3.0), command=turned), np.array([False]))
     assert checked.status == SHIELDED
-    assert LastCheck().checked(seen, _keeps(3.0), np.array([False])).status == "ok"
+    assert LastCheck().checked(seen, keeps(3.0), np.array([False])).status == "ok"
 
 
 def test_braking_behind_its_lag_takes_the_way_it_should_and_ends_in_a_standstill() -> None:

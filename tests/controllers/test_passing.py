@@ -120,6 +120,18 @@ def test_somebody_who_waits_where_vehicles_have_priority_is_expected_to_wait() -
     assert len(_find([], _on_zebra([waiting], CrossingKind.UNMARKED))) == 0
 
 
+def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_expected_there() -> None:
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.1)
+    walks, stands = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True), Walker(30.0, -5.0, 0, 0, 0, waiting=True)
+    scene = perception(road=straight_road(3, 1), walkers=[walks, stands], crossings=[crossing])
+    found = _find([], scene)
+    assert found.names == ("person0",)
+    assert found.across_speed[0] == pytest.approx(1.2)
+    # Who has come there is told by where he stands.
+    there = perception(road=straight_road(3, 1), walkers=[replace(walks, across=-1.3)], crossings=[crossing])
+    assert _find([], there).across_speed.tolist() in ([], [0.0])
+
+
 @pytest.mark.parametrize("green", [True, False])
 def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: bool) -> None:
     waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)

@@ -66,3 +66,15 @@ def test_a_car_beside_is_kept_away_from() -> None:
     free = LANE_WIDTH - 0.5 * BODY.width - 0.5 * 2.4 - place_in_lane.TO_VEHICLES
     wide = Car(3.0, 3.0, width=2.4)
     assert _offset([_beside(0.2, -1.0)], [wide]) == pytest.approx(free - 0.5)
+
+
+def test_a_steering_plan_keeps_to_it_from_three_metres_on() -> None:
+    along = np.array([0.0, 1.5, 3.0, 10.0])
+    corridor = np.full(4, -0.7), np.full(4, 1.6)
+    right, left = place_in_lane.kept(corridor, 0.5, ego(speed=1.0, across=0.15), along)
+    assert right == pytest.approx([0.15, 0.3, 0.45, 0.45])
+    assert left == pytest.approx(corridor[1])
+    right, left = place_in_lane.kept(corridor, -0.5, ego(speed=1.0), along)
+    assert right == pytest.approx(corridor[0])
+    assert left == pytest.approx([0.0, -0.225, -0.45, -0.45])
+    assert place_in_lane.kept(corridor, 0.0, ego(), along) is corridor
