@@ -25,7 +25,7 @@ IntArray = NDArray[np.int64]
 STRAIGHT_ON = 3.0
 """How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
 THERE = 0.3
-"""Nearer than this to the place where somebody waits he is there [m]."""
+"""Nearer than this to where his crossing begins somebody goes on as he goes until he stands [m]."""
 KERB = 0.5
 """Nearer to the road than this counts as on it [m]."""
 OCCUPIED = 0.15
@@ -118,6 +118,9 @@ class Expectation(NamedTuple):
     """Whose speed is assumed, because their movement does not say what they will do."""
     lets_go: NDArray[np.bool_]
     """Who has stood so long before the waiting ego that it may go first."""
+    comes: FloatArray
+    """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
+    who stand on a crossing and will walk on; nan for others [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +201,7 @@ def find(
     if n == 0:
         return _empty()
     known = expectation or expected(perception, watch, assume, forecast)
-    across_speed, enters, assumed, lets_go = known
+    across_speed, enters, assumed, lets_go, _ = known
     # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
     # is he counts.
     occupied = np.where(lets_go, SQUEEZED, OCCUPIED)
@@ -250,12 +253,13 @@ def expected(
     radius = people.radius.tolist()
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
     considered, assumed = [True] * len(people), [False] * len(people)
+    comes = np.full(len(people), np.nan)
     for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
         crossing = road.crossings[at] if at >= 0 else None
         if on_crossing[i]:
             # On the crossing itself whoever lets the ego go first may go on: the whole margin is kept.
             if abs(speed[i]) < assume.standing_below and name in watch.heading and not lets_go[i]:
-                speed[i] = watch.heading[name] * assume.resume_speed
+                speed[i] = comes[i] = watch.heading[name] * assume.resume_speed
                 assumed[i] = True
         elif lets_go[i]:
             considered[i] = False
@@ -266,12 +270,15 @@ def expected(
             if not has_priority or (stands and not assume.yield_to_standing):
                 place = crossing.right if 2.0 * across[i] < crossing.right + crossing.left else crossing.left
                 way = place - across[i]
-                in_lane = abs(place) < 0.5 * perception.ego.body.width + radius[i] + OCCUPIED
-                if stands or not in_lane or abs(way) < THERE:
+                reach = 0.5 * perception.ego.body.width + radius[i] + OCCUPIED
+                beyond = min(across[i], place) > reach or max(across[i], place) < -reach
+                if stands or beyond:
                     considered[i] = False
                 else:
-                    # He waits where his crossing begins, and that is in the ego's lane.
-                    speed[i], assumed[i] = math.copysign(max(pace, assume.resume_speed), way), True
+                    # He waits about where his crossing begins: in the ego's lane, or on its other side.
+                    towards = way if abs(way) > THERE else speed[i]
+                    speed[i] = comes[i] = math.copysign(max(pace, assume.resume_speed), towards)
+                    assumed[i] = True
             else:
                 # On the waiting area people still walk along the kerb: count on them to turn and cross.
                 speed[i] = math.copysign(max(pace, assume.resume_speed), -across[i])
@@ -293,6 +300,7 @@ def expected(
         enters,
         np.array(assumed, dtype=np.bool_),
         np.array(lets_go, dtype=np.bool_),
+        comes,
     )
 
 

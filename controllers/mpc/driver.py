@@ -140,7 +140,7 @@ class VelocityObstacleMpc:
         seen = self._seen(perception)
         planner = self._planner(seen)
         return self._last_check.checked(
-            seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room
+            seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
         )
 
     def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:

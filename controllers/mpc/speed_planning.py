@@ -95,6 +95,11 @@ class SpeedPlanner:
         """Who of the pedestrians may come into the way who is not there yet, shape (n,)."""
         return self._expectation.enters
 
+    @property
+    def comes(self) -> FloatArray:
+        """What is known better of people's movement than their velocities; see ``passing.Expectation``."""
+        return self._expectation.comes
+
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
         stops = self._tasks.stops

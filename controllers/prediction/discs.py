@@ -29,6 +29,7 @@ def discs(
     forecast: Forecast | None,
     times: FloatArray,
     walk_on: float = 0.0,
+    across_speed: FloatArray | None = None,
 ) -> Discs:
     """Return where some of the pedestrians will be.
 
@@ -46,9 +47,16 @@ def discs(
         From now, shape (K,) [s].
     walk_on
         After which time the others stand [s].
+    across_speed
+        Of those of all whose movement is known better than by their velocity: straight across the road where
+        they are; nan for others [m/s].
     """
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
+    if across_speed is not None and not np.isnan(across_speed).all():
+        _, heading = to_plane(perception.road, people.along, people.across)
+        across = across_speed[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
+        velocities = np.where(np.isnan(across), velocities, across)
     on = velocities[who, :, None] * np.minimum(times, walk_on)
     if forecast is None:
         gone = velocities[who, :, None] * times

@@ -37,8 +37,8 @@ NEARER = 0.002
 """Who is nearer than what always counts as touching is so where he gets nearer by this [m]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
-WALKING = 0.1
-"""Whoever is faster walks [m/s]."""
+WALKING, WALKERS_MARGIN = 0.1, 0.3
+"""Whoever is faster walks [m/s], and may step aside: this distance to him counts as touching [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 MILD = 3.0
@@ -58,6 +58,7 @@ class LastCheck:
         forecast: Forecast | None = None,
         stuck: bool = False,
         room: float = np.inf,
+        comes: FloatArray | None = None,
     ) -> Plan:
         """Return the plan, or one that brakes where it would touch somebody.
 
@@ -75,6 +76,9 @@ class LastCheck:
             Whether only those who stay where they are keep the plan from going anywhere.
         room
             How far the front bumper may go until it has to wait for something else [m].
+        comes
+            Across speed of those who walk to a waiting place in the lane, or will walk on across a crossing,
+            shape (n,); nan for others [m/s].
         """
         near = _near(perception)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
@@ -83,19 +87,21 @@ class LastCheck:
             self._out.reset()
             return plan
         walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
-        people = discs(perception, near, may_enter, forecast, times, walk_on)
+        starts = perception.ego.speed < STARTING or self._out.taken
+        if comes is not None and not starts:  # who stands on a crossing is the plan's business then
+            comes = np.where(perception.pedestrians.waiting, comes, np.nan)
+        people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
         others = Discs(*(np.concatenate(both) for both in zip(people, cars, strict=True)))
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, others, path, motion)
-        starts = perception.ego.speed < STARTING or self._out.taken
-        margin = self._margins(perception, clearance[0, 0], len(near), starts)
+        speeds = perception.pedestrians
+        walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
+        margin = self._margins(perception, clearance[0, 0], walk, starts)
         touched = bool(_touches(clearance, motion, margin)[0])
         if not starts:
             self._out.reset()
         else:
-            speeds = perception.pedestrians
-            walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
             out = self._out.command(perception, people, walk, times, room, held=touched or stuck)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
@@ -110,12 +116,16 @@ class LastCheck:
         limit = perception.ego.drive.max_deceleration
         return _braking(plan, min(float(enough), limit))
 
-    def _margins(self, perception: Perception, now: FloatArray, people: int, starts: bool) -> FloatArray:
+    def _margins(
+        self, perception: Perception, now: FloatArray, walk: NDArray[np.bool_], starts: bool
+    ) -> FloatArray:
         """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
 
-        The first so many are people, the others vehicles.
+        The first ones are people, of whom some walk, the others vehicles.
         """
-        grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), MARGIN)
+        people, most = len(walk), np.full(len(now), MARGIN)
+        most[:people][walk] = WALKERS_MARGIN
+        grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), most)
         if not starts:
             return grazing
         since = self._out.held_since

@@ -62,7 +62,7 @@ def test_it_does_not_brake_as_long_as_comfortable_braking_would_do() -> None:
 
 
 def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
-    steps_out = Walker(16.0, -2.2, 0.0, 1.2)
+    steps_out = Walker(16.0, -2.4, 0.0, 1.2)
     assert _checked(steps_out).status == SHIELDED
     assert _checked(steps_out, enters=False).status == "ok"
     assert _checked(replace(steps_out, across=-0.9), enters=False).status == SHIELDED

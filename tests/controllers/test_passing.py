@@ -127,9 +127,18 @@ def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_exp
     found = _find([], scene)
     assert found.names == ("person0",)
     assert found.across_speed[0] == pytest.approx(1.2)
-    # Who has come there is told by where he stands.
+    # Who has come there goes on as he goes until he stands.
     there = perception(road=straight_road(3, 1), walkers=[replace(walks, across=-1.3)], crossings=[crossing])
-    assert _find([], there).across_speed.tolist() in ([], [0.0])
+    assert _find([], there).across_speed[0] == pytest.approx(1.2)
+
+
+def test_somebody_who_walks_through_the_lane_to_where_his_crossing_begins_is_expected_to() -> None:
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.9, left=9.0)
+    walks = Walker(30.0, 2.5, -1.0, -0.8, 0, waiting=True)
+    found = _find([], perception(road=straight_road(3, 1), walkers=[walks], crossings=[crossing]))
+    assert found.across_speed[0] < -1.0
+    outside = replace(walks, across=-4.0, across_speed=0.8)
+    assert len(_find([], perception(road=straight_road(3, 1), walkers=[outside], crossings=[crossing]))) == 0
 
 
 @pytest.mark.parametrize("green", [True, False])
