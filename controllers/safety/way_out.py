@@ -29,6 +29,8 @@ TO_PEOPLE = (0.1, 0.02)
 """Distance kept to people who stand, and where there is no way with it [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
+BEYOND = 1.5
+"""Where all else fails, a way may lead so much farther beside the lane, where SUMO has no place [m]."""
 INSTANTS = 10
 """Of the instants of a rollout every so many is looked at [-]."""
 NEARER = 0.002
@@ -59,6 +61,8 @@ class WayOut:
     """Steering angles of the arcs of the way, shape (k,) [rad]."""
     _driven: float = 0.0
     """How much of it has been driven [m]."""
+    _beyond: float = 0.0
+    """How much farther beside the lane it may lead [m]."""
     _sought: float = -np.inf
     _last: float = 0.0
     # When a way was sought, and when this was asked [s].
@@ -120,15 +124,16 @@ class WayOut:
         """Keep the way as long as it is free, else look for another: the wider distances first."""
         vehicles, time = _vehicles(perception), perception.ego.time
         wide, narrow = (_obstacles(people, kept, vehicles) for kept in distances)
-        way, self._way = self._way, None
-        under_way = way is not None and self._driven < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, narrow, way, self._driven):
+        way, done, self._way = self._way, self._driven, None
+        under_way = way is not None and done < (len(way) - 1) * free_way.ARC
+        if way is not None and under_way and free_way.leads_on(perception, narrow, way, done, self._beyond):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
-            self._way = free_way.find(perception, wide, farthest)
-            if self._way is None:
-                self._way = free_way.find(perception, narrow, farthest)
+            for kept, self._beyond in ((wide, 0.0), (narrow, 0.0), (narrow, BEYOND)):
+                self._way = free_way.find(perception, kept, farthest, self._beyond)
+                if self._way is not None:
+                    return
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: Obstacles) -> Obstacles:
