@@ -21,7 +21,7 @@ from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
 from controllers.safety.rollout import LAG, SPACING, Course, Motion, braked, course, planned, poses
 from controllers.safety.vehicle_outlines import standing_vehicles
-from controllers.safety.way_out import PATIENCE, WayOut
+from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and by a way out at walking pace."""
@@ -33,8 +33,6 @@ GRAZING = 0.03
 """Somebody who is nearer than the margin already counts as touched where he gets nearer by this [m]."""
 WALK_ON = 0.7
 """Nobody who walks stands at once: after this time, whoever is not expected to enter the ego's way [s]."""
-NEARER = 0.002
-"""Who is nearer than what always counts as touching is so where he gets nearer by this [m]."""
 STANDING, STARTING = 0.05, 0.5
 """A slower ego stands, and a slower one starts [m/s]."""
 WALKING, WALKERS_MARGIN = 0.1, 0.3

@@ -164,8 +164,8 @@ def _towards(
     speed: float,
 ) -> Command:
     """Return the command that follows an angle, or waits while somebody walks into the way."""
-    ego, steering = perception.ego, np.array([angle])
-    x, y, heading = _rolled(perception, steering, times)
+    ego = perception.ego
+    x, y, heading = _rolled(perception, angle, times)
     clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
     meets = (clearance[:CHECKED, 0] < kept - free_way.DRIFT).any()
     meets |= (clearance[:CHECKED_WALKERS, 0, walks] < kept[walks]).any()
@@ -187,15 +187,14 @@ def _distances(perception: Perception, discs: Discs) -> FloatArray:
 
 
 def _rolled(
-    perception: Perception, angles: FloatArray, times: FloatArray
+    perception: Perception, angle: float, times: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return x, y and heading of the rear axle under each steering angle, shape (K, m) each."""
-    ego, step = perception.ego, np.diff(times, prepend=0.0)[:, None]
-    turned = np.clip(angles - ego.steering, -1.0, 1.0)
-    rate = ego.drive.max_steering_rate * times[:, None]
-    steering = ego.steering + np.clip(turned, -rate, rate)
-    speed = np.minimum(ego.speed + ACCELERATION * times, max(SPEED, ego.speed))[:, None]
-    heading = ego.heading_error + np.cumsum(step * speed * np.tan(steering) / ego.body.wheelbase, axis=0)
-    x = np.cumsum(step * speed * np.cos(heading), axis=0)
-    y = ego.across + np.cumsum(step * speed * np.sin(heading), axis=0)
-    return x, y, heading
+    """Return x, y and heading of the rear axle as the wheels turn to a steering angle, shape (K, 1) each."""
+    ego, step = perception.ego, np.diff(times, prepend=0.0)
+    rate = ego.drive.max_steering_rate * times
+    steering = ego.steering + np.clip(angle - ego.steering, -rate, rate)
+    way = step * np.minimum(ego.speed + ACCELERATION * times, max(SPEED, ego.speed))
+    heading = ego.heading_error + np.cumsum(way * np.tan(steering) / ego.body.wheelbase)
+    x = np.cumsum(way * np.cos(heading))
+    y = ego.across + np.cumsum(way * np.sin(heading))
+    return x[:, None], y[:, None], heading[:, None]

@@ -68,6 +68,31 @@ def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
     assert _checked(replace(steps_out, across=-0.9), enters=False).status == SHIELDED
 
 
+def test_somebody_who_walks_may_step_aside_and_counts_with_more_distance() -> None:
+    beside = 0.5 * BODY.width + 0.25 + 0.2
+    assert _checked(Walker(5.0, beside, 0.0, 0.0), speed=5.0).status == "ok"
+    assert _checked(Walker(5.0, beside, -0.5, 0.0), speed=5.0).status == SHIELDED
+
+
+@pytest.mark.parametrize("speed", [0.0, 3.0])
+def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_he_turns(
+    speed: float,
+) -> None:
+    walker = Walker(3.0, -2.6, 1.2, 0.0, crossing=0, waiting=True)
+    seen = perception(ego(speed=speed), straight_road(), [walker], crossings=[zebra(2.0)])
+    check, comes = LastCheck(), np.array([1.2])
+    assert check.checked(seen, keeps(3.0), np.array([True])).status == "ok"
+    assert check.checked(seen, keeps(3.0), np.array([True]), comes=comes).status == SHIELDED
+
+
+def test_somebody_who_stands_on_a_crossing_and_will_walk_on_keeps_an_ego_from_starting() -> None:
+    beside = Walker(1.0, -1.8, 0.0, 0.0, crossing=0, on_crossing=True)
+    seen = perception(ego(speed=0.0), straight_road(), [beside], crossings=[zebra(-1.0)])
+    check = LastCheck()
+    assert check.checked(seen, keeps(2.0), np.array([True])).status == "ok"
+    assert check.checked(seen, keeps(2.0), np.array([True]), comes=np.array([1.2])).status == SHIELDED
+
+
 def test_an_ego_does_not_start_while_somebody_touches_it_or_stands_in_its_way() -> None:
     beside = Walker(1.0, 0.5 * BODY.width + 0.25, 0.0, 0.0)
     near = Walker(BODY.front + 1.0, 0.5 * BODY.width + 0.25 + 0.15, 0.0, 0.0)

@@ -91,6 +91,14 @@ def test_in_a_tight_bend_it_passes_people_who_stand_inside_by_turning_late() -> 
     assert way[0] < way.max()
 
 
+def test_beyond_the_lane_it_leads_only_where_it_may() -> None:
+    seen, row = perception(ego(speed=0.0)), _people(*((8.0, y) for y in np.arange(-1.6, 1.7, 0.8)))
+    assert free_way.find(seen, row, np.inf) is None
+    way = free_way.find(seen, row, np.inf, beyond=1.5)
+    assert way is not None
+    assert _nearest(way, row) >= 0.0
+
+
 def test_a_way_that_somebody_has_stepped_into_does_not_lead_on() -> None:
     seen, free = perception(ego(speed=0.0)), _people()
     way = free_way.find(seen, free, np.inf)
