@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from controllers.avoidance.euler_bicycle import SPEED, EulerBicycle
 from controllers.avoidance.problem import AvoidanceProblem, End, InputLimits, Room
 from controllers.avoidance.velocity_cones import People
-from controllers.conflicts import passing
+from controllers.conflicts import expectation, passing
 from controllers.conflicts.velocity_obstacle import Cone
 from controllers.driving.decision_rules import least_gap
 from controllers.driving.following import Following, limit_now
@@ -46,7 +46,7 @@ class SceneSettings:
     headway: float
     truncation: float = float("inf")
     """Who is farther away than the ego gets in this time does not count [s]."""
-    assume: passing.PedestrianAssumptions = field(default_factory=passing.PedestrianAssumptions)
+    assume: expectation.PedestrianAssumptions = field(default_factory=expectation.PedestrianAssumptions)
 
     @property
     def horizon(self) -> float:
@@ -76,7 +76,7 @@ class SceneReader:
         self.settings = settings
         self._following = following
         self._predictor = predictor
-        self._watch = passing.Watch()
+        self._watch = expectation.Watch()
         self._forecast: tuple[Perception, Forecast] | None = None
 
     def conflicts(self, perception: Perception, lane: Lane) -> passing.Conflicts:

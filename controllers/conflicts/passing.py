@@ -7,15 +7,15 @@ pass (it goes *behind* them) and goes *ahead* of the rest.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import CrossingKind, Pedestrians, Perception
+from controllers.conflicts.expectation import OCCUPIED, Expectation, PedestrianAssumptions, Watch, expected
+from controllers.interface import Pedestrians, Perception
 from controllers.numerics import passing_classes
 from controllers.prediction.forecast import Forecast
 
@@ -24,103 +24,8 @@ IntArray = NDArray[np.int64]
 
 STRAIGHT_ON = 3.0
 """How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
-THERE = 0.3
-"""Nearer than this to where his crossing begins somebody goes on as he goes until he stands [m]."""
-KERB = 0.5
-"""Nearer to the road than this counts as on it [m]."""
-OCCUPIED = 0.15
-"""Whoever is nearer than this to what the body sweeps is in its way, whatever he is expected to do [m]."""
 SQUEEZED = 0.03
 """The same for somebody who has let the waiting ego go first [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class PedestrianAssumptions:
-    """What is assumed of pedestrians whose velocity does not say what they will do."""
-
-    resume_speed: float = 1.2
-    """Speed at which somebody who stands on a crossing may walk on [m/s]."""
-    standing_below: float = 0.2
-    """Slower than this is standing [m/s]."""
-    yield_to_standing: bool = True
-    """Whether somebody who stands at the kerb of a zebra is expected to step out."""
-    patience: float = 3.0
-    """Somebody who has stood this long while the ego waited is taken to let it go first [s]."""
-    careful_speed: float = 5.0
-    """With which the ego passes somebody who lets it go [m/s]."""
-    waiting_below: float = 0.5
-    """A slower ego waits [m/s]."""
-    waiting_within: float = 15.0
-    """For people so far ahead of its rear axle [m]."""
-
-
-@dataclass(slots=True)
-class Watch:
-    """What is remembered of each pedestrian, by name."""
-
-    heading: dict[str, float] = field(default_factory=dict)
-    """Sign of the last clear movement across the path."""
-    waited: dict[str, float] = field(default_factory=dict)
-    """How long both have stood [s]."""
-    seen: float = -np.inf
-    """When it was looked at last [s]."""
-    longest_wait: float = 0.0
-    """Of all [s]."""
-
-    def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
-        """Bring it up to date; looking twice at the same instant changes nothing."""
-        ego, people = perception.ego, perception.pedestrians
-        passed = min(ego.time - self.seen, 1.0)
-        self.seen = ego.time
-        waited: dict[str, float] = {}
-        movements = zip(
-            people.names,
-            people.along.tolist(),
-            people.along_speed.tolist(),
-            people.across_speed.tolist(),
-            strict=True,
-        )
-        for name, at, along, across in movements:
-            if abs(across) > assume.standing_below:
-                self.heading[name] = math.copysign(1.0, across)
-            if math.hypot(along, across) <= assume.standing_below:
-                before = ego.speed < assume.waiting_below and at < assume.waiting_within
-                waits = passed if before else 0.0
-                waited[name] = self.waited.get(name, 0.0) + waits
-        self.waited = waited
-        self.longest_wait = max(waited.values(), default=0.0)
-
-    def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
-        """Return the along coordinates of those who let the ego go: it should not race past them [m]."""
-        people = perception.pedestrians
-        if self.longest_wait < assume.patience:
-            return np.empty(0)
-        at = [
-            float(people.along[i])
-            for i, name in enumerate(people.names)
-            if self.lets_go_first(name, assume) and (people.on_crossing[i] or people.waiting[i])
-        ]
-        return np.array(at, dtype=np.float64)
-
-    def lets_go_first(self, name: str, assume: PedestrianAssumptions) -> bool:
-        """Return whether somebody has stood so long before a waiting ego that it may go."""
-        return self.waited.get(name, 0.0) >= assume.patience
-
-
-class Expectation(NamedTuple):
-    """What is expected of everybody in a perception, arrays of length n."""
-
-    across_speed: FloatArray
-    """Across the path; 0 for those who are not expected to enter it [m/s]."""
-    enters: NDArray[np.bool_]
-    """Who may come into the way who is not there yet; the others count where they are."""
-    assumed: NDArray[np.bool_]
-    """Whose speed is assumed, because their movement does not say what they will do."""
-    lets_go: NDArray[np.bool_]
-    """Who has stood so long before the waiting ego that it may go first."""
-    comes: FloatArray
-    """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
-    who stand on a crossing and will walk on; nan for others [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,70 +142,6 @@ def find(
         leave[chosen],
         np.array(stop),
         None if forecast is None else forecast.only(chosen),
-    )
-
-
-def expected(
-    perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
-) -> Expectation:
-    """Return what is expected of everybody; the arguments are those of :func:`find`."""
-    watch.look(perception, assume)
-    people = perception.pedestrians
-    road = perception.road
-    speed = people.across_speed.tolist()
-    along_speed, across = people.along_speed.tolist(), people.across.tolist()
-    waiting, on_crossing = people.waiting.tolist(), people.on_crossing.tolist()
-    radius = people.radius.tolist()
-    lets_go = [watch.lets_go_first(name, assume) for name in people.names]
-    considered, assumed = [True] * len(people), [False] * len(people)
-    comes = np.full(len(people), np.nan)
-    for i, (name, at) in enumerate(zip(people.names, people.crossing.tolist(), strict=True)):
-        crossing = road.crossings[at] if at >= 0 else None
-        if on_crossing[i]:
-            # On the crossing itself whoever lets the ego go first may go on: the whole margin is kept.
-            if abs(speed[i]) < assume.standing_below and name in watch.heading and not lets_go[i]:
-                speed[i] = comes[i] = watch.heading[name] * assume.resume_speed
-                assumed[i] = True
-        elif lets_go[i]:
-            considered[i] = False
-        elif waiting[i] and crossing is not None:
-            has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
-            pace = math.hypot(along_speed[i], speed[i])
-            stands = pace < assume.standing_below
-            if not has_priority or (stands and not assume.yield_to_standing):
-                place = crossing.right if 2.0 * across[i] < crossing.right + crossing.left else crossing.left
-                way = place - across[i]
-                reach = 0.5 * perception.ego.body.width + radius[i] + OCCUPIED
-                beyond = min(across[i], place) > reach or max(across[i], place) < -reach
-                if stands or beyond:
-                    considered[i] = False
-                else:
-                    # He waits about where his crossing begins: in the ego's lane, or on its other side.
-                    towards = way if abs(way) > THERE else speed[i]
-                    speed[i] = comes[i] = math.copysign(max(pace, assume.resume_speed), towards)
-                    assumed[i] = True
-            else:
-                # On the waiting area people still walk along the kerb: count on them to turn and cross.
-                speed[i] = math.copysign(max(pace, assume.resume_speed), -across[i])
-                assumed[i] = True
-        else:
-            outside = across[i] > road.left_edge + KERB or across[i] < road.right_edge - KERB
-            if abs(speed[i]) < (0.5 if outside else assume.standing_below):
-                # Who stands on the road on his way across goes on; who never walked across it stays there.
-                considered[i] = not outside and name in watch.heading
-    enters = np.array(considered, dtype=np.bool_)
-    if forecast is not None:
-        on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
-        turns = np.ptp(forecast.across, axis=1) > assume.standing_below * (
-            forecast.times[-1] - forecast.times[0]
-        )
-        enters |= on_road.any(axis=1) & (turns | ~on_road[:, 0]) & (people.crossing < 0)
-    return Expectation(
-        np.where(enters, speed, 0.0),
-        enters,
-        np.array(assumed, dtype=np.bool_),
-        np.array(lets_go, dtype=np.bool_),
-        comes,
     )
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.conflicts.passing import Conflicts, PedestrianAssumptions, Watch, find
+from controllers.conflicts.expectation import PedestrianAssumptions, Watch
+from controllers.conflicts.passing import Conflicts, find
 from controllers.drivable_area.clearances import Boxes, Shape
 from controllers.drivable_area.social_force import Walkers
 from controllers.driving.traffic import footprints

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from controllers.conflicts import passing
+from controllers.conflicts import expectation
 from controllers.conflicts.occlusion import HiddenPedestrian
 
 
@@ -22,7 +22,7 @@ class PassingSettings:
     """While the present class is reachable, others are tried only this often [s]."""
     standstill_gap: float
     bend_acceleration: float
-    assume: passing.PedestrianAssumptions
+    assume: expectation.PedestrianAssumptions
     hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
     uncertainty_gain: float = 0.0
     """What a margin grows by for each metre that a position is uncertain (standard deviation)."""

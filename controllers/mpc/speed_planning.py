@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import bystanders, passing
+from controllers.conflicts import bystanders, expectation, passing
 from controllers.driving import road_profile
 from controllers.driving.plan_memory import PlanMemory
 from controllers.driving.right_of_way import RightOfWay
@@ -64,8 +64,8 @@ class SpeedPlanner:
     """Of the present instant; ``None`` without a predictor."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
-    _watch: passing.Watch = field(default_factory=passing.Watch)
-    _expectation: passing.Expectation = field(init=False)
+    _watch: expectation.Watch = field(default_factory=expectation.Watch)
+    _expectation: expectation.Expectation = field(init=False)
     _bounds: tuple[passing.Conflicts, SpeedTask, passing.ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
     _tasks: SpeedTasks = field(init=False)
@@ -88,7 +88,7 @@ class SpeedPlanner:
             count = int(np.ceil(self.memory.times[-1] / FORECAST_SPACING))
             times = np.linspace(0.0, count * FORECAST_SPACING, count + 1)
             self.forecast = self.predictor.predict(perception, times)
-        self._expectation = passing.expected(perception, self._watch, self.settings.assume, self.forecast)
+        self._expectation = expectation.expected(perception, self._watch, self.settings.assume, self.forecast)
 
     @property
     def may_enter(self) -> NDArray[np.bool_]:
@@ -96,8 +96,8 @@ class SpeedPlanner:
         return self._expectation.enters
 
     @property
-    def comes(self) -> FloatArray:
-        """What is known better of people's movement than their velocities; see ``passing.Expectation``."""
+    def comes(self) -> FloatArray | None:
+        """What is known better of movements than velocities; see ``expectation.Expectation``."""
         return self._expectation.comes
 
     def nearest_stop(self) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import occlusion, passing
+from controllers.conflicts import expectation, occlusion
 from controllers.driving import road_profile, traffic
 from controllers.driving.plan_memory import PlanMemory
 from controllers.driving.right_of_way import RightOfWay, StopPlace
@@ -73,7 +73,7 @@ class SpeedTasks:
         perception: Perception,
         lane: Lane | None,
         leaving_for: float,
-        watch: passing.Watch,
+        watch: expectation.Watch,
         slowly: SpeedLimit | None,
     ) -> tuple[SpeedTask, str]:
         """Return the speed task without people in conflict, and who bounds the position apart from them.

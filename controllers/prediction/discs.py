@@ -53,7 +53,7 @@ def discs(
     """
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
-    if across_speed is not None and not np.isnan(across_speed).all():
+    if across_speed is not None:
         _, heading = to_plane(perception.road, people.along, people.across)
         across = across_speed[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
         velocities = np.where(np.isnan(across), velocities, across)

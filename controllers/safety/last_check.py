@@ -76,7 +76,7 @@ class LastCheck:
             How far the front bumper may go until it has to wait for something else [m].
         comes
             Across speed of those who walk to a waiting place in the lane, or will walk on across a crossing,
-            shape (n,); nan for others [m/s].
+            shape (n,); nan for others, ``None`` for nobody [m/s].
         """
         near = _near(perception)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
@@ -89,7 +89,9 @@ class LastCheck:
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
             comes = np.where(perception.pedestrians.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
-        others = Discs(*(np.concatenate(both) for both in zip(people, cars, strict=True)))
+        others = people
+        if len(cars.x):
+            others = Discs(*(np.concatenate(both) for both in zip(people, cars, strict=True)))
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, others, path, motion)

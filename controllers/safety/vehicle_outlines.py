@@ -31,7 +31,10 @@ def standing_vehicles(perception: Perception, count: int) -> Discs:
 
     They are in the plane of :mod:`controllers.driving.plane`.
     """
-    x, y = _outlines(perception, _apart(perception, NEAR) & _stand(perception))
+    who = _apart(perception, NEAR) & _stand(perception)
+    if not who.any():
+        return Discs(*np.empty((3, 0, count)))
+    x, y = _outlines(perception, who)
     return Discs(*(np.repeat(values.reshape(-1, 1), count, axis=1) for values in (x, y, np.zeros(x.size))))
 
 

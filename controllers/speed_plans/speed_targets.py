@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from controllers.conflicts import passing
+from controllers.conflicts import expectation, passing
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import neighbours_ahead
 from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
@@ -70,7 +70,7 @@ class CrossingRule:
     """Time between the ego being past and a pedestrian coming into its way [s]."""
     horizon: float = 8.0
     """Pedestrians who come into the way later do not matter yet [s]."""
-    assume: passing.PedestrianAssumptions = field(default_factory=passing.PedestrianAssumptions)
+    assume: expectation.PedestrianAssumptions = field(default_factory=expectation.PedestrianAssumptions)
 
     def check(self) -> None:
         """Refuse margins that are none.
@@ -125,7 +125,7 @@ class PedestrianTargets:
     def __init__(self, rule: CrossingRule, predictor: Predictor | None = None) -> None:
         self.rule = rule
         self._predictor = predictor
-        self._watch = passing.Watch()
+        self._watch = expectation.Watch()
         self._ahead: dict[str, bool] = {}
 
     def find(self, perception: Perception, offset: float, time_past: Callable[[float], float]) -> Yielding:

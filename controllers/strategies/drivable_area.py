@@ -14,7 +14,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from controllers.conflicts.passing import Conflicts, PedestrianAssumptions, Watch
+from controllers.conflicts.expectation import PedestrianAssumptions, Watch
+from controllers.conflicts.passing import Conflicts
 from controllers.drivable_area.avoidance import AvoidanceSettings, Found, plan
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, first_conflict, outlook, relevant

@@ -9,7 +9,7 @@ from __future__ import annotations
 from controllers.avoidance.classes import QuadraticOptimiser
 from controllers.avoidance.driver import AvoidanceDriver
 from controllers.avoidance.settings import Model, PaperSettings, driver_settings
-from controllers.conflicts import passing
+from controllers.conflicts import expectation
 from controllers.conflicts.occlusion import HiddenPedestrian
 from controllers.conflicts.velocity_obstacle import Cone
 from controllers.driving.emergency_braking import EmergencyBraking
@@ -233,7 +233,7 @@ def build(
                 reconsider=reconsider_s,
                 standstill_gap=standstill_gap_m,
                 bend_acceleration=bend_acceleration_mps2,
-                assume=passing.PedestrianAssumptions(yield_to_standing=yield_to_standing),
+                assume=expectation.PedestrianAssumptions(yield_to_standing=yield_to_standing),
                 hidden=HiddenPedestrian(hidden_speed_mps, hidden_reaction_s, freeze_braking_mps2, creep_mps),
                 uncertainty_gain=uncertainty_gain,
             ),

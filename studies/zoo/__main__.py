@@ -104,13 +104,24 @@ def _all(given: argparse.Namespace) -> int:
         _tell(f"[{number}/{len(recipes)}] {recipe.name}", found, plan)
         runs += found
     tables.write(folder, runs)
-    text = page.text(recipes, plan, runs, missing)
+    text = page.text(recipes, plan, runs, missing, _command(given))
     target: Path = given.page or folder / "zoo.md"
     target.write_text(text, "utf-8")
     print(f"\n{tables.pooled(runs, plan.controllers)}\n")
     print(tables.bars_table(bars(runs, [recipe.name for recipe in recipes if recipe.as_it_is])))
     print(f"\npage: {target}; tables: {folder}/*.csv")
     return 0 if all(run.valid for run in runs) else 3
+
+
+def _command(given: argparse.Namespace) -> str:
+    """Return the command that makes the same results."""
+    chosen_ones = {"networks": given.networks, "runs": given.runs, "duration-s": given.duration_s}
+    if not any(chosen_ones.values()):
+        return f"make zoo SEED={given.seed}{' QUICK=1' if given.quick else ''}"
+    words = [f"--{name} {value}" for name, value in chosen_ones.items() if value]
+    return " ".join(
+        ["python -m studies.zoo all", str(given.seed), *(["--quick"] if given.quick else []), *words]
+    )
 
 
 def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe]) -> None:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from controllers.conflicts.expectation import PedestrianAssumptions, Watch
 from controllers.conflicts.passing import (
     STRAIGHT_ON,
     Conflicts,
-    PedestrianAssumptions,
-    Watch,
     class_bounds,
     class_name,
     find,
