@@ -14,6 +14,8 @@ from controllers.interface import Decision, Lane, Manoeuvre, Perception, Rule
 
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""
+OVER = 1.0
+"""So far beyond a waiting place somebody still waits at it [m]."""
 WAITING_BRAKING = 4.0
 """Who needs more than this to stop with room for a change ahead drives on to the lane's end [m/s^2]."""
 
@@ -159,16 +161,21 @@ class LaneDecision:
     def waiting_place(self, perception: Perception) -> float:
         """Return where the front bumper has to wait for a change that the route asks for; inf for none.
 
-        It leaves the room that the change takes from a standstill. Who could not stop there any more may
-        use the lane to its end.
+        It leaves the room that the change takes from a standstill, and for a change to the right that of
+        another vehicle too: of two side by side who want each other's lane one has to let the other go first.
+        Who could not stop there any more waits nearer to the lane's end, or may use the lane to its end.
         """
         road, ego = perception.road, perception.ego
-        here = road.lane(road.reference)
-        if here is None or not self.settings.allowed or lane_for_route(perception) is None:
+        here, wanted = road.lane(road.reference), lane_for_route(perception)
+        if here is None or not self.settings.allowed or wanted is None:
             return np.inf
         place = here.follows_route_for - self.settings.room
-        # A metre more: who stands there already may be a little over it.
-        return place if ego.speed**2 / (2.0 * WAITING_BRAKING) <= place + 1.0 - ego.body.front else np.inf
+        behind = ego.body.length + self.settings.gaps.minimum + OVER if wanted < road.reference else 0.0
+        for before in (behind, 0.0):
+            # Who stands there already may be a little over it.
+            if ego.speed**2 / (2.0 * WAITING_BRAKING) <= place - before + OVER - ego.body.front:
+                return place - before
+        return np.inf
 
     def _crossing_in_the_way(self, perception: Perception) -> str:
         """Return the crossing that a change for the route would not end before; empty for none.
