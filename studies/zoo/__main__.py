@@ -104,7 +104,8 @@ def _all(given: argparse.Namespace) -> int:
         _tell(f"[{number}/{len(recipes)}] {recipe.name}", found, plan)
         runs += found
     tables.write(folder, runs)
-    text = page.text(recipes, plan, runs, missing, _command(given))
+    sources = json.loads((folder / PLAN).read_text("utf-8"))["source"]
+    text = page.text(recipes, plan, runs, missing, _command(given), sources)
     target: Path = given.page or folder / "zoo.md"
     target.write_text(text, "utf-8")
     print(f"\n{tables.pooled(runs, plan.controllers)}\n")

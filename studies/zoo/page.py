@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from studies.zoo.bars import JUDGED, bars
 from studies.zoo.catalog import Plan
@@ -16,7 +16,12 @@ MOST_REASON = 160
 
 
 def text(
-    recipes: Sequence[Recipe], plan: Plan, runs: Sequence[Run], missing: Sequence[str], command: str
+    recipes: Sequence[Recipe],
+    plan: Plan,
+    runs: Sequence[Run],
+    missing: Sequence[str],
+    command: str,
+    sources: Mapping[str, str],
 ) -> str:
     """Return the page.
 
@@ -31,11 +36,13 @@ def text(
         One line for each source of networks that was not there.
     command : str
         That makes the same page.
+    sources : Mapping
+        Digest of the code of each driver, as ``run.json`` has it.
     """
     own_demand = [recipe.name for recipe in recipes if recipe.as_it_is]
     parts = [
         TITLE,
-        _introduction(recipes, plan, missing, command),
+        _introduction(recipes, plan, missing, command, sources),
         "## All networks together",
         pooled(runs, plan.controllers),
         _reading(),
@@ -52,7 +59,13 @@ def text(
     return "\n\n".join(parts) + "\n"
 
 
-def _introduction(recipes: Sequence[Recipe], plan: Plan, missing: Sequence[str], command: str) -> str:
+def _introduction(
+    recipes: Sequence[Recipe],
+    plan: Plan,
+    missing: Sequence[str],
+    command: str,
+    sources: Mapping[str, str],
+) -> str:
     made = sum(not recipe.as_it_is for recipe in recipes)
     own = len(recipes) - made
     note = "".join(f" Left out: {line}." for line in missing)
@@ -67,7 +80,11 @@ def _introduction(recipes: Sequence[Recipe], plan: Plan, missing: Sequence[str],
         "where egos seldom meet anybody), with the same seeds "
         f"as the others, in {plan.ego_share:.0%} of the passenger cars. Cars and pedestrians are those of "
         "SUMO's `randomTrips.py` under the names that it gives them; `netconvert` guesses crossings where a "
-        "network has none." + note
+        "network has none. "
+        + "Digests of the drivers' code: "
+        + ", ".join(f"`{name}` {digest[:12]}" for name, digest in sources.items())
+        + "."
+        + note
     )
 
 

@@ -102,11 +102,13 @@ def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path) -> None:
     assert found["0 preventable contacts"].met
     assert found["impact speed at most 5 km/h, but for people who appeared out of nothing"].met
     assert found["contacts with people who appeared out of nothing: at most 1 in 200 encounters"].met
-    assert "carriageway" in page.text([TOWN], PLAN, runs, [], "make zoo")
+    assert "carriageway" in page.text([TOWN], PLAN, runs, [], "make zoo", {"vo_mpc": "0" * 40})
 
 
 def test_the_page_has_a_table_a_network_and_a_command_for_each_failure_and_contact(mixed: list[Run]) -> None:
-    text = page.text([TOWN], PLAN, mixed, ["sumo-rl is not installed"], "make zoo SEED=7")
+    text = page.text(
+        [TOWN], PLAN, mixed, ["sumo-rl is not installed"], "make zoo SEED=7", {"vo_mpc": "0" * 40}
+    )
     assert "### grid-short" in text
     assert "SUMO teleported 1 egos" in text
     for run in mixed:
