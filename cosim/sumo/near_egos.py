@@ -106,7 +106,10 @@ class NearEgos:
         kind = np.repeat(np.tile([0, 1, 2], len(cars)), sizes)
         rows = _joined(groups) + fronts * kind
         counts = [2 * len(near) + len(on_foot) for near, on_foot in zip(cars, persons, strict=True)]
-        along, across, heading = project_all([f.path.curve for f in self._frames], places[rows], counts)
+        # A route round a block comes along the same road again: who is near is not a whole block away.
+        origins = [frame.origin for frame in self._frames]
+        curves = [frame.path.curve for frame in self._frames]
+        along, across, heading = project_all(curves, places[rows], counts, origins)
         along = along - np.repeat([frame.origin for frame in self._frames], counts)
         front, back, person = (np.flatnonzero(kind == number) for number in (0, 1, 2))
         self._at_front = along[front], across[front], heading[front]
@@ -162,7 +165,10 @@ class NearEgos:
     ) -> None:
         """Put those on, or about to enter, a crossing into the straight frame where the path meets it."""
         persons = self._surroundings.persons
-        index_of = {crossing.source.name: index for index, crossing in enumerate(crossings)}
+        # Of a crossing that the path passes again the first passage counts.
+        index_of: dict[str, int] = {}
+        for index, crossing in enumerate(crossings):
+            index_of.setdefault(crossing.source.name, index)
         indices = [index_of.get(persons.crossing[row], -1) for row in rows.tolist()]
         concerned = set(indices) - {-1}
         if not concerned:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from itertools import accumulate
 
 import numpy as np
@@ -20,6 +21,9 @@ SMOOTHING = 5
 cut by less than 0.1 m."""
 SEGMENT_COLUMNS = 12
 _NOTHING = (np.zeros(0), np.zeros(0), np.zeros(0))
+SAME_ROAD, SAME_WAY, ANOTHER = 4.0, math.radians(30.0), 15.0
+"""Samples this near to each other, of directions this near, are two passages of one road where they are this
+far apart along the path [m, rad, m]."""
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
 
@@ -157,13 +161,44 @@ class Path:
         """Return the number of the sample nearest to each point (n, 2)."""
         return np.asarray(self._tree.query(points)[1], dtype=np.int64)
 
+    @cached_property
+    def passages(self) -> Mapping[int, IntArray]:
+        """Samples of other passages of the same road, by sample; empty for a path that never comes back."""
+        if np.ptp(self.heading) < 2.0 * math.pi - SAME_WAY:
+            return {}
+        one, other = self._tree.query_pairs(SAME_ROAD, output_type="ndarray").T
+        turned = np.abs(np.angle(np.exp(1j * (self.heading[one] - self.heading[other]))))
+        again = (np.abs(self.along[one] - self.along[other]) > ANOTHER) & (turned < SAME_WAY)
+        first, second = np.append(one[again], other[again]), np.append(other[again], one[again])
+        return {number: second[first == number] for number in np.unique(first).tolist()}
+
+    def passage_nearest(self, points: FloatArray, samples: IntArray, along: float) -> IntArray:
+        """Return the samples nearest to points, of those passages that are nearest to an arc length.
+
+        Parameters
+        ----------
+        points : (n, 2) [m]
+        samples : nearest to them of all, shape (n,)
+        along : arc length [m]
+        """
+        found = samples.copy()
+        for i, sample in enumerate(samples.tolist()):
+            others = self.passages.get(sample)
+            if others is None:
+                continue
+            known = np.append(sample, others)
+            away = self.along[known] - along
+            passage = known[np.abs(away - away[np.argmin(np.abs(away))]) < ANOTHER]
+            found[i] = passage[np.argmin(np.hypot(*(self.points[passage] - points[i]).T))]
+        return found
+
     def segments(self, numbers: IntArray, out: FloatArray | None = None) -> FloatArray:
         """Return one row for each of these segments: what `project` needs of it."""
         return self._segments.take(numbers, axis=0, out=out, mode="clip")
 
 
 def project_all(
-    paths: Sequence[Path], points: FloatArray, counts: Sequence[int]
+    paths: Sequence[Path], points: FloatArray, counts: Sequence[int], near: Sequence[float] | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return what `Path.project` returns, for points of several paths.
 
@@ -172,6 +207,8 @@ def project_all(
     paths
     points : (n, 2), those of the first path first [m]
     counts : how many of them belong to each path
+    near : arc length on each path; where it comes along the same road again, the passage nearest to that
+        counts; ``None``: the one nearest to the point [m]
     """
     if not len(points):
         return _NOTHING
@@ -180,7 +217,13 @@ def project_all(
         (path, slice(end - count, end)) for path, count, end in zip(paths, counts, ends, strict=True) if count
     ]
     last = np.repeat([len(path.points) - 2 for path in paths], counts)
-    segment = np.minimum(np.concatenate([path.nearest_samples(points[part]) for path, part in parts]), last)
+    segment = np.concatenate([path.nearest_samples(points[part]) for path, part in parts])
+    if near is not None:
+        places = [along for along, count in zip(near, counts, strict=True) if count]
+        for (path, part), along in zip(parts, places, strict=True):
+            if path.passages:
+                segment[part] = path.passage_nearest(points[part], segment[part], along)
+    segment = np.minimum(segment, last)
 
     def rows_of(numbers: IntArray) -> FloatArray:
         rows = np.empty((len(numbers), SEGMENT_COLUMNS))

@@ -82,3 +82,33 @@ def test_the_meeting_of_two_lines_is_found() -> None:
     assert math.atan2(direction[1], direction[0]) == pytest.approx(0.0)
     assert abs(axis[1]) == pytest.approx(1.0)
     assert crossing_point(path, np.array([[14.0, 1.0], [14.0, 5.0]])) is None
+
+
+ROUND_THE_BLOCK = np.array([[0.0, 0.0], [60.0, 0.0], [60.0, 50.0], [0.0, 50.0], [0.0, 0.0], [60.0, 0.0]])
+
+
+@pytest.mark.parametrize(("near", "along"), [(5.0, 30.0), (200.0, 250.0)])
+def test_where_a_path_comes_along_the_same_road_again_the_passage_near_the_ego_counts(
+    near: float, along: float
+) -> None:
+    path = Path(ROUND_THE_BLOCK)
+    points = np.array([[30.0, 0.4], [60.4, 25.0]])
+    found, across, _ = project_all([path], points, [2], [near])
+    assert found[0] == pytest.approx(along, abs=5.0), "corners are cut"
+    assert found[1] == pytest.approx(85.0, abs=5.0), "there it passes once"
+    assert across == pytest.approx([0.4, -0.4], abs=0.05)
+
+
+def test_a_lane_beside_the_one_of_the_next_passage_is_still_beside_this_one() -> None:
+    """The second time round the path is in the lane to the left, where somebody stands ahead."""
+    path = Path(np.vstack((ROUND_THE_BLOCK[:-2], [[-3.2, 3.2], [60.0, 3.2]])))
+    found, across, _ = project_all([path], np.array([[30.0, 3.0]]), [1], [5.0])
+    assert found[0] == pytest.approx(30.0, abs=1.0)
+    assert across[0] == pytest.approx(3.0, abs=0.1)
+
+
+def test_a_path_that_turns_back_beside_itself_is_not_the_same_road() -> None:
+    hairpin = Path(np.array([[0.0, 0.0], [60.0, 0.0], [63.0, 1.6], [60.0, 3.2], [0.0, 3.2]]))
+    found, across, _ = project_all([hairpin], np.array([[30.0, 3.1]]), [1], [5.0])
+    assert found[0] > 80.0
+    assert across[0] == pytest.approx(0.1, abs=0.1)
