@@ -71,8 +71,9 @@ def kept(
     if shift == 0.0:
         return corridor
     right, left = corridor
-    wanted = shift - np.sign(shift) * SHORT
-    missing = min(ego.across - wanted, 0.0) if shift > 0.0 else max(ego.across - wanted, 0.0)
+    side = np.sign(shift)
+    wanted = shift - side * SHORT
+    missing = side * min(side * (ego.across - wanted), 0.0)
     bound = wanted + missing * np.clip(1.0 - along / max(OVER, OVER_S * ego.speed), 0.0, 1.0)
     return (np.maximum(right, bound), left) if shift > 0.0 else (right, np.minimum(left, bound))
 

@@ -224,7 +224,8 @@ class VelocityObstacleMpc:
         left = max((lane.offset + 0.5 * lane.width for lane in lanes), default=2.0) - half
         if right > left:  # a body wider than its lane
             right = left = 0.5 * (right + left)
-        corridor = np.full(len(self._times), right), np.full(len(self._times), left)
+        n = len(self._times)
+        corridor = np.full(n, right), np.full(n, left)
         here = road.lane(road.reference)
         if here is not None and not self._lanes.running:
             corridor = place_in_lane.kept(corridor, here.offset, ego, speed.position)
@@ -241,8 +242,7 @@ class VelocityObstacleMpc:
         )
         if lane is None or not there:
             return task
-        target_offset = np.full(len(self._times), lane.offset)
-        return task._replace(across=lane.offset, heading_error=0.0, target=target_offset)
+        return task._replace(across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
 
     def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
         ego = perception.ego

@@ -143,7 +143,7 @@ class SpeedPlanner:
             expectation=self._expectation,
         )
         slowly = None if beside is None else beside.speed_limit(conflicts.index)
-        task, because = self._tasks.task(perception, lane, leaving_for, self._watch, slowly)
+        task, because, waits_at = self._tasks.task(perception, lane, leaving_for, self._watch, slowly)
         best: Chosen | None = None
         best_cost = np.inf
         flips = self._flips(conflicts)
@@ -158,9 +158,9 @@ class SpeedPlanner:
                 best, best_cost = Chosen(plan, conflicts, behind, who, steering), cost
         if best is None:
             return Chosen(self._nothing(perception.ego.speed), conflicts, len(conflicts), because)
-        return self._judged(perception, task, best)
+        return self._judged(perception, task, best, waits_at)
 
-    def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen) -> Chosen:
+    def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
         """Return a plan with what it makes of those who are let pass, and of those who stand in the way."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
         farthest, too_far = float(task.upper.min()), 0.0
@@ -172,7 +172,7 @@ class SpeedPlanner:
             return replace(chosen, too_far=too_far) if too_far else chosen
         goes_on = self.may_enter[conflicts.index[:behind]]
         _, places, _ = passing.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
-        room = min(self._tasks.waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
+        room = min(waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
         return replace(chosen, too_far=too_far, room=room, stuck=farthest < STUCK_WITHIN < room)
 
     def _solve_class(

@@ -50,9 +50,6 @@ class SpeedTasks:
     stops: list[StopPlace] = field(default_factory=list)
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
-    waits_at: float = np.inf
-    """Where that of a slow ego has to wait, as the last task had it: for lights, for vehicles that will go
-    on, for the lane's end; inf for nowhere [m]."""
     _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
     # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
@@ -75,8 +72,11 @@ class SpeedTasks:
         leaving_for: float,
         watch: expectation.Watch,
         slowly: SpeedLimit | None,
-    ) -> tuple[SpeedTask, str]:
-        """Return the speed task without people in conflict, and who bounds the position apart from them.
+    ) -> tuple[SpeedTask, str, float]:
+        """Return the speed task without people in conflict, who bounds the position, and where to wait.
+
+        The front bumper of a slow ego has to wait there: for lights, for vehicles that will go on, for the
+        lane's end; inf for nowhere, and for a faster ego [m].
 
         Parameters
         ----------
@@ -92,8 +92,7 @@ class SpeedTasks:
         positions, expected = self.memory.expected(ego)
         ahead = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, ahead.rest, self.stops)
-        if ego.speed < SLOW:
-            self.waits_at = self._waits_at(perception, lane, ahead.rest)
+        waits_at = self._waits_at(perception, lane, ahead.rest) if ego.speed < SLOW else np.inf
         gap_now = s.standstill_gap + limits.headway * ego.speed
         upper, stoppable, headway = position_bounds.position_bounds(
             ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
@@ -124,7 +123,7 @@ class SpeedTasks:
             stoppable=stoppable,
             headway=headway,
         )
-        return task, stop or ahead.name
+        return task, stop or ahead.name, waits_at
 
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
         """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""

@@ -78,7 +78,7 @@ class LastCheck:
             Across speed of those who walk to a waiting place in the lane, or will walk on across a crossing,
             shape (n,); nan for others, ``None`` for nobody [m/s].
         """
-        near = _near(perception)
+        near, told = _near(perception), perception.pedestrians
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         cars = standing_vehicles(perception, len(times))
         if not len(near) and not len(cars.x):
@@ -87,7 +87,7 @@ class LastCheck:
         walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
         starts = perception.ego.speed < STARTING or self._out.taken
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
-            comes = np.where(perception.pedestrians.waiting, comes, np.nan)
+            comes = np.where(told.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
         others = people
         if len(cars.x):
@@ -95,8 +95,7 @@ class LastCheck:
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, others, path, motion)
-        speeds = perception.pedestrians
-        walk = np.hypot(speeds.along_speed[near], speeds.across_speed[near]) > WALKING
+        walk = np.hypot(told.along_speed[near], told.across_speed[near]) > WALKING
         margin = self._margins(perception, clearance[0, 0], walk, starts)
         touched = bool(_touches(clearance, motion, margin)[0])
         if not starts:

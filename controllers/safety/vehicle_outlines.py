@@ -34,7 +34,7 @@ def standing_vehicles(perception: Perception, count: int) -> Discs:
     who = _apart(perception, NEAR) & _stand(perception)
     if not who.any():
         return Discs(*np.empty((3, 0, count)))
-    x, y = _outlines(perception, who)
+    x, y, _ = _outlines(perception, who)
     return Discs(*(np.repeat(values.reshape(-1, 1), count, axis=1) for values in (x, y, np.zeros(x.size))))
 
 
@@ -46,10 +46,9 @@ def driving_vehicles(perception: Perception) -> tuple[FloatArray, FloatArray]:
     them = perception.vehicles
     follow = footprints(them).same_way & (them.along < 0.0)
     who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
-    x, y = _outlines(perception, who)
-    _, heading = vehicles_in_plane(perception.ego, perception.road, them)
+    x, y, heading = _outlines(perception, who)
     speed = np.hypot(them.along_speed[who], them.across_speed[who])
-    ahead, left = speed * np.cos(heading[who]), speed * np.sin(heading[who])
+    ahead, left = speed * np.cos(heading), speed * np.sin(heading)
     return (
         (x[..., None] + ahead[:, None, None] * DRIVEN_FOR).ravel(),
         (y[..., None] + left[:, None, None] * DRIVEN_FOR).ravel(),
@@ -66,14 +65,12 @@ def _stand(perception: Perception) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(them.along_speed, them.across_speed) < STANDING)
 
 
-def _outlines(perception: Perception, who: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-    """Return x and y of the points of m vehicles, shape (m, points) [m]."""
-    if not who.any():
-        none = np.empty((0, len(OUTLINE)))
-        return none, none
+def _outlines(perception: Perception, who: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x and y of the points of m vehicles, shape (m, points) [m], and their headings, (m,) [rad]."""
     them = perception.vehicles
     fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
     front, heading = fronts[who], headings[who]
     behind, left = OUTLINE[:, 0] * them.length[who][:, None], OUTLINE[:, 1] * them.width[who][:, None]
     cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
-    return front[:, :1] - behind * cosine - left * sine, front[:, 1:] - behind * sine + left * cosine
+    x, y = front[:, :1] - behind * cosine - left * sine, front[:, 1:] - behind * sine + left * cosine
+    return x, y, heading

@@ -110,7 +110,7 @@ class WayOut:
             return None
         now = _distances(perception, people)
         wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
-        self._look(perception, people, (wide, kept), farthest)
+        self._look(perception, people, wide, kept, farthest)
         self.taken = self._way is not None
         if self._way is None:
             return None
@@ -119,19 +119,25 @@ class WayOut:
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
     def _look(
-        self, perception: Perception, people: Discs, distances: tuple[FloatArray, FloatArray], farthest: float
+        self,
+        perception: Perception,
+        people: Discs,
+        wide: FloatArray,
+        kept: FloatArray,
+        farthest: float,
     ) -> None:
         """Keep the way as long as it is free, else look for another: the wider distances first."""
         vehicles, time = _vehicles(perception), perception.ego.time
-        wide, narrow = (_obstacles(people, kept, vehicles) for kept in distances)
+        near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
         under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, narrow, way, done, self._beyond):
+        if way is not None and under_way and free_way.leads_on(perception, near, way, done, self._beyond):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
-            for kept, self._beyond in ((wide, 0.0), (narrow, 0.0), (narrow, BEYOND)):
-                self._way = free_way.find(perception, kept, farthest, self._beyond)
+            far = _obstacles(people, wide, vehicles)
+            for obstacles, self._beyond in ((far, 0.0), (near, 0.0), (near, BEYOND)):
+                self._way = free_way.find(perception, obstacles, farthest, self._beyond)
                 if self._way is not None:
                     return
 

@@ -110,7 +110,7 @@ class NearEgos:
         origins = [frame.origin for frame in self._frames]
         curves = [frame.path.curve for frame in self._frames]
         along, across, heading = project_all(curves, places[rows], counts, origins)
-        along = along - np.repeat([frame.origin for frame in self._frames], counts)
+        along = along - np.repeat(origins, counts)
         front, back, person = (np.flatnonzero(kind == number) for number in (0, 1, 2))
         self._at_front = along[front], across[front], heading[front]
         self._at_back = along[back], across[back]

@@ -170,7 +170,9 @@ class Path:
         turned = np.abs(np.angle(np.exp(1j * (self.heading[one] - self.heading[other]))))
         again = (np.abs(self.along[one] - self.along[other]) > ANOTHER) & (turned < SAME_WAY)
         first, second = np.append(one[again], other[again]), np.append(other[again], one[again])
-        return {number: second[first == number] for number in np.unique(first).tolist()}
+        order = np.argsort(first, kind="stable")
+        numbers, starts = np.unique(first[order], return_index=True)
+        return dict(zip(numbers.tolist(), np.split(second[order], starts)[1:], strict=True))
 
     def passage_nearest(self, points: FloatArray, samples: IntArray, along: float) -> IntArray:
         """Return the samples nearest to points, of those passages that are nearest to an arc length.

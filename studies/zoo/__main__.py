@@ -15,7 +15,7 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -89,7 +89,8 @@ def _all(given: argparse.Namespace) -> int:
     names = given.networks.split(",") if given.networks else QUICK if given.quick else ()
     recipes = chosen(names) if names else everything
     folder: Path = given.out or DEFAULT_PARENT / "zoo" / f"{plan.seed}{'-quick' if given.quick else ''}"
-    _claim(folder, plan, recipes)
+    sources = {name: source_digest(name) for name in plan.controllers}
+    _claim(folder, plan, recipes, sources)
     for line in missing:
         print(line)
     limits = Limits(given.jobs, given.run_timeout_s, given.keep_recordings)
@@ -104,7 +105,6 @@ def _all(given: argparse.Namespace) -> int:
         _tell(f"[{number}/{len(recipes)}] {recipe.name}", found, plan)
         runs += found
     tables.write(folder, runs)
-    sources = json.loads((folder / PLAN).read_text("utf-8"))["source"]
     text = page.text(recipes, plan, runs, missing, _command(given), sources)
     target: Path = given.page or folder / "zoo.md"
     target.write_text(text, "utf-8")
@@ -116,21 +116,20 @@ def _all(given: argparse.Namespace) -> int:
 
 def _command(given: argparse.Namespace) -> str:
     """Return the command that makes the same results."""
-    chosen_ones = {"networks": given.networks, "runs": given.runs, "duration-s": given.duration_s}
-    if not any(chosen_ones.values()):
+    usual, asked = vars(_parser().parse_args(["all", str(given.seed)])), vars(given)
+    names = ("networks", "controllers", "runs", "duration_s", "ego_share")
+    words = [f"--{name.replace('_', '-')} {asked[name]}" for name in names if asked[name] != usual[name]]
+    if not words:
         return f"make zoo SEED={given.seed}{' QUICK=1' if given.quick else ''}"
-    words = [f"--{name} {value}" for name, value in chosen_ones.items() if value]
-    return " ".join(
-        ["python -m studies.zoo all", str(given.seed), *(["--quick"] if given.quick else []), *words]
-    )
+    return " ".join([f"python -m studies.zoo all {given.seed}", *["--quick"] * given.quick, *words])
 
 
-def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe]) -> None:
+def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe], sources: Mapping[str, str]) -> None:
     """Refuse a folder whose results were made otherwise than they would be now."""
     now = {
         **asdict(plan),
         "networks": [recipe.name for recipe in recipes],
-        "source": {name: source_digest(name) for name in plan.controllers},
+        "source": sources,
     }
     now = json.loads(json.dumps(now))
     path = folder / PLAN
