@@ -6,6 +6,7 @@
 # make study-roadside  what a roadside unit buys where a bus hides people
 # make study-solvers   the same drives with four solvers
 # make zoo  networks that nobody tuned for, hours; SEED=7: fresh ones; QUICK=1: a few of them, minutes
+# make golden   every controller in every scenario, short: what a change of the code changed
 # make screenshots     the pictures of a report and of a replay in docs/images
 # make docs            the documentation as a site: build/site/index.html
 
@@ -20,7 +21,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo screenshots docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo golden screenshots docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -116,6 +117,12 @@ protocols: $(VENV)/installed-papers
 SEED ?= 1
 zoo: $(VENV)/installed-zoo
 	$(BIN)/python -m studies.zoo all $(SEED) --jobs $(JOBS) $(if $(QUICK),--quick,--page docs/zoo.md) $(if $(OUT),--out $(OUT))
+
+# 3: a run in which SUMO teleports a car is not valid, and compared all the same.
+golden: $(VENV)/installed
+	rm -rf runs/golden
+	$(BIN)/cosim batch studies/golden.toml --out runs/golden --jobs $(JOBS) || test $$? -eq 3
+	@echo "compare: $(BIN)/python -m studies.golden runs/golden --against FOLDER_OF_BEFORE"
 
 screenshots: $(VENV)/installed-dev
 	rm -rf runs/screenshots
