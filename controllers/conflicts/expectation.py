@@ -108,8 +108,9 @@ class Expectation(NamedTuple):
     lets_go: NDArray[np.bool_]
     """Who has stood so long before the waiting ego that it may go first."""
     comes: FloatArray | None
-    """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
-    who stand on a crossing and will walk on; nan for others, ``None`` for nobody [m/s]."""
+    """Across speed of those who walk to where their crossing begins, in the lane or through it, of those who
+    stand on a crossing and will walk on, and, for an ego that stands, of those who have priority and are about
+    to cross; nan for others, ``None`` for nobody [m/s]."""
 
 
 def expected(
@@ -138,8 +139,12 @@ def expected(
     enters = np.array([why is not _Why.STAYS for _, why in movements], dtype=np.bool_)
     assumed = np.array([why in (_Why.TURNS, _Why.COMES) for _, why in movements], dtype=np.bool_)
     comes = None
-    if any(why is _Why.COMES for _, why in movements):
-        comes = np.array([speed if why is _Why.COMES else math.nan for speed, why in movements])
+    known = {_Why.COMES}
+    if perception.ego.speed < assume.waiting_below:
+        # Who is about to cross beside an ego that stands is not behind it, nor let pass: it does not start.
+        known.add(_Why.TURNS)
+    if any(why in known for _, why in movements):
+        comes = np.array([speed if why in known else math.nan for speed, why in movements])
     if forecast is not None:
         enters |= _enters(forecast, road, assume) & (people.crossing < 0)
     return Expectation(

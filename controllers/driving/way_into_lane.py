@@ -13,6 +13,9 @@ MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
 """It takes this distance, or this time [m, s]."""
 SPACING = 0.5
 """Between the places that are looked at [m]."""
+WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
+"""Whoever walks along the road is met elsewhere: of such a speed, with at least such a one of approach, and so
+far ahead at most [m/s, m/s, s]."""
 
 
 def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
@@ -41,7 +44,7 @@ def people_beside(
 ) -> tuple[NDArray[np.intp], FloatArray]:
     """Return who is near a way, by index, shape (n,), and where in its plane, (n, 2) [m].
 
-    Along the route those at a crossing are told in a frame of that crossing, which says little in a bend.
+    Those who walk along the road count where the ego meets them.
 
     Parameters
     ----------
@@ -49,7 +52,24 @@ def people_beside(
     way : as :func:`poses` returns it, (3, k)
     aside : how far beside the rear axle's way to look [m]
     """
-    places, _ = people_in_plane(perception.ego, perception.road, perception.pedestrians)
+    places = _meeting_places(perception)
     apart = np.hypot(places[:, :1] - way[0], places[:, 1:] - way[1]).min(axis=1)
     who = np.flatnonzero(apart - perception.pedestrians.radius < aside)
     return who, places[who]
+
+
+def _meeting_places(perception: Perception) -> FloatArray:
+    """Return where the ego gets to everybody, in the plane, shape (n, 2) [m].
+
+    The places in the world, since along the route those at a crossing are told in a frame of that crossing,
+    which says little in a bend.
+    """
+    ego, people = perception.ego, perception.pedestrians
+    places, _ = people_in_plane(ego, perception.road, people)
+    gap = people.along - ego.body.front
+    walk = (people.crossing < 0) & (np.abs(people.along_speed) > WALKING) & (gap > 0.0)
+    if walk.any():
+        until = np.minimum(gap / np.maximum(ego.speed - people.along_speed, CLOSING), FORESEEN_S)
+        there, _ = to_plane(perception.road, people.along + until * people.along_speed, people.across)
+        places = np.where(walk[:, None], there, places)
+    return places

@@ -46,18 +46,22 @@ def discs(
     times
         From now, shape (K,) [s].
     walk_on
-        After which time the others stand [s].
+        After which time the others stand [s]. Those who are at no crossing go on along the road: only what
+        leads them across it ends.
     across_speed
         Of those of all whose movement is known better than by their velocity: straight across the road where
         they are; nan for others [m/s].
     """
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
+    _, heading = to_plane(perception.road, people.along, people.across)
     if across_speed is not None:
-        _, heading = to_plane(perception.road, people.along, people.across)
         across = across_speed[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
         velocities = np.where(np.isnan(across), velocities, across)
-    on = velocities[who, :, None] * np.minimum(times, walk_on)
+    ahead = np.column_stack((np.cos(heading), np.sin(heading)))
+    kept = np.where(people.crossing < 0, (velocities * ahead).sum(axis=1), 0.0)[:, None] * ahead
+    stopped = np.minimum(times, walk_on)
+    on = (velocities - kept)[who, :, None] * stopped + kept[who, :, None] * times
     if forecast is None:
         gone = velocities[who, :, None] * times
         reach = np.zeros((len(who), len(times)))
@@ -65,8 +69,7 @@ def discs(
         # What a forecast says about the way from here, in the frame of the road where each of them is.
         there, here = forecast.at(times), forecast.at(np.zeros(1))
         along, across = (there.along - here.along)[who], (there.across - here.across)[who]
-        _, heading = to_plane(perception.road, people.along[who], people.across[who])
-        cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        cosine, sine = ahead[who, :1], ahead[who, 1:]
         gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
         reach = there.reach[who]
     moves = walks[who, None]

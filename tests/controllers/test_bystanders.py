@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,6 +71,17 @@ def test_the_front_swings_out_of_a_bend() -> None:
     straight, turning = (_beside(perception(ego(), one, [outside])) for one in (straight_road(), road))
     assert straight.least(1) == pytest.approx([0.3])
     assert turning.least(1)[0] < 0.0, "a front that swings out comes nearer than the band says"
+
+
+def test_somebody_who_walks_towards_the_ego_counts_where_they_meet() -> None:
+    road = bend(straight_road(), 10.0, 8.0, 12.0)
+    beyond = Walker(40.0, -(0.5 * BODY.width + 0.25 + 0.3))
+    speed = 4.0
+    stands, comes = (
+        _beside(perception(ego(speed=speed), road, [replace(beyond, along_speed=v)])) for v in (0.0, -3.0)
+    )
+    assert stands.least(1) == pytest.approx([0.3], abs=0.02)
+    assert comes.least(1)[0] < 0.0, "in the bend, where the front swings out"
 
 
 def _passed(gap: float, lane_width: float) -> Ride:

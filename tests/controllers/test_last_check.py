@@ -68,6 +68,15 @@ def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
     assert _checked(replace(steps_out, across=-0.9), enters=False).status == SHIELDED
 
 
+def test_somebody_who_walks_along_the_road_goes_on_and_is_not_waited_for_to_stand() -> None:
+    in_the_lane, speed = Walker(11.6, 0.8), 5.0
+    assert _checked(in_the_lane, speed, enters=False).status == "ok"
+    towards = replace(in_the_lane, along_speed=-1.4)
+    assert _checked(towards, speed, enters=False).status == SHIELDED
+    at_a_crossing = replace(towards, crossing=0)
+    assert _checked(at_a_crossing, speed, enters=False).status == "ok"
+
+
 def test_somebody_who_walks_may_step_aside_and_counts_with_more_distance() -> None:
     beside = 0.5 * BODY.width + 0.25 + 0.2
     assert _checked(Walker(5.0, beside, 0.0, 0.0), speed=5.0).status == "ok"
