@@ -108,9 +108,9 @@ class Expectation(NamedTuple):
     lets_go: NDArray[np.bool_]
     """Who has stood so long before the waiting ego that it may go first."""
     comes: FloatArray | None
-    """Across speed of those who walk to where their crossing begins, in the lane or through it, of those who
-    stand on a crossing and will walk on, and, for an ego that stands, of those who have priority and are about
-    to cross; nan for others, ``None`` for nobody [m/s]."""
+    """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
+    who stand on a crossing and will walk on; for an ego that stands, of those too who have priority and are
+    about to cross. nan for others, ``None`` for nobody [m/s]."""
 
 
 def expected(

@@ -14,8 +14,8 @@ MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
 SPACING = 0.5
 """Between the places that are looked at [m]."""
 WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
-"""Whoever walks along the road is met elsewhere: of such a speed, with at least such a one of approach, and so
-far ahead at most [m/s, m/s, s]."""
+"""Pedestrians who walk along the road this fast are met elsewhere; the least closing speed, and how far ahead
+they are followed [m/s, m/s, s]."""
 
 
 def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
