@@ -92,8 +92,8 @@ study-crossings: $(VENV)/installed
 
 papers: $(VENV)/installed-papers
 	rm -rf runs/papers
-	$(BIN)/cosim papers --out runs/papers
-	$(BIN)/python -m cosim.papers.page runs/papers docs
+	$(BIN)/python -m studies.papers --out runs/papers
+	$(BIN)/python -m studies.papers.page runs/papers docs
 
 study-papers: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/papers.toml --out runs/study-papers

@@ -43,11 +43,11 @@ app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("report")(report_command.report)
 app.command("conformance")(conformance.conformance)
-app.command("papers")(papers.papers)
 app.command("inspect")(inspect_command.inspect)
 app.command("plot")(plot_command.plot)
 app.command("replay")(replay_command.replay)
 app.command("list")(listing.show)
+app.command("papers", hidden=True, context_settings=papers.ANYTHING)(papers.papers)
 
 
 def _show_version(wanted: bool) -> None:

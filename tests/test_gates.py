@@ -45,7 +45,7 @@ CLEAN = (
     "cosim/inventory.py",
     "cosim/world.py",
     "cosim/conformance/__init__.py",
-    "cosim/papers/__init__.py",
+    "studies/papers/__init__.py",
     "cosim/sumo/first.py",
     "controllers/catalog.py",
     "controllers/strategies/first.py",

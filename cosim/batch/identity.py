@@ -25,8 +25,7 @@ WITHOUT_INFLUENCE = (
         "analysis/statistics",
         "analysis/study",
     ),
-    *("cosim/batch", "cosim/check", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/papers"),
-    "cosim/suites",
+    *("cosim/batch", "cosim/check", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/suites"),
 )
 """How paths of our own source begin that no number of a run depends on."""
 STRATEGIES = "controllers/strategies/"

@@ -253,6 +253,15 @@ def source_environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
 
 
+@pytest.mark.parametrize("arguments", [[], ["003", "--out", "results"], ["--help"]])
+def test_the_command_of_earlier_versions_says_where_the_papers_experiments_are(
+    capsys: pytest.CaptureFixture[str], arguments: list[str]
+) -> None:
+    assert "make papers" in refused(capsys, "papers", *arguments)
+    assert main(["--help"]) == 0
+    assert "papers" not in capsys.readouterr().out
+
+
 def test_help_shows_examples_and_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "--help"]) == 0
     text = capsys.readouterr().out

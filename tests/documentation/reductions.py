@@ -36,7 +36,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "check", "suite:"): ONE_CASE,
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance"): ("route",),
-    ("cosim", "papers"): ("003",),
+    ("python", "-m", "studies.papers"): ("003",),
 }
 """What is added to a command that begins with these words; the first that fits. The last word is a prefix."""
 
@@ -48,7 +48,7 @@ SLOW: Sequence[Words] = (
     ("cosim", "check", "midblock_"),
     ("cosim", "check", "suite:fmvss127", "--filter"),
     ("cosim", "check", "suite:fmvss127", "--controller", "vo_mpc", "--out"),
-    ("cosim", "papers"),
+    ("python", "-m", "studies.papers"),
     ("cosim", "replay"),
     ("python", "benchmarks/predictors.py"),
 )

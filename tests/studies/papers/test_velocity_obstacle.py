@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from controllers.conflicts.velocity_obstacle import Cone
-from cosim.papers import velocity_obstacle_scenes as scenes
-from cosim.papers.velocity_obstacle_oracle import Task, best_of
-from cosim.papers.velocity_obstacle_scenes import AHEAD, BEHIND, E1, E2, Scene
+from studies.papers.velocity_obstacle import scenes
+from studies.papers.velocity_obstacle.oracle import Task, best_of
+from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E1, E2, Scene
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,11 @@ from controllers.avoidance.program import AvoidancePlan
 from controllers.avoidance.septic_path import SepticPath
 from controllers.avoidance.velocity_cones import cone_margins
 from controllers.conflicts.velocity_obstacle import Cone
-from cosim.papers import velocity_obstacle_figures as drawings
-from cosim.papers import velocity_obstacle_scenes as scenes
-from cosim.papers.claim import Claim, compared, observed
-from cosim.papers.velocity_obstacle_oracle import Task, best_of
-from cosim.papers.velocity_obstacle_scenes import AHEAD, BEHIND, E3, risk_perception
+from studies.papers.claim import Claim, compared, observed
+from studies.papers.velocity_obstacle import figures as drawings
+from studies.papers.velocity_obstacle import scenes
+from studies.papers.velocity_obstacle.oracle import Task, best_of
+from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E3, risk_perception
 
 PAPER, NAME = "000", "E3"
 STARTS, SEED = 6, 1

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from controllers.avoidance.septic_path import SepticPath
 from controllers.interface import FloatArray
-from cosim.papers.velocity_obstacle_scenes import RADIUS, STEP, Scene, people
-from cosim.papers.velocity_obstacle_search import Spread
+from studies.papers.velocity_obstacle.scenes import RADIUS, STEP, Scene, people
+from studies.papers.velocity_obstacle.search import Spread
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")

@@ -12,9 +12,9 @@ from typing import Any
 from controllers.interface import Drive
 from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
 from controllers.speed_plans.trapezoid_profile import plan_trapezoid
-from cosim.papers import intermediate_speed_figures as drawings
-from cosim.papers.claim import Claim, compared, observed
-from cosim.papers.intermediate_speed_drives import (
+from studies.papers.claim import Claim, compared, observed
+from studies.papers.intermediate_speed import figures as drawings
+from studies.papers.intermediate_speed.drives import (
     Driven,
     Parameters,
     driven,

@@ -11,9 +11,9 @@ from controllers import catalog
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from cosim.loop import ToWorld
 from cosim.loop import run as run_loop
-from cosim.papers.velocity_obstacle_scenes import LISTED_AT_ONE, START_SPEED, Scene
 from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
 from cosim.world import Snapshot
+from studies.papers.velocity_obstacle.scenes import LISTED_AT_ONE, START_SPEED, Scene
 
 TOP_SPEED = 15.0
 

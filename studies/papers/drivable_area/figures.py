@@ -17,8 +17,8 @@ from controllers.drivable_area.evaluation import Verdict
 from controllers.drivable_area.pareto_search import Front
 from controllers.drivable_area.reaction_space import ReactionSpace
 from controllers.interface import FloatArray
-from cosim.papers.drivable_area_rides import Ride
-from cosim.papers.drivable_area_scenes import (
+from studies.papers.drivable_area.rides import Ride
+from studies.papers.drivable_area.scenes import (
     GRIP,
     LANE_WIDTH,
     OWN,

@@ -1,4 +1,4 @@
-"""``cosim papers``: what it writes, what it refuses, and that the documentation shows it."""
+"""``python -m studies.papers``: what it writes, what it refuses, and that the documentation shows it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from cosim.cli import main
 from cosim.errors import InputError
-from cosim.papers.claim import Status, compared, observed
-from cosim.papers.experiments import EXTRA, found
-from cosim.papers.page import markdown, titles
-from cosim.papers.table import COLUMNS, read_claims, write_claims
-from tests.cosim.test_cli import refused, source_environment
+from studies.papers.__main__ import main
+from studies.papers.catalog import EXTRA, found
+from studies.papers.claim import Status, compared, observed
+from studies.papers.page import markdown, titles
+from studies.papers.table import COLUMNS, read_claims, write_claims
+from tests.cosim.test_cli import source_environment
 
 DOCUMENTATION = Path(__file__).resolve().parents[3] / "docs"
 QUICK = "003"
@@ -32,6 +32,14 @@ CLAIMS = [
 def _cpu_time_of_children() -> float:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """Run a command that must be refused, and return its one line."""
+    assert main(arguments) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("papers: ")
+    return str(line)
 
 
 def _contents(folder: Path) -> dict[str, bytes]:
@@ -77,7 +85,7 @@ def test_the_page_has_every_claim_in_a_table_and_every_figure_under_its_paper() 
 def test_an_unknown_paper_is_answered_by_those_that_exist(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    line = refused(capsys, "papers", "999", "--out", str(tmp_path / "out"))
+    line = refused(capsys, "999", "--out", str(tmp_path / "out"))
     assert "'999'" in line
     assert QUICK in line
     assert not (tmp_path / "out").exists()
@@ -85,7 +93,7 @@ def test_an_unknown_paper_is_answered_by_those_that_exist(
 
 def test_a_folder_with_files_in_it_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    assert "files in it" in refused(capsys, "papers", QUICK, "--out", str(tmp_path))
+    assert "files in it" in refused(capsys, QUICK, "--out", str(tmp_path))
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
@@ -94,16 +102,16 @@ def test_a_missing_package_is_named_with_how_to_get_it(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)  # what an import of something not installed meets
-    line = refused(capsys, "papers", "--out", str(tmp_path / "out"))
+    line = refused(capsys, "--out", str(tmp_path / "out"))
     assert package in line
-    assert "pip install 'sumo-cosim[papers]'" in line
+    assert "pip install -e '.[papers]'" in line
 
 
 def test_one_paper_twice_gives_the_same_files_and_its_counts(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     for name in ("first", "second"):
-        assert main(["papers", QUICK, "--out", str(tmp_path / name)]) == 0
+        assert main([QUICK, "--out", str(tmp_path / name)]) == 0
     shown = capsys.readouterr().out
     claims = read_claims(tmp_path / "first" / "claims.csv")
     assert {claim.paper for claim in claims} == {QUICK}
@@ -119,7 +127,7 @@ def test_one_paper_twice_gives_the_same_files_and_its_counts(
 
 @pytest.mark.slow
 def test_all_papers_twice_give_the_same_files_within_five_minutes(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "cosim.cli", "papers", "--out"]
+    command = [sys.executable, "-m", "studies.papers", "--out"]
     for name in ("first", "second"):
         begun = _cpu_time_of_children()
         subprocess.run(

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from controllers.field.potential_field import Gains
 from controllers.prediction.direction_choice import ANGLES, DirectionModel
-from cosim.papers.potential_field_scenes import EDGE, SCENES, Scene, Track, field_of
-from cosim.papers.potential_field_spread import EXAMPLE
+from studies.papers.potential_field.scenes import EDGE, SCENES, Scene, Track, field_of
+from studies.papers.potential_field.spread import EXAMPLE
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 VARIABLE: Final = "#0072B2"

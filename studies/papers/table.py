@@ -12,7 +12,7 @@ from rich import box
 from rich.table import Table
 
 from cosim.errors import InputError
-from cosim.papers.claim import Claim, Status
+from studies.papers.claim import Claim, Status
 
 COLUMNS = tuple(field.name for field in fields(Claim))
 

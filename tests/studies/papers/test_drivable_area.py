@@ -12,10 +12,10 @@ import pytest
 from controllers.drivable_area.costs import SpeedRisk
 from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
-from cosim.papers import drivable_area
-from cosim.papers.claim import Claim, Status
-from cosim.papers.drivable_area_rides import driven
-from cosim.papers.drivable_area_scenes import (
+from studies.papers.claim import Claim, Status
+from studies.papers.drivable_area import experiments
+from studies.papers.drivable_area.rides import driven
+from studies.papers.drivable_area.scenes import (
     GRIP,
     RULES,
     SITUATIONS,
@@ -36,7 +36,7 @@ FIGURES = ("candidates", "curvature", "pareto-front", "rides", "speed-profiles")
 def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]:
     """Run all experiments once."""
     folder = tmp_path_factory.mktemp("figures")
-    return drivable_area.run(folder), folder
+    return experiments.run(folder), folder
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
 @pytest.mark.slow
 def test_a_second_run_gives_the_same_bytes(results: tuple[list[Claim], Path], tmp_path: Path) -> None:
     claims, folder = results
-    assert drivable_area.run(tmp_path) == claims
+    assert experiments.run(tmp_path) == claims
     for path in folder.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 

@@ -1,6 +1,6 @@
-"""``make papers``: the documentation's page of the papers' claims, from a folder of ``cosim papers``.
+"""``make papers``: the documentation's page of the papers' claims, from a folder of their experiments.
 
-``python -m cosim.papers.page FOLDER DOCS`` copies the claims and the figures to ``DOCS/papers`` and writes
+``python -m studies.papers.page FOLDER DOCS`` copies the claims and the figures to ``DOCS/papers`` and writes
 ``DOCS/papers.md`` from them.
 """
 
@@ -12,10 +12,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cosim.errors import InputError
-from cosim.papers.claim import Claim, Status
-from cosim.papers.execution import CLAIMS, FIGURES
-from cosim.papers.experiments import found
-from cosim.papers.table import read_claims
+from studies.papers.catalog import found
+from studies.papers.claim import Claim, Status
+from studies.papers.execution import CLAIMS, FIGURES
+from studies.papers.table import read_claims
 
 _INTRODUCTION = """\
 # What became of the papers' claims
@@ -23,7 +23,7 @@ _INTRODUCTION = """\
 Each method of the papers is a controller here. Their experiments are repeated on a road without SUMO, with
 the papers' initial conditions.
 
-    cosim papers --out results/papers
+    python -m studies.papers --out results/papers
 
 runs them and writes `claims.csv` and the figures; `make papers` writes this page from them.
 
@@ -62,7 +62,7 @@ def write_page(folder: Path, documentation: Path) -> None:
     Raises
     ------
     InputError
-        If the folder is not one of ``cosim papers``.
+        If the folder has no table of claims.
     """
     claims = read_claims(folder / CLAIMS)
     copies = documentation / "papers"
@@ -123,4 +123,4 @@ if __name__ == "__main__":
     try:
         write_page(Path(sys.argv[1]), Path(sys.argv[2]))
     except InputError as problem:
-        sys.exit(f"cosim: {problem}")
+        sys.exit(f"papers: {problem}")

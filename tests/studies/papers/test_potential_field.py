@@ -9,9 +9,9 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from cosim.papers import potential_field
-from cosim.papers.claim import Claim, Status
-from cosim.papers.potential_field_scenes import (
+from studies.papers.claim import Claim, Status
+from studies.papers.potential_field import experiments
+from studies.papers.potential_field.scenes import (
     FIXED_AXIS,
     GRAVITY,
     SAFE,
@@ -21,7 +21,7 @@ from cosim.papers.potential_field_scenes import (
     driven,
     planned,
 )
-from cosim.papers.potential_field_spread import directions, gain_grid, orders
+from studies.papers.potential_field.spread import directions, gain_grid, orders
 
 SCENE = MappingProxyType({scene.name: scene for scene in SCENES})
 RIGHT_ANGLE = math.radians(90.0)
@@ -31,7 +31,7 @@ RIGHT_ANGLE = math.radians(90.0)
 def claims(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]:
     """Run all experiments once."""
     folder = tmp_path_factory.mktemp("figures")
-    return potential_field.run(folder), folder
+    return experiments.run(folder), folder
 
 
 @pytest.mark.parametrize(("name", "axis"), [("1", 18.779), ("2", 21.975), ("3", 11.841), ("4", 20.900)])
@@ -162,7 +162,7 @@ def test_the_figures_are_drawn_and_always_the_same(claims: tuple[list[Claim], Pa
         "003-distance.png",
         "003-field-and-paths.png",
     }
-    again = potential_field.run(tmp_path)
+    again = experiments.run(tmp_path)
     assert again == claims[0]
     for name in names:
         assert (tmp_path / name).read_bytes() == (claims[1] / name).read_bytes()

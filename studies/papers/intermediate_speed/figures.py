@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cosim.papers.intermediate_speed_drives import Driven
+from studies.papers.intermediate_speed.drives import Driven
 
 if TYPE_CHECKING:
-    from cosim.papers.intermediate_speed import Delayed, Pair
+    from studies.papers.intermediate_speed.experiments import Delayed, Pair
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE: Final = "#0072B2"

@@ -14,14 +14,14 @@ from controllers.avoidance.genetic import GeneticBudget
 from controllers.avoidance.program import AvoidancePlan
 from controllers.avoidance.velocity_cones import clearances
 from controllers.conflicts.velocity_obstacle import Cone
-from cosim.papers import velocity_obstacle_figures as drawings
-from cosim.papers import velocity_obstacle_scenes as scenes
-from cosim.papers.claim import Claim, compared, observed
-from cosim.papers.velocity_obstacle_lane_change import lane_change_claims, lane_change_drawing
-from cosim.papers.velocity_obstacle_oracle import Answer, Task, best_of
-from cosim.papers.velocity_obstacle_rides import TOP_SPEED, ride
-from cosim.papers.velocity_obstacle_scenes import AHEAD, BEHIND, E1, E2, RADIUS, Scene
-from cosim.papers.velocity_obstacle_search import QUICKER, Spread, spread, variation
+from studies.papers.claim import Claim, compared, observed
+from studies.papers.velocity_obstacle import figures as drawings
+from studies.papers.velocity_obstacle import scenes
+from studies.papers.velocity_obstacle.lane_change import lane_change_claims, lane_change_drawing
+from studies.papers.velocity_obstacle.oracle import Answer, Task, best_of
+from studies.papers.velocity_obstacle.rides import TOP_SPEED, ride
+from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E1, E2, RADIUS, Scene
+from studies.papers.velocity_obstacle.search import QUICKER, Spread, spread, variation
 
 PAPER = "000"
 TITLE = "Velocity obstacles: a car avoids a crossing pedestrian by speed or by a change of lane"

@@ -10,8 +10,10 @@ from controllers import catalog
 from controllers.drivable_area.clearances import Shape
 from controllers.interface import Body, Decision, FloatArray, Perception, Plan
 from cosim.loop import ToWorld, run
-from cosim.papers.claim import Claim, observed
-from cosim.papers.drivable_area_scenes import (
+from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.world import Snapshot
+from studies.papers.claim import Claim, observed
+from studies.papers.drivable_area.scenes import (
     DEAD_TIME,
     FRICTION,
     LANE_WIDTH,
@@ -24,8 +26,6 @@ from cosim.papers.drivable_area_scenes import (
     WALKER,
     Situation,
 )
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
-from cosim.world import Snapshot
 
 BEHIND = 10.0
 """So far beyond the pedestrian the time is taken [m]."""

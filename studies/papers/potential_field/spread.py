@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from controllers.field.potential_field import Field, Gains, standing
 from controllers.interface import FloatArray
 from controllers.prediction.direction_choice import ANGLES, DirectionModel, Errand
-from cosim.papers.potential_field_scenes import (
+from studies.papers.potential_field.scenes import (
     CENTRE,
     EDGE,
     FIXED_AXIS,

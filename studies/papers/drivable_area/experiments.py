@@ -10,10 +10,10 @@ from controllers.drivable_area.costs import CostWeights, SpeedRisk, speed_risk
 from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import Verdict
 from controllers.drivable_area.pareto_search import Front
-from cosim.papers import drivable_area_figures as drawings
-from cosim.papers.claim import Claim, compared, observed
-from cosim.papers.drivable_area_rides import ride_claims, rides_in
-from cosim.papers.drivable_area_scenes import (
+from studies.papers.claim import Claim, compared, observed
+from studies.papers.drivable_area import figures as drawings
+from studies.papers.drivable_area.rides import ride_claims, rides_in
+from studies.papers.drivable_area.scenes import (
     FRICTION,
     GRIP,
     NUMBER,

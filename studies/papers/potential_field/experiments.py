@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from controllers.prediction.direction_choice import DirectionModel
-from cosim.papers import potential_field_figures as drawings
-from cosim.papers.claim import Claim, compared, observed
-from cosim.papers.potential_field_scenes import (
+from studies.papers.claim import Claim, compared, observed
+from studies.papers.potential_field import figures as drawings
+from studies.papers.potential_field.scenes import (
     FIXED_AXIS,
     GRAVITY,
     LATERAL_ACCELERATION,
@@ -23,7 +23,7 @@ from cosim.papers.potential_field_scenes import (
     driven,
     planned,
 )
-from cosim.papers.potential_field_spread import EXAMPLE, Directions, Orders, directions, orders
+from studies.papers.potential_field.spread import EXAMPLE, Directions, Orders, directions, orders
 
 PAPER = "003"
 TITLE = "Potential field with a variable ellipse, and pedestrians' choice of direction"

@@ -1,4 +1,7 @@
-"""The papers whose experiments exist: the modules of this folder with ``PAPER``, ``TITLE`` and ``run``."""
+"""The papers whose experiments exist: each room of this folder has a module ``experiments``.
+
+It says which ``PAPER`` it is, its ``TITLE``, and has ``run``.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +11,13 @@ import pkgutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 
-import cosim.papers
+import studies.papers
 from cosim.errors import InputError
-from cosim.papers.claim import Claim
+from studies.papers.claim import Claim
 
 EXTRA = ("matplotlib", "pymoo")
 """Packages of the extra ``papers``; the experiments need both."""
-_CONSTANTS = ("PAPER", "TITLE", "run")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +44,9 @@ def found() -> tuple[Experiment, ...]:
     """
     for package in EXTRA:
         if importlib.util.find_spec(package) is None:
-            raise InputError(f"the papers' experiments need {package}: pip install 'sumo-cosim[papers]'")
-    modules = (
-        importlib.import_module(f"{cosim.papers.__name__}.{info.name}")
-        for info in pkgutil.iter_modules(cosim.papers.__path__)
-    )
-    experiments = [
-        _experiment(module) for module in modules if all(hasattr(module, name) for name in _CONSTANTS)
-    ]
-    return tuple(sorted(experiments, key=lambda one: (one.paper, one.module)))
+            raise InputError(f"the papers' experiments need {package}: pip install -e '.[papers]'")
+    rooms = [info.name for info in pkgutil.iter_modules(studies.papers.__path__) if info.ispkg]
+    return tuple(sorted((_experiment(room) for room in rooms), key=lambda one: one.paper))
 
 
 def chosen(papers: Sequence[str]) -> tuple[Experiment, ...]:
@@ -70,5 +65,6 @@ def chosen(papers: Sequence[str]) -> tuple[Experiment, ...]:
     return tuple(one for one in existing if not papers or one.paper in papers)
 
 
-def _experiment(module: ModuleType) -> Experiment:
+def _experiment(room: str) -> Experiment:
+    module = importlib.import_module(f"{studies.papers.__name__}.{room}.experiments")
     return Experiment(module.PAPER, module.TITLE, module.__name__)

@@ -12,9 +12,9 @@ from time import monotonic
 from pebble import ProcessPool
 
 from cosim.errors import SimulationError
-from cosim.papers.claim import Claim
-from cosim.papers.experiments import Experiment
-from cosim.papers.table import write_claims
+from studies.papers.catalog import Experiment
+from studies.papers.claim import Claim
+from studies.papers.table import write_claims
 
 FIGURES = "figures"
 CLAIMS = "claims.csv"

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.papers import intermediate_speed as experiments
-from cosim.papers.claim import Claim, Status
-from cosim.papers.intermediate_speed import Delayed, Pair
-from cosim.papers.intermediate_speed_drives import Parameters
+from studies.papers.claim import Claim, Status
+from studies.papers.intermediate_speed import experiments
+from studies.papers.intermediate_speed.drives import Parameters
+from studies.papers.intermediate_speed.experiments import Delayed, Pair
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,1 @@
+"""The drivable-area paper: its scenes, rides, claims and figures."""

@@ -1,0 +1,1 @@
+"""The intermediate-speed paper: its drives, claims and figures."""

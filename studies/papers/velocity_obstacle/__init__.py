@@ -1,0 +1,1 @@
+"""The velocity-obstacle paper: its scenes, rides, independent solver, claims and figures."""
