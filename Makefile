@@ -88,7 +88,8 @@ bench: $(VENV)/installed-bench
 	done; exit $$failed
 
 study-crossings: $(VENV)/installed
-	$(BIN)/python -m cosim.study_crossings
+	$(BIN)/cosim batch studies/crossings/crossings.toml --out runs/study-crossings --jobs $(JOBS)
+	$(BIN)/python -m studies.crossings.page runs/study-crossings
 
 papers: $(VENV)/installed-papers
 	rm -rf runs/papers
@@ -96,17 +97,17 @@ papers: $(VENV)/installed-papers
 	$(BIN)/python -m studies.papers.page runs/papers docs
 
 study-papers: $(VENV)/installed-papers
-	$(BIN)/cosim batch studies/papers.toml --out runs/study-papers
-	$(BIN)/python -m analysis.method_study runs/study-papers docs/study-papers.md
+	$(BIN)/cosim batch studies/methods/methods.toml --out runs/study-papers
+	$(BIN)/python -m studies.methods.page runs/study-papers docs/study-papers.md
 
 study-roadside: $(VENV)/installed-papers
-	$(BIN)/cosim batch studies/roadside.toml --out runs/study-roadside --jobs $(JOBS)
-	$(BIN)/python -m cosim.study_roadside runs/study-roadside docs/study-roadside.md
+	$(BIN)/cosim batch studies/roadside/roadside.toml --out runs/study-roadside --jobs $(JOBS)
+	$(BIN)/python -m studies.roadside.page runs/study-roadside docs/study-roadside.md
 
 study-solvers: $(VENV)/installed-bench
-	$(BIN)/cosim batch studies/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)
-	$(BIN)/cosim batch studies/solvers_paper.toml --out runs/study-solvers/paper --jobs $(JOBS)
-	$(BIN)/python benchmarks/solver_study.py runs/study-solvers
+	$(BIN)/cosim batch studies/solvers/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)
+	$(BIN)/cosim batch studies/solvers/solvers_paper.toml --out runs/study-solvers/paper --jobs $(JOBS)
+	$(BIN)/python -m studies.solvers.page runs/study-solvers
 
 # 1: a controller fails a case, which is what the table is to show.
 protocols: $(VENV)/installed-papers
@@ -127,7 +128,7 @@ golden: $(VENV)/installed
 screenshots: $(VENV)/installed-dev
 	rm -rf runs/screenshots
 	$(BIN)/cosim batch studies/screenshots.toml --out runs/screenshots --jobs $(JOBS)
-	$(BIN)/python -m cosim.screenshots runs/screenshots docs/images
+	$(BIN)/python -m studies.screenshots runs/screenshots docs/images
 
 # Not --quiet: it keeps warnings from being errors. NO_MKDOCS_2_WARNING: what the theme's makers have to say on every build.
 docs: $(VENV)/installed-docs

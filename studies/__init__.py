@@ -1,1 +1,1 @@
-"""Published studies: files for ``cosim batch``, and the Python that makes their pages; not installed."""
+"""Published studies and the papers' experiments, with the Python that makes their pages; not installed."""

@@ -18,13 +18,7 @@ from cosim.provenance import Inputs
 
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
-    *(
-        "analysis/criteria",
-        "analysis/crossing_",
-        "analysis/protocols",
-        "analysis/statistics",
-        "analysis/study",
-    ),
+    *("analysis/criteria", "analysis/protocols", "analysis/statistics", "analysis/study"),
     *("cosim/batch", "cosim/check", "cosim/cli", "cosim/commands", "cosim/conformance", "cosim/suites"),
 )
 """How paths of our own source begin that no number of a run depends on."""

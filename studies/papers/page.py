@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cosim.errors import InputError
+from studies.markdown import table
 from studies.papers.catalog import found
 from studies.papers.claim import Claim, Status
 from studies.papers.execution import CLAIMS, FIGURES
@@ -83,40 +84,33 @@ def titles() -> dict[str, str]:
 
 
 def _summary(claims: Sequence[Claim], papers: Sequence[str], titles: Mapping[str, str]) -> str:
-    lines = [_line(("paper", "", *(status.value for status in Status))), _line(["---"] * 5)]
+    rows = []
     for paper in papers:
         mine = [claim.status for claim in claims if claim.paper == paper]
-        lines.append(_line((paper, titles[paper], *(str(mine.count(status)) for status in Status))))
-    return "\n".join(lines) + "\n"
+        rows.append((paper, titles[paper], *(str(mine.count(status)) for status in Status)))
+    return table(("paper", "", *(status.value for status in Status)), rows) + "\n"
 
 
 def _table(claims: Sequence[Claim]) -> str:
-    lines = [_line(_HEADINGS), _line(["---"] * len(_HEADINGS))]
-    lines += [
-        _line(
-            (
-                claim.experiment,
-                claim.claim,
-                claim.paper_value,
-                claim.our_value,
-                claim.unit,
-                claim.tolerance,
-                f"**{claim.status}**" if claim.status is Status.NOT_REPRODUCED else claim.status.value,
-                claim.why,
-            )
+    rows = [
+        (
+            claim.experiment,
+            claim.claim,
+            claim.paper_value,
+            claim.our_value,
+            claim.unit,
+            claim.tolerance,
+            f"**{claim.status}**" if claim.status is Status.NOT_REPRODUCED else claim.status.value,
+            claim.why,
         )
         for claim in claims
     ]
-    return "\n".join(lines) + "\n"
+    return table(_HEADINGS, rows) + "\n"
 
 
 def _figure(name: str) -> str:
     what = Path(name).stem.partition("-")[2].replace("-", " ").replace("_", " ")
     return f"![{what}](papers/{name})\n"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
 
 
 if __name__ == "__main__":

@@ -10,7 +10,8 @@ from analysis.errors import StudyError
 from analysis.study_runs import find_run_folders, read_runs
 from cosim.batch.matrix import build_matrix
 from cosim.batch.study import read_study
-from cosim.study_roadside import against, cells, write_page
+from studies.roadside.cells import against, cells
+from studies.roadside.page import write_page
 from tests.analysis.study_folders import write_study_run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -90,7 +91,7 @@ def test_the_page_keeps_what_stands_above_its_tables(tmp_path: Path) -> None:
 
 
 def test_the_study_file_asks_for_every_sensing_and_multiplies_only_what_depends_on_it() -> None:
-    file = ROOT / "studies/roadside.toml"
+    file = ROOT / "studies/roadside/roadside.toml"
     matrix = build_matrix(read_study(file), file)
     asked = [(one.controller, one.sensing) for one in matrix.configurations]
     # Two things that hide; three latencies where there is radio; two paces for vo_mpc.

@@ -1,9 +1,7 @@
-"""The table of ``make study-solvers``: what the choice of a solver changes in closed loop.
+"""``python -m studies.solvers.page FOLDER``: what the choice of a solver changes in closed loop.
 
-    python benchmarks/solver_study.py FOLDER
-
-FOLDER holds the batches of ``studies/solvers.toml`` and ``studies/solvers_paper.toml``; the table is printed
-as Markdown.
+FOLDER holds the batches of ``solvers.toml`` and ``solvers_paper.toml``, which lie beside this file; the table
+is printed as Markdown, for docs/performance.md.
 """
 
 from __future__ import annotations
@@ -11,10 +9,10 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
-from measuring.markdown import table
+
+from studies.markdown import table
 
 MODELS = {"closed_loop": "vo_mpc", "paper": "vo_mpc, model=paper"}
 
@@ -58,7 +56,7 @@ def read(folder: Path) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def lines(runs: pd.DataFrame) -> list[dict[str, Any]]:
+def lines(runs: pd.DataFrame) -> list[dict[str, str]]:
     """Return a line for each model and solver; times are medians over the runs."""
     found = []
     for (model, solver), group in runs.groupby(["model", "solver"]):
@@ -67,8 +65,8 @@ def lines(runs: pd.DataFrame) -> list[dict[str, Any]]:
         found.append(
             {
                 "controller": MODELS[str(model)],
-                "solver": solver,
-                "runs": len(group),
+                "solver": str(solver),
+                "runs": str(len(group)),
                 "entered encounters": f"{total['entered']:.0f}",
                 "contacts": f"{total['contacts']:.0f}",
                 "mean delay s": f"{delay:.2f}",
@@ -86,4 +84,5 @@ def lines(runs: pd.DataFrame) -> list[dict[str, Any]]:
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    print(table(lines(read(Path(sys.argv[1])))))
+    found = lines(read(Path(sys.argv[1])))
+    print(table(list(found[0]), [list(line.values()) for line in found]))

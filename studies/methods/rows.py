@@ -1,61 +1,21 @@
-"""The methods of the papers against each other in traffic: one table for each scenario and demand.
-
-``python -m analysis.method_study STUDY PAGE`` reads the runs of a study's folder and writes their tables
-below the line ``## Tables`` of a page, which keeps what stands above it.
-"""
+"""One method under one condition: what its runs come to."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from analysis.errors import StudyError
 from analysis.run import RecordedRun, read_run
 from analysis.statistics.intervals import FloatArray, Interval, share_interval
-from analysis.study_design import Condition, Study, read_study
-from analysis.study_runs import StudyRun, find_run_folders
+from analysis.study_design import Condition, Study
+from analysis.study_runs import StudyRun
 
 NEAR_M = 45.0
 """Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
 EVERY_S = 1.0
 """How often the people near an ego are counted [s]."""
-TABLES = "## Tables"
-
-_HEADINGS = (
-    "method",
-    "valid runs",
-    "people at once",
-    "encounters",
-    "contacts",
-    "contacts per encounter (95 %)",
-    "least TTC [s]",
-    "TTC < 1.5 s",
-    "delay of a trip [s]",
-    "jerk, p95 [m/s³]",
-    "unsolved steps",
-    "control step, p95 [ms]",
-)
-_INTRODUCTION = """\
-# The methods of the papers in traffic
-
-What none of the papers did: every method drives through the same streets, past the same people and
-vehicles, on the same seeds.
-
-    make study-papers
-
-runs `studies/papers.toml` and writes the tables below. It is resumed by the same command.
-
-People at once: how many are within 45 m of an ego, on average over the time in which it is within 45 m of a
-crossing. An encounter counts when the pedestrian was on the crossing or in the ego's path, or was touched;
-its contacts come from recorded shapes, continuous between samples. The interval of their share is exact for
-independent encounters, which those of one run need not be. Least TTC is that of all these runs; delay is
-against the speed limit, with what it is by then where a trip has not ended; jerk and control step are means
-over the runs of the run's 95th percentile. The control step is wall-clock time, measured beside other runs.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,30 +63,6 @@ def people_at_once(run: RecordedRun) -> float | None:
         )
         counts.append(np.count_nonzero(away < NEAR_M))
     return float(np.mean(counts)) if counts else None
-
-
-def markdown(study: Study) -> str:
-    """Return all tables."""
-    blocks = [_block(condition, rows(study, condition)) for condition in study.conditions]
-    return "\n".join(blocks)
-
-
-def write_page(folder: Path, page: Path) -> None:
-    """Write the tables of a study into a page, below whatever stands above them.
-
-    Raises
-    ------
-    StudyError
-        If there are no runs in the folder, or they cannot be read.
-    """
-    folders = find_run_folders(folder)
-    if not folders:
-        raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    above = _INTRODUCTION
-    if page.exists():
-        above = page.read_text(encoding="utf-8").partition(TABLES)[0].rstrip("\n") + "\n"
-    text = f"{above}\n{TABLES}\n\n{markdown(read_study(folders))}"
-    page.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _row(label: str, runs: Sequence[StudyRun]) -> Row:
@@ -177,44 +113,3 @@ def _per_ego(runs: Sequence[StudyRun], name: str) -> float | None:
 def _mean(values: Sequence[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None
-
-
-def _block(condition: Condition, found: Sequence[Row]) -> str:
-    lines = [f"### {condition.scenario_id}, {condition.text}".rstrip(", "), "", _line(_HEADINGS)]
-    lines.append(_line(["---"] * len(_HEADINGS)))
-    return "\n".join([*lines, *(_line(_cells(row)) for row in found)]) + "\n"
-
-
-def _cells(row: Row) -> list[str]:
-    share = f"{row.contacts / row.encounters:.1%}" if row.encounters else ""
-    if row.contact_share is not None:
-        share += f" ({row.contact_share.low:.1%} … {row.contact_share.high:.1%})"
-    return [
-        row.method,
-        f"{row.valid} of {row.runs}",
-        _number(row.people_at_once, ".1f"),
-        str(row.encounters),
-        f"**{row.contacts}**",
-        share,
-        _number(row.least_ttc, ".2f"),
-        str(row.short_ttc),
-        _number(row.delay, ".1f"),
-        _number(row.jerk, ".1f"),
-        str(row.unsolved),
-        _number(row.control_ms, ".1f"),
-    ]
-
-
-def _number(value: float | None, layout: str) -> str:
-    return "" if value is None else format(value, layout)
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
-
-
-if __name__ == "__main__":
-    try:
-        write_page(Path(sys.argv[1]), Path(sys.argv[2]))
-    except StudyError as problem:
-        sys.exit(f"cosim: {problem}")

@@ -1,6 +1,6 @@
 """``make screenshots``: pictures of a report and of a replay.
 
-``python -m cosim.screenshots STUDY_DIR OUT_DIR`` takes them of a finished study. It needs
+``python -m studies.screenshots STUDY_DIR OUT_DIR`` takes them of a finished study. It needs
 Playwright and Chromium, as the tests of the page do.
 """
 
@@ -23,12 +23,12 @@ def main(study: Path, out: Path) -> int:
 
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
-        print(f"cosim: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
+        print(f"screenshots: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
         return 2
     try:
         page, _ = write([study])
     except CosimError as error:
-        print(f"cosim: {error}", file=sys.stderr)
+        print(f"screenshots: {error}", file=sys.stderr)
         return 2
     out.mkdir(parents=True, exist_ok=True)
     for path in take(page, out, browser):
@@ -59,5 +59,5 @@ def take(report: Path, out: Path, browser: str) -> list[Path]:
 
 if __name__ == "__main__":
     if len(sys.argv) != 3:
-        sys.exit("usage: python -m cosim.screenshots STUDY_DIR OUT_DIR")
+        sys.exit("usage: python -m studies.screenshots STUDY_DIR OUT_DIR")
     sys.exit(main(Path(sys.argv[1]), Path(sys.argv[2])))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.crossing_study import passages, summary
-from analysis.crossing_table import markdown
+from analysis.errors import StudyError
+from studies.crossings.page import write_page
+from studies.crossings.summary import KEYS, POOLED, passages, summary
+from studies.crossings.table import markdown
 
 DEMAND = {"scenario_id": "road", "vehicles_per_hour": 600.0, "pedestrians_per_hour": 300.0}
 COUNTS = [
@@ -81,3 +86,22 @@ def test_the_table_has_a_block_for_all_demands_and_one_for_each() -> None:
     text = markdown(summary(runs, encounters), pooled)
     assert text.index("### road, all demands") < text.index("### road, 600 veh/h")
     assert "-4.0 (-9.0 … +1.0)" in text
+
+
+def test_the_tables_are_written_into_the_folder_of_the_study(tmp_path: Path) -> None:
+    with pytest.raises(StudyError, match="no runs"):
+        write_page(tmp_path)
+    runs, encounters = _runs(), _encounters()
+    for (name, seed), mine in runs.groupby(["controller", "seed"]):
+        folder = tmp_path / "runs" / f"{name}-{seed}"
+        folder.mkdir(parents=True)
+        about = {"controller": name, "parameters": {"scenario": DEMAND}}
+        (folder / "run.json").write_text(json.dumps(about))
+        known = KEYS[1:]
+        mine.drop(columns=known).to_csv(folder / "runs.csv", index=False)
+        met = encounters[(encounters["controller"] == name) & (encounters["seed"] == seed)]
+        met.drop(columns=known).to_csv(folder / "encounters.csv", index=False)
+    text = write_page(tmp_path)
+    assert (tmp_path / "study.md").read_text() == text
+    assert text == markdown(summary(runs, encounters), summary(runs, encounters, POOLED))
+    assert len(pd.read_csv(tmp_path / "study.csv")) == 2

@@ -1,0 +1,1 @@
+"""Controllers at mid-block crossings, on the same seeds: ``make study-crossings``."""

@@ -1,0 +1,39 @@
+"""``python -m studies.crossings.page STUDY``: the tables of the runs of ``studies/crossings/crossings.toml``.
+
+Writes ``study.csv`` and ``study.md`` into the folder of the study.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from analysis.errors import StudyError
+from studies.crossings.summary import POOLED, read_study, summary
+from studies.crossings.table import markdown
+
+
+def write_page(folder: Path) -> str:
+    """Write the tables of a study into its folder and return them as Markdown.
+
+    Raises
+    ------
+    StudyError
+        If there are no analysed runs in the folder.
+    """
+    folders = [path.parent for path in (folder / "runs").glob("*/runs.csv")]
+    if not folders:
+        raise StudyError(f"{folder}: no runs; cosim batch makes them")
+    runs, encounters = read_study(folders)
+    table = summary(runs, encounters)
+    table.to_csv(folder / "study.csv", index=False, float_format="%.6g")
+    text = markdown(table, summary(runs, encounters, POOLED))
+    (folder / "study.md").write_text(text, encoding="utf-8", newline="\n")
+    return text
+
+
+if __name__ == "__main__":
+    try:
+        print(write_page(Path(sys.argv[1])))
+    except StudyError as problem:
+        sys.exit(f"crossings: {problem}")
