@@ -1,4 +1,4 @@
-"""How a pedestrian walks: a Markov chain of speeds, and a push away from a near car."""
+"""How a controller takes pedestrians to walk: a Markov chain of speeds, and a push away from a near car."""
 
 from __future__ import annotations
 
@@ -49,6 +49,10 @@ class Aims:
 @dataclass(frozen=True, slots=True)
 class SocialForceModel:
     """v(t + h) = v̄ + (v − v̄) e^(−h/τ) + ε, and a push of A e^(γ (r_v + r_p − d)) along the line from the car.
+
+    What a controller or a predictor assumes. Nobody in the world walks by this code: scripted pedestrians
+    have a model and parameters of their own, so that no forecast knows the truth. Both begin with the values
+    of the same paper.
 
     Notes
     -----

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from controllers.drivable_area.social_force import Aims, CarOutline, SocialForceModel, Walkers
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.scene import RADIUS, FloatArray, RoadUser, Scene, State
 from cosim.pedestrians.walker import Walker
+from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 
 LONGEST_STEP = 0.05
 """[s]"""
@@ -36,7 +36,7 @@ class SocialForce:
 
     walker: Walker
     seed: int = 1
-    model: SocialForceModel = field(default_factory=SocialForceModel)
+    model: WalkingModel = field(default_factory=WalkingModel)
 
     def first(self, scene: Scene) -> State | None:
         """Return him standing at the beginning, once he is there."""
@@ -75,19 +75,11 @@ class SocialForce:
     def _walked(self, state: State, time: float, step: float, scene: Scene) -> State:
         line = self.walker.line
         away = max(math.dist((state.x, state.y), (line.end_x, line.end_y)), 1e-9)
-        aims = Aims(
-            np.array([(line.end_x - state.x) / away]),
-            np.array([(line.end_y - state.y) / away]),
-            np.array([self.walker.pace.speed]),
-        )
-        walkers = Walkers(*(np.array([value]) for value in state.motion))
-        noise = np.random.default_rng((self.seed, round(time / TICK))).standard_normal(1)
-        car = _nearest(state, scene.vehicles, time - scene.time)
-        walked = self.model.walk(walkers, aims, car, step, noise)
-        x, y, x_speed, y_speed = (
-            float(values[0]) for values in (walked.x, walked.y, walked.x_speed, walked.y_speed)
-        )
-        return State(x, y, x_speed, y_speed, state.started)
+        aim = Aim((line.end_x - state.x) / away, (line.end_y - state.y) / away, self.walker.pace.speed)
+        noise = float(np.random.default_rng((self.seed, round(time / TICK))).standard_normal())
+        vehicle = _nearest(state, scene.vehicles, time - scene.time)
+        walked = self.model.walk(Motion(*state.motion), aim, vehicle, step, noise)
+        return State(walked.x, walked.y, walked.x_speed, walked.y_speed, state.started)
 
     def _is_over(self, state: State) -> bool:
         line = self.walker.line
@@ -95,16 +87,17 @@ class SocialForce:
         return (line.end_x - state.x) * east + (line.end_y - state.y) * north <= RADIUS
 
 
-def _nearest(state: State, vehicles: Sequence[RoadUser], passed: float) -> CarOutline | None:
-    """Return the vehicle whose body's middle axis is nearest, moved straight on for a time [s]."""
-    found: list[tuple[float, CarOutline]] = []
-    for one in vehicles:
-        east, north = math.cos(one.heading), math.sin(one.heading)
-        back = one.speed * passed - 0.5 * one.length
-        x, y = one.x + back * east, one.y + back * north
-        half_axis = 0.5 * max(one.length - one.width, 0.0)
-        along = (state.x - x) * east + (state.y - y) * north
-        across = (state.y - y) * east - (state.x - x) * north
-        distance = math.hypot(along - min(max(along, -half_axis), half_axis), across)
-        found.append((distance, CarOutline(x, y, one.heading, half_axis)))
-    return min(found, key=lambda pair: pair[0], default=(0.0, None))[1]
+def _nearest(state: State, vehicles: Sequence[RoadUser], passed: float) -> MiddleAxis | None:
+    """Return the vehicle whose middle axis is nearest, moved straight on for a time [s]."""
+    axes = [_axis(one, passed) for one in vehicles]
+    return min(axes, key=lambda axis: math.hypot(*axis.to(state.x, state.y)), default=None)
+
+
+def _axis(vehicle: RoadUser, passed: float) -> MiddleAxis:
+    back = vehicle.speed * passed - 0.5 * vehicle.length
+    return MiddleAxis(
+        vehicle.x + back * math.cos(vehicle.heading),
+        vehicle.y + back * math.sin(vehicle.heading),
+        vehicle.heading,
+        0.5 * max(vehicle.length - vehicle.width, 0.0),
+    )

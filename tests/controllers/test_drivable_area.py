@@ -10,9 +10,16 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import Decision, Perception, Plan
+from controllers.interface import Body, Decision, Drive, Perception, Plan
 from cosim.loop import run
-from cosim.toy_social_force import social_force_walk
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.manner import Pace
+from cosim.pedestrians.social_force import SocialForce
+from cosim.pedestrians.start import AtTime
+from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.toy_walk import ToyWalk
+from cosim.pedestrians.walker import Walker as ScriptedWalker
+from cosim.plant import Plant
 from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
@@ -131,7 +138,12 @@ def test_with_pedestrians_and_traffic_on_several_lanes_nobody_is_touched() -> No
 
 
 def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
-    crowd = [social_force_walk(45.0 + 10.0 * i, -3.0 - i, 0.5 * np.pi, seed=i) for i in range(4)]
+    ego = Plant(Body(), Drive(), 0.0, 0.0, 0.0, 12.0)
+    crowd = []
+    for i in range(4):
+        line = Line(45.0 + 10.0 * i, -3.0 - i, 45.0 + 10.0 * i, 40.0)
+        walker = ScriptedWalker(line, Pace(1.25), Steady(), AtTime(0.0), line.length)
+        crowd.append(ToyWalk(SocialForce(walker, seed=i), ego))
     ride = _ride(NARROW, crowd, duration=14.0)
     assert ride.clearance() > 0.25
 
