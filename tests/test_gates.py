@@ -24,6 +24,10 @@ VIOLATIONS = {
     "load no SUMO": ("cosim/world.py", "import traci\n"),
     "name the SUMO world": ("cosim/second_intruder.py", "import cosim.sumo.first\n"),
     "name the catalogue": ("cosim/third_intruder.py", "import controllers.catalog\n"),
+    "walk by no model of a controller": (
+        "cosim/pedestrians/intruder.py",
+        "import controllers.numerics.first\n",
+    ),
     "reached through the catalogue": ("cosim/compose.py", "import controllers.strategies.first\n"),
     "controllers are independent": (
         "controllers/strategies/second.py",
@@ -46,6 +50,7 @@ CLEAN = (
     "cosim/world.py",
     "cosim/conformance/__init__.py",
     "studies/papers/__init__.py",
+    "cosim/pedestrians/__init__.py",
     "cosim/sumo/first.py",
     "controllers/catalog.py",
     "controllers/strategies/first.py",

@@ -113,7 +113,8 @@ GOAL_UTILITIES: MappingProxyType[str, Utility] = MappingProxyType(
 class DirectionModel:
     """Utilities and choice probabilities.
 
-    E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m).
+    E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m). What a predictor assumes; jaywalkers of the
+    world draw their direction from a model and parameters of their own, so that no forecast knows the truth.
 
     Parameters
     ----------
@@ -172,10 +173,6 @@ class DirectionModel:
         utilities = self.utilities(errand)
         best = np.flatnonzero(utilities >= utilities.max() - 1e-12)
         return float(ANGLES[best[np.argmin(np.abs(ANGLES[best] - 0.5 * np.pi))]])
-
-    def draw(self, errand: Errand, generator: np.random.Generator) -> float:
-        """Return a direction drawn from the probabilities [rad]."""
-        return float(generator.choice(ANGLES, p=self.probabilities(errand)))
 
     def spread(self, errand: Errand) -> float:
         """Return how far walkers end from the most probable place, per metre walked.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.prediction.direction_choice import DirectionModel, Errand, velocity
+from cosim.pedestrians.crossing_direction import CrossingDirection
 from cosim.pedestrians.line import Line
 
 
@@ -51,7 +51,9 @@ class Wish:
     goal_beyond: float = 1.0
 
 
-def jaywalk_line(road: Roadside, wish: Wish, model: DirectionModel, generator: np.random.Generator) -> Line:
+def jaywalk_line(
+    road: Roadside, wish: Wish, model: CrossingDirection, generator: np.random.Generator
+) -> Line:
     """Return the line that he walks along, from where he stands to as far behind the other border.
 
     Notes
@@ -59,9 +61,8 @@ def jaywalk_line(road: Roadside, wish: Wish, model: DirectionModel, generator: n
     The direction is drawn once, when he sets off, from the model of [LiLuZhang]_. There the cars that count
     drive one way; here they are those of the edge, also for somebody who comes from its left.
     """
-    errand = Errand(road.width, wish.goal_along, wish.goal_beyond)
-    angle = model.draw(errand, generator)
-    along, across = velocity(angle, 1.0, from_left=wish.from_left)
+    angle = model.draw(road.width, wish.goal_along, wish.goal_beyond, generator)
+    along, across = math.cos(angle), math.sin(angle) * (-1.0 if wish.from_left else 1.0)
     left = road.width + wish.setback if wish.from_left else -wish.setback
     walked = (road.width + 2.0 * wish.setback) / abs(across)
     x, y = road.point(0.0, left)

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from controllers.prediction.direction_choice import DirectionModel
+from cosim.pedestrians.crossing_direction import CrossingDirection
 from cosim.pedestrians.hesitating import Hesitating
 from cosim.pedestrians.jaywalking import Roadside, Wish, jaywalk_line
 from cosim.pedestrians.line import Line
@@ -209,7 +209,7 @@ class Population:
         from_left = table.side == "left" or (table.side == "both" and bool(generator.random() < 0.5))
         goal = table.goal_along_m.draw(self._stream(table, instance, "goal_along_m"))
         wish = Wish(from_left, table.setback_m, goal, table.goal_beyond_m)
-        model = DirectionModel(scale=table.choice_scale)
+        model = CrossingDirection(scale=table.choice_scale)
         return jaywalk_line(road, wish, model, self._stream(table, instance, "direction"))
 
     def _place(self, table: LineTable, place: Sequence[float]) -> tuple[float, float]:

@@ -153,16 +153,6 @@ def test_a_mirrored_goal_mirrors_the_choice(errand: Errand) -> None:
     np.testing.assert_allclose(model.probabilities(errand), model.probabilities(mirrored)[::-1], atol=1e-12)
 
 
-def test_draws_follow_the_probabilities_and_the_seed() -> None:
-    model = DirectionModel()
-    first, second = (np.random.default_rng(5) for _ in range(2))
-    drawn = np.array([model.draw(EXAMPLE, first) for _ in range(4000)])
-    assert [model.draw(EXAMPLE, second) for _ in range(10)] == drawn[:10].tolist()
-    expected = float(model.probabilities(EXAMPLE) @ ANGLES)
-    # Three standard errors of the mean.
-    assert float(drawn.mean()) == pytest.approx(expected, abs=3.0 * math.radians(14.8) / math.sqrt(4000))
-
-
 @given(st.floats(0.1, 3.0), st.floats(0.5, 2.6), st.booleans())
 def test_the_velocity_has_the_speed_and_leads_onto_the_road(
     speed: float, angle: float, from_left: bool

@@ -12,7 +12,7 @@ from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
 from controllers.catalog import CatalogError
 from cosim.loop import run
-from cosim.toy_direction import drawn_walk
+from cosim.pedestrians.crossing_direction import CrossingDirection
 from cosim.toy_world import (
     Motion,
     ToyCrossing,
@@ -145,18 +145,29 @@ def test_the_axis_decides_when_it_begins() -> None:
     assert begins["variable"] < begins["fixed"] - 2.0
 
 
+def _drawn_walk(
+    road: ToyRoad, x: float, *, from_left: bool, start: float, drawn: np.random.Generator
+) -> Motion:
+    """Return somebody who walks from kerb to kerb in a drawn direction, and stays there."""
+    right, width = -0.5 * road.lane_width, road.lanes * road.lane_width
+    angle = CrossingDirection().draw(width, 0.0, 0.0, drawn)
+    x_speed, y_speed = 1.25 * np.cos(angle), 1.25 * np.sin(angle) * (-1.0 if from_left else 1.0)
+    y = right + width if from_left else right
+    return walk(x, y, x_speed, y_speed, start, start + width / abs(y_speed))
+
+
 @pytest.mark.parametrize("count", [2, 5, 20])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_several_pedestrians_and_traffic_are_survived_on_the_road(count: int, seed: int) -> None:
     road = ToyRoad(lanes=2, lane_width=3.5, speed_limit=13.89, crossings=(ToyCrossing(55.0),))
     drawn = np.random.default_rng(seed)
     walkers = [
-        drawn_walk(
+        _drawn_walk(
             road,
             float(drawn.uniform(45.0, 100.0)),
             from_left=bool(drawn.integers(2)),
-            generator=drawn,
             start=float(drawn.uniform(0.0, 6.0)),
+            drawn=drawn,
         )
         for _ in range(count)
     ]
