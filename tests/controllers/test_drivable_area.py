@@ -17,12 +17,12 @@ from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
-from cosim.pedestrians.toy_walk import ToyWalk
 from cosim.pedestrians.walker import Walker as ScriptedWalker
 from cosim.plant import Plant
 from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
+from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 NARROW = ToyRoad(lanes=1, lane_width=3.5)
 WIDE = ToyRoad(lanes=3, lane_width=3.5)

@@ -17,12 +17,12 @@ from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
-from cosim.pedestrians.toy_walk import ToyWalk
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 from cosim.plant import Plant
 from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
 from tests.controllers.toy_runs import Ride
+from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 MODEL = WalkingModel()
 NORTH = Aim(0.0, 1.0, 1.25)

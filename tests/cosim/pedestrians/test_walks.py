@@ -31,11 +31,11 @@ from cosim.pedestrians.scene import (
 from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime, EgoNear, Impact, Start, WhenClear, WhileSignal
 from cosim.pedestrians.steady import Steady
-from cosim.pedestrians.toy_walk import ToyWalk
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
 from cosim.plant import Plant
 from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 ACROSS = Line(50.0, -4.0, 50.0, 4.0)
 NOBODY = Scene(0.0)
