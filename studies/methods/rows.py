@@ -39,8 +39,8 @@ _HEADINGS = (
 _INTRODUCTION = """\
 # The methods of the papers in traffic
 
-None of the papers compares its method with the others. Here, every method drives through the same streets,
-past the same pedestrians and vehicles, on the same seeds.
+None of the papers makes this comparison: every method drives through the same streets, past the same
+pedestrians and vehicles, on the same seeds.
 
     make study-papers
 

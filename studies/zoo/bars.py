@@ -54,9 +54,9 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
     rest = [contact.impact_kmh or 0.0 for contact in contacts if APPEARED not in contact.kind]
     ran, met = bool(judged.valid), bool(entered or contacts)
     return [
-        Bar("every run ends, is analysed and reported", f"{len(lost)} of {len(runs)} failed", not lost),
+        Bar("every run finishes and is analysed and reported", f"{len(lost)} of {len(runs)} failed", not lost),
         Bar(
-            "runs with an ego that SUMO teleported: at most 1 in 50",
+            "at most 1 run in 50 with an ego that SUMO teleported",
             f"{len(teleported)} of {len(runs)}",
             50 * len(teleported) <= len(runs),
         ),
@@ -78,22 +78,22 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
         _against_sumo(runs),
         _against_rival(runs),
         Bar(
-            "impact speed at most 5 km/h, but for people who appeared out of nothing",
+            "impact speed at most 5 km/h, except with pedestrians who appeared suddenly",
             f"largest {max(rest):.1f} km/h" if rest else "no such contact",
             max(rest, default=0.0) <= 5.0 if met else None,
         ),
         Bar(
-            "contacts with people who appeared out of nothing: at most 1 in 200 encounters",
+            "contacts with pedestrians who appeared suddenly: at most 1 in 200 encounters",
             f"{len(sudden)} in {entered:,}",
             200 * len(sudden) <= entered if met else None,
         ),
         _none(
-            "0 overlaps with vehicles that the ego closed", judged.total("n_vehicle_overlaps_ego_closed"), ran
+            "0 ego-closed overlaps with vehicles", judged.total("n_vehicle_overlaps_ego_closed"), ran
         ),
         _none("0 stops on a crossing", judged.total("n_stopped_on_crossing"), ran),
         _none("0 deadlocks", judged.total("deadlock"), ran),
         _none(
-            "0 interventions, but in bends too tight for a car",
+            "0 interventions, except in bends too tight for a car",
             judged.total("n_interventions") - judged.total("n_interventions_tight_bend"),
             ran,
         ),

@@ -76,7 +76,7 @@ def test_drivers_are_compared_where_both_have_a_valid_run(mixed: list[Run]) -> N
 
 def test_bars_say_what_was_measured_and_whether_they_are_met(mixed: list[Run]) -> None:
     found = verdicts(mixed)
-    assert found["every run ends, is analysed and reported"].measured == "2 of 6 failed"
+    assert found["every run finishes and is analysed and reported"].measured == "2 of 6 failed"
     assert found["0 preventable contacts"].verdict == "**missed**"
     assert found["contacts at most a fifth of those of SUMO's driver, same runs"].measured == "1 against 2"
     assert found["0 deadlocks"].verdict == "met"
@@ -88,7 +88,7 @@ def test_nothing_is_met_where_nothing_was_measured(tmp_path: Path) -> None:
     runs = read(tmp_path)
     assert {run.reason for run in runs} == {"netgenerate ended with 1"}
     met = [bar.what for bar in bars(runs, []) if bar.met]
-    assert met == ["runs with an ego that SUMO teleported: at most 1 in 50"]
+    assert met == ["at most 1 run in 50 with an ego that SUMO teleported"]
 
 
 def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path) -> None:
@@ -100,8 +100,8 @@ def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path) -> None:
     assert dict(of(runs, "vo_mpc").classes) == {"appeared": 1}
     found = verdicts(runs)
     assert found["0 preventable contacts"].met
-    assert found["impact speed at most 5 km/h, but for people who appeared out of nothing"].met
-    assert found["contacts with people who appeared out of nothing: at most 1 in 200 encounters"].met
+    assert found["impact speed at most 5 km/h, except with pedestrians who appeared suddenly"].met
+    assert found["contacts with pedestrians who appeared suddenly: at most 1 in 200 encounters"].met
     assert "carriageway" in page.text([TOWN], PLAN, runs, [], "make zoo", {"vo_mpc": "0" * 40})
 
 
