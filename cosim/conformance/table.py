@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 from cosim.conformance.case import Result, Values
 
-HEADINGS = ("case", "claim", "expected", "measured", "control, which has to fail", "verdict")
+HEADINGS = ("case", "claim", "expected", "measured", "control, which must fail", "verdict")
 
 
 def sumo_version() -> str:

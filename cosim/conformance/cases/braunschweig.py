@@ -183,7 +183,7 @@ CASES = (
     ),
     Case(
         key="keep_route_6",
-        name="Positions off the road do no harm with keepRoute 2",
+        name="Positions off the road are harmless with keepRoute 2",
         shows="keepRoute 6 ends the process: it is never used",
         claim=lambda: _off_road(2),
         control=lambda: _off_road(6),

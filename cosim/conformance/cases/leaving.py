@@ -77,11 +77,11 @@ CASES = (
     Case(
         key="off_the_bend",
         name="An ego that cannot follow its bend keeps its lane and its route in SUMO",
-        shows="beside its way SUMO takes it for a car of another way, changes its route, and may crash",
+        shows="beside its path SUMO takes it for a car on another path, changes its route, and may crash",
         claim=lambda: _straight_on("actuation"),
         control=lambda: _straight_on("hinted"),
         expected="straight on at a right turn: always on a lane, never another route",
-        control_expected="moved to where it is: another route, or on no lane",
+        control_expected="moved to its true position: another route, or on no lane",
         holds=lambda values: values["steps_with_another_route"] == 0 and values["steps_on_no_lane"] == 0,
         control_fails=lambda values: (
             float(values["steps_with_another_route"]) + float(values["steps_on_no_lane"]) > 0
@@ -89,8 +89,8 @@ CASES = (
     ),
     Case(
         key="route_changed",
-        name="A route that somebody else changes is set again at once",
-        shows="an ego without its route drives against the traffic, and nobody is told",
+        name="A route changed by another program is set again at once",
+        shows="an ego without its route drives against the traffic, without any message",
         claim=lambda: _rerouted("actuation"),
         control=lambda: _rerouted("moved"),
         expected="no step ends with another route",

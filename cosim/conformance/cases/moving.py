@@ -176,7 +176,7 @@ CASES = (
     Case(
         key="red",
         name="A moved ego drives through red, whatever its speed mode",
-        shows="red lights are the controller's to respect (#14548)",
+        shows="red lights are the controller's responsibility (#14548)",
         claim=_red,
         control=_red_native,
         expected="modes 31 and 32: beyond the junction after 20 s, under 32 without an emergency stop",

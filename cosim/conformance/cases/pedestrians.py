@@ -1,4 +1,4 @@
-"""What pedestrians of SUMO make of an ego."""
+"""How SUMO's pedestrians react to an ego."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DISTANCES = (80.0, 60.0, 40.0, 25.0)
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """An ego that comes towards a crossing, and a pedestrian who wants to cross from its right."""
+    """An ego approaching a crossing, and a pedestrian who wants to cross from its right."""
 
     net: str = "crossing"
     route: str = "ab bc"
@@ -42,18 +42,18 @@ class Seen:
     """What the pedestrian did."""
 
     waits_at: float = math.inf
-    """Time at which he first stands before the crossing [s]."""
+    """Time at which the pedestrian first stands before the crossing [s]."""
     steps_on_at: float = math.inf
-    """Time at which he is on the crossing [s]."""
+    """Time at which the pedestrian is on the crossing [s]."""
     ego_then: float = math.inf
-    """Where the ego's front bumper was then [m]."""
+    """Position of the ego's front bumper at that time [m]."""
     closest: float = math.inf
-    """Smallest distance of his centre from the ego's body [m]."""
+    """Smallest distance of the pedestrian's centre from the ego's body [m]."""
     trace: list[tuple[float, float]] = field(default_factory=list)
 
 
 def driver_of(sumo: Any, way: str) -> Driver:
-    """Return the ways of driving that the cases compare, by name."""
+    """Return the driver of that name, one of those that the cases compare."""
     match way:
         case "hybrid":
             return Actuation(sumo, STEP)
@@ -136,7 +136,7 @@ def _lane_changes(way: str) -> Values:
 
 
 def _traces(way: str) -> Values:
-    """Largest distance of the pedestrian from where he is when a native car does the same."""
+    """Largest distance of the pedestrian from their position when a native car does the same."""
     values: dict[str, float] = {}
     speed, position = 12.0, 90.0
     middle = (LANE_END - 40.0 - position) / speed
@@ -168,7 +168,7 @@ def _apart(one: list[tuple[float, float]], other: list[tuple[float, float]]) -> 
 def _turning(way: str) -> tuple[float, float]:
     """The same for a right turn over a zebra: a native car's poses, driven again.
 
-    Also returns how close the native car comes to the pedestrian: far away nothing would be shown.
+    Also returns how close the native car comes to the pedestrian; from far away it would show nothing.
     """
     worst, closest = 0.0, math.inf
     for departs in (2.0, 4.0, 8.0):
@@ -214,12 +214,12 @@ def _far_apart(values: Values) -> bool:
 CASES = (
     Case(
         key="set_speed",
-        name="A pedestrian steps on in front of an ego that has stopped",
-        shows="pedestrians judge by the speed that SUMO plans; moveToXY alone leaves its own plan in place",
+        name="A pedestrian steps out in front of an ego that has stopped",
+        shows="pedestrians react to the speed that SUMO plans; moveToXY alone leaves its own plan in place",
         claim=lambda: _stop_short("move"),
         control=lambda: _stop_short("moveToXY only"),
-        expected="non-priority crossing, ego stopped 6 m short: he waits at most 12 s",
-        control_expected="moveToXY without setSpeed: he waits more than 30 s",
+        expected="crossing without priority, ego stopped 6 m short: the pedestrian waits at most 12 s",
+        control_expected="moveToXY without setSpeed: the pedestrian waits more than 30 s",
         holds=lambda values: float(values["waiting_s"]) <= 12.0,
         control_fails=lambda values: float(values["waiting_s"]) > 30.0,
     ),
@@ -229,8 +229,8 @@ CASES = (
         shows="an ego needs its full route: without a next edge it does not approach the crossing",
         claim=lambda: _route("ab bc"),
         control=lambda: _route("ab"),
-        expected="ego at 12 m/s: he steps on after it has passed",
-        control_expected="route that ends before the crossing: he steps on before it has passed",
+        expected="ego at 12 m/s: the pedestrian steps out after it has passed",
+        control_expected="route that ends before the crossing: the pedestrian steps out before it has passed",
         holds=lambda values: float(values["ego_before_the_crossing_m"]) < 0.0,
         control_fails=lambda values: float(values["ego_before_the_crossing_m"]) > 0.0,
     ),
@@ -240,15 +240,15 @@ CASES = (
         shows="a move that changes the lane drops the ego's approach to the crossing for one step",
         claim=lambda: _lane_changes("hybrid"),
         control=lambda: _lane_changes("move"),
-        expected="change centred 80, 60, 40, 25 m before him: he always steps out after the ego has passed",
-        control_expected="move: he steps out before",
+        expected="change centred 80, 60, 40, 25 m before the pedestrian, who always steps out after the ego has passed",
+        control_expected="move: the pedestrian steps out before",
         holds=lambda values: values["stepped_out_before"] == 0,
         control_fails=lambda values: float(values["stepped_out_before"]) > 0,
     ),
     Case(
         key="traces",
         name="Pedestrians walk as they would for a native car",
-        shows="keep, lane change, straddle, stop, turn; zebra and non-priority crossing",
+        shows="keep, lane change, straddle, stop, turn; zebra and crossing without priority",
         claim=lambda: _traces("hybrid"),
         control=lambda: _traces("move"),
         expected="positions within 0.2 m at all times, also of one whom the turning car comes close to",

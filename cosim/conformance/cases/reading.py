@@ -166,7 +166,7 @@ CASES = (
         claim=lambda: _gap(corrected=True),
         control=lambda: _gap(corrected=False),
         expected="error <= 0.01 m with the minGap of whoever is behind added; None and ('', -1.0) for nobody",
-        control_expected="as they are: 2.5 m short",
+        control_expected="without adding minGap: 2.5 m short",
         holds=lambda values: (
             max(_gap_errors(values)) <= 0.01
             and values["leader_when_none"] == "None"

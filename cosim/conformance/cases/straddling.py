@@ -157,7 +157,7 @@ CASES = (
     Case(
         key="hold",
         name="A neighbour stays behind a hybrid ego that holds 1.7 m off centre",
-        shows="the same on 3.5 m lanes with a 2 m wide neighbour, as long as it lasts",
+        shows="the same on 3.5 m lanes with a 2 m wide neighbour, for as long as it lasts",
         claim=_claim(HOLD),
         control=_moved(HOLD),
         expected="no overlap, clearance > 5 m",
@@ -168,7 +168,7 @@ CASES = (
     Case(
         key="old_lane",
         name="The follower in the old lane waits until the ego has left it entirely",
-        shows="the part of the body that still is in the old lane is seen",
+        shows="the part of the body still in the old lane is seen",
         claim=_claim(OLD_LANE),
         control=_without_sublane,
         expected="clearance > 10 m",
@@ -190,7 +190,7 @@ CASES = (
     Case(
         key="dither",
         name="A straddle that began with moves is seen from the first native step on",
-        shows="2 mm of lateral shift after a move register the ego in its second lane",
+        shows="2 mm of lateral shift after a move registers the ego in its second lane",
         claim=_claim(BEGUN_MOVED),
         control=_without_dither(BEGUN_MOVED),
         expected="no overlap, clearance > 5 m",
@@ -200,8 +200,8 @@ CASES = (
     ),
     Case(
         key="phantom",
-        name="Nobody brakes for the place where the ego was",
-        shows="2 mm of lateral shift after a move also take it out of the lane that it has left",
+        name="No vehicle brakes for the place where the ego was",
+        shows="2 mm of lateral shift after a move also removes it from the lane that it has left",
         claim=_claim(ENDED_MOVED),
         control=_without_dither(ENDED_MOVED),
         expected="the neighbour keeps its 15 m/s beside an ego back in its lane",
@@ -212,7 +212,7 @@ CASES = (
     Case(
         key="boundary",
         name="A straddling ego is seen across an edge boundary",
-        shows="the move over the boundary loses nobody",
+        shows="the move over the boundary keeps the ego visible",
         claim=_claim(BOUNDARY),
         control=_moved(BOUNDARY),
         expected="clearance > 10 m",
@@ -222,7 +222,7 @@ CASES = (
     ),
     Case(
         key="merger",
-        name="A neighbour in the only lane that goes on makes room for an ego that merges slowly",
+        name="A neighbour in the continuing lane makes room for an ego that merges slowly",
         shows="two lanes become one: the usual place for a long straddle",
         claim=_claim(MERGER),
         control=_moved(MERGER),
