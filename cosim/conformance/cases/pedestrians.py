@@ -240,7 +240,7 @@ CASES = (
         shows="a move that changes the lane drops the ego's approach to the crossing for one step",
         claim=lambda: _lane_changes("hybrid"),
         control=lambda: _lane_changes("move"),
-        expected="change centred 80, 60, 40, 25 m before the pedestrian: never steps out before the ego",
+        expected="change centred 80, 60, 40, 25 m before the pedestrian, who always waits for the ego",
         control_expected="move: the pedestrian steps out before",
         holds=lambda values: values["stepped_out_before"] == 0,
         control_fails=lambda values: float(values["stepped_out_before"]) > 0,
