@@ -138,7 +138,7 @@ def statistic_value(criterion: Criterion, row: Cells) -> float | None:
         For a row of another measure.
     """
     if (row["metric"], row["kind"]) != (criterion.metric, criterion.kind):
-        raise ValueError(f"a row of {criterion.metric} ({criterion.kind}) expected, got {row['metric']}")
+        raise ValueError(f"expected a row of {criterion.metric} ({criterion.kind}), got {row['metric']}")
     column, _ = STATISTICS[criterion.statistic]
     if column:
         return float(row[column]) if row[column] else None

@@ -90,7 +90,7 @@ def _criterion(table: Mapping[str, Any]) -> Criterion:
     threshold = _threshold(table, boolean)
     allow = table.get("allow_undefined", False)
     if not isinstance(allow, bool):
-        raise CriterionError(f"allow_undefined: true or false expected, got {allow!r}")
+        raise CriterionError(f"allow_undefined: expected true or false, got {allow!r}")
     said = f"{statistic} of {metric}" if statistic else metric
     return Criterion(
         id=_one_text(table, "id") if "id" in table else f"{said} {sign} {threshold:g}",
@@ -113,35 +113,35 @@ def _one_text(table: Mapping[str, Any], key: str) -> str:
     if value is None:
         raise CriterionError(f"{key!r} is missing; expected for instance {EXAMPLE}")
     if not isinstance(value, str) or not value.strip():
-        raise CriterionError(f"{key}: a text expected, got {value!r}")
+        raise CriterionError(f"{key}: expected a text, got {value!r}")
     return value
 
 
 def _chosen(key: str, value: str, choices: Sequence[str]) -> str:
     if value not in choices:
-        raise CriterionError(f"{key} {value!r}: {_near(value, choices)}one of {' '.join(choices)} expected")
+        raise CriterionError(f"{key} {value!r}: {_near(value, choices)}expected one of {' '.join(choices)}")
     return value
 
 
 def _threshold(table: Mapping[str, Any], boolean: bool) -> float:
     if "threshold" not in table:
-        raise CriterionError("threshold is missing; a number expected")
+        raise CriterionError("threshold is missing; expected a number")
     value = table["threshold"]
     if isinstance(value, bool):
         if boolean:
             return float(value)
-        raise CriterionError(f"threshold: a number expected, got {str(value).lower()}")
+        raise CriterionError(f"threshold: expected a number, got {str(value).lower()}")
     if not isinstance(value, int | float) or not math.isfinite(value):
-        raise CriterionError(f"threshold: a number expected, got {value!r}; its unit is that of the metric")
+        raise CriterionError(f"threshold: expected a number, got {value!r}; its unit is that of the metric")
     return float(value)
 
 
 def _names(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     value = table.get(key, [])
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-        raise CriterionError(f"{key}: a list of names expected, got {value!r}")
+        raise CriterionError(f"{key}: expected a list of names, got {value!r}")
     if key in table and not value:
-        raise CriterionError(f"{key}: at least one name expected; without the key all are judged")
+        raise CriterionError(f"{key}: expected at least one name; without the key all are judged")
     return tuple(value)
 
 
@@ -166,9 +166,7 @@ def _measure(metric: str, kind: Any) -> Measure:
         return fitting[0]
     if len(found) > 1:
         kinds = " or ".join(f'kind = "{one.kind}"' for one in found)
-        raise CriterionError(
-            f"{metric} is a number of each run and of each encounter; {kinds} expected beside it"
-        )
+        raise CriterionError(f"{metric} is a number of each run and of each encounter; add {kinds}")
     return found[0]
 
 
@@ -185,13 +183,13 @@ def _statistic(table: Mapping[str, Any], measure: Measure) -> str:
             f"there are {', '.join(fitting)}"
         )
     raise CriterionError(
-        f"statistic {value!r}: {_near(str(value), fitting)}one of {', '.join(fitting)} expected"
+        f"statistic {value!r}: {_near(str(value), fitting)}expected one of {', '.join(fitting)}"
     )
 
 
 def _where(scope: str, value: Any) -> Mapping[str, bool | float | str]:
     if not isinstance(value, Mapping):
-        raise CriterionError(f"where: a table of columns and values expected, got {value!r}")
+        raise CriterionError(f"where: expected a table of columns and values, got {value!r}")
     if value and scope == "configuration":
         raise CriterionError('where chooses encounters or runs; scope = "configuration" takes all of them')
     if not value:
@@ -205,9 +203,9 @@ def _where(scope: str, value: Any) -> Mapping[str, bool | float | str]:
         if column.kind == "string":
             if not isinstance(wanted, str) or (column.choices and wanted not in column.choices):
                 expected = ", ".join(column.choices) or "a text"
-                raise CriterionError(f"where: {name}: {expected} expected, got {wanted!r}")
+                raise CriterionError(f"where: {name}: expected {expected}, got {wanted!r}")
         elif not isinstance(wanted, bool | int | float):
-            raise CriterionError(f"where: {name}: a number expected, got {wanted!r}")
+            raise CriterionError(f"where: {name}: expected a number, got {wanted!r}")
     return dict(value)
 
 

@@ -172,7 +172,7 @@ def _read_json(path: Path) -> dict[str, Any]:
             f"{path}: truncated or not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
         ) from None
     if not isinstance(content, dict):
-        raise RecordingError(f"{path}: an object expected, found {type(content).__name__}")
+        raise RecordingError(f"{path}: expected an object, found {type(content).__name__}")
     return content
 
 
@@ -212,7 +212,7 @@ def _load(path: Path, schema: pa.Schema) -> pa.Table:
                     raise RecordingError(f"{path}: no column {field.name!r}")
                 kind = present.field(field.name).type
                 if kind != field.type:
-                    raise RecordingError(f"{path}: column {field.name!r} is {kind}, {field.type} expected")
+                    raise RecordingError(f"{path}: column {field.name!r} is {kind}, expected {field.type}")
             table = file.read()
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
@@ -227,7 +227,7 @@ def _numbers(path: Path, table: pa.Table, name: str, needed: bool) -> FloatArray
     values: FloatArray = table[name].cast(pa.float64()).to_numpy().astype(np.float64)
     if needed and not np.isfinite(values).all():
         row = int(np.argmin(np.isfinite(values)))
-        raise RecordingError(f"{path}: column {name!r}, row {row + 1}: a number expected, found none")
+        raise RecordingError(f"{path}: column {name!r}, row {row + 1}: expected a number, found none")
     return values
 
 

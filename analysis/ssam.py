@@ -101,10 +101,10 @@ def read_trajectories(path: Path) -> Iterator[tuple[float, list[SsamBody]]]:
     try:
         kind, order, version = _FORMAT.unpack_from(data, 0)
         if (kind, order) != (0, b"L") or abs(version - _VERSION) > 1e-3:
-            raise AnalysisError(f"{path}: SSAM format {_VERSION} expected, found {order!r} {version:g}")
+            raise AnalysisError(f"{path}: expected SSAM format {_VERSION}, found {order!r} {version:g}")
         kind, units, scale, *_ = _DIMENSIONS.unpack_from(data, _FORMAT.size)
         if (kind, units) != (1, _METRIC):
-            raise AnalysisError(f"{path}: metric units expected, found {units}")
+            raise AnalysisError(f"{path}: expected metric units, found {units}")
         yield from _instants(path, data, _FORMAT.size + _DIMENSIONS.size, scale)
     except struct.error:
         raise AnalysisError(f"{path}: truncated") from None

@@ -57,7 +57,7 @@ def read_ssm(path: Path) -> list[SsmConflict]:
         line, column = error.position
         raise AnalysisError(f"{path}: truncated or not XML (line {line}, column {column + 1})") from None
     if root.tag != "SSMLog":
-        raise AnalysisError(f"{path}: an SSMLog expected, found {root.tag!r}")
+        raise AnalysisError(f"{path}: expected an SSMLog, found {root.tag!r}")
     return [_conflict(path, number, entry) for number, entry in enumerate(root.iter("conflict"), start=1)]
 
 

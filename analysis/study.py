@@ -104,7 +104,7 @@ def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
         with path.open(encoding="utf-8", newline="") as file:
             if file.readline() != header:
                 raise StudyError(
-                    f"{path}: the columns of schema {schema.SCHEMA_VERSION} expected; "
+                    f"{path}: expected the columns of schema {schema.SCHEMA_VERSION}; "
                     "cosim analyse makes it again"
                 )
             yield from file

@@ -163,7 +163,7 @@ def _cells(path: Path) -> tuple[str, ...]:
         raise StudyError(f"{path}: cannot be read ({error})") from None
     if len(rows) != 2 or tuple(rows[0]) != schema.RUNS.names() or len(rows[1]) != len(rows[0]):
         raise StudyError(
-            f"{path}: one row with the columns of schema {schema.SCHEMA_VERSION} expected; "
+            f"{path}: expected one row with the columns of schema {schema.SCHEMA_VERSION}; "
             "cosim analyse makes it again"
         )
     return tuple(rows[1])

@@ -111,7 +111,7 @@ def with_settings(settings: Iterable[str], start: Thresholds | None = None) -> T
         name, equals, value = text.partition("=")
         name = name.strip()
         if not equals:
-            raise ThresholdError(f"threshold {text!r}: name=value expected")
+            raise ThresholdError(f"threshold {text!r}: expected name=value")
         if name not in names():
             near = difflib.get_close_matches(name, names(), n=3) or list(names())
             raise ThresholdError(f"no threshold is called {name!r}; there are {', '.join(near)}")
@@ -126,7 +126,7 @@ def _number(name: str, text: str) -> float:
     try:
         number = float(text)
     except ValueError:
-        raise ThresholdError(f"threshold {name}: a number expected, got {text!r}") from None
+        raise ThresholdError(f"threshold {name}: expected a number, got {text!r}") from None
     if not math.isfinite(number) or number < 0.0:
-        raise ThresholdError(f"threshold {name}: a finite number of at least 0 expected, got {text!r}")
+        raise ThresholdError(f"threshold {name}: expected a finite number of at least 0, got {text!r}")
     return number

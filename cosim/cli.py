@@ -1,7 +1,7 @@
-"""The command ``cosim``: arguments in, one line per error and an exit code out.
+"""The command ``cosim``: parses arguments, prints one line per error and returns an exit code.
 
-Exit codes: 0 all good; 2 usage or bad input, found before the first step; 3 a run that went wrong after it;
-1 a criterion that failed.
+Exit codes: 0 success; 1 a criterion is not met; 2 bad usage or input, found before the first step; 3 a run
+that failed after it.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from cosim.commands import run as run_command
 from cosim.commands.apart import OWN_PROCESS
 from cosim.errors import InputError, SimulationError
 
-# The ancestor of everything that typer raises about bad usage; it has no public name of its own.
+# The base class of typer's usage errors, which has no public name.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
 app = typer.Typer(
     name="cosim",
-    help="Drive controllers through pedestrian crossings in SUMO traffic, and report how safe they were.",
+    help="Drive controllers through pedestrian crossings in SUMO traffic and report how safe they were.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -85,8 +85,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _tell(str(error), 3, arguments)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", 130, arguments)
-    except Exception as error:  # noqa: BLE001  the last resort: one line instead of a traceback
-        what = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
+    except Exception as error:  # noqa: BLE001  last resort: one line instead of a traceback
+        what = f"internal error, {type(error).__name__}: {error} (use --debug for the traceback)"
         return _tell(what, 3, arguments)
 
 

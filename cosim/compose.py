@@ -109,7 +109,7 @@ def _tried(request: RunRequest) -> _Tried:
     sensing_name, sensing = chosen.choose(table, place, request.sensing, sensing_texts)
     if not (scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share):
         raise InputError(
-            f"{scenario.name} has no ego: give --ego-route, --ego-vehicle or --ego-share to say which"
+            f"{scenario.name} has no ego: choose one with --ego-route, --ego-vehicle or --ego-share"
         )
     given = _controller_parameters(request, scenario, sensing_name, controller_texts)
     # Built and tried once for nothing: what does not fit together is refused before SUMO starts.

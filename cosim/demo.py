@@ -42,7 +42,7 @@ def main(seed: int = 1) -> int:
     for name, outcome in outcomes.items():
         console.print(f"{name}: {outcome.folder}/encounters.csv, {outcome.folder}/runs.csv", soft_wrap=True)
         if outcome.invalid_reason:
-            print(f"cosim: {name}: the run is not valid: {outcome.invalid_reason}", file=sys.stderr)
+            print(f"cosim: {name}: the run is invalid: {outcome.invalid_reason}", file=sys.stderr)
     try:
         page, _ = write([outcome.folder for outcome in outcomes.values()])
     except CosimError as error:

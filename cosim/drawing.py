@@ -20,8 +20,8 @@ def check_picture(path: Path, formats: tuple[str, ...] = FORMATS) -> None:
     """Raise `InputError` for a file that no picture can be written to, by its ending or its folder."""
     if path.suffix.lower().removeprefix(".") not in formats:
         endings = " or ".join(f".{name}" for name in formats)
-        raise InputError(f"{path}: a file name that ends in {endings} expected")
+        raise InputError(f"{path}: expected a file name that ends in {endings}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if path.is_dir():
-        raise InputError(f"{path}: a file expected, this is a folder")
+        raise InputError(f"{path}: expected a file, this is a folder")

@@ -22,9 +22,9 @@ def check(out: Path | None, flag: str = "--out") -> None:
     try:
         if out.is_dir():
             if any(out.iterdir()):
-                raise InputError(f"{flag} {out}: an empty or new folder expected, this one has files in it")
+                raise InputError(f"{flag} {out}: expected an empty or new folder, this one has files in it")
         elif out.exists():
-            raise InputError(f"{flag} {out}: a folder expected, this is a file")
+            raise InputError(f"{flag} {out}: expected a folder, this is a file")
     except OSError as error:
         raise InputError(f"{flag} {out}: {error.strerror}") from error
 

@@ -60,7 +60,7 @@ class ParquetSink:
         count = len(columns[0])
         if any(len(column) != count for column in columns):
             lengths = [len(column) for column in columns]
-            raise ValueError(f"{self._path.name}: columns of one length expected, got {lengths}")
+            raise ValueError(f"{self._path.name}: expected columns of one length, got {lengths}")
         if count == 0:
             return
         self._add_pieces()
@@ -83,7 +83,7 @@ class ParquetSink:
 
     def _check_width(self, width: int) -> None:
         if width != len(self._schema):
-            raise ValueError(f"{self._path.name}: {len(self._schema)} columns expected, got {width}")
+            raise ValueError(f"{self._path.name}: expected {len(self._schema)} columns, got {width}")
 
     def _count(self, rows: int) -> None:
         self._waiting += rows

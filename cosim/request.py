@@ -48,17 +48,17 @@ class RunRequest:
             if given
         ]
         if len(chosen) > 1:
-            raise InputError(f"{' and '.join(chosen)} exclude each other; give one of them")
+            raise InputError(f"{' and '.join(chosen)} exclude each other; give only one")
         if self.ego_share is not None and not 0.0 < self.ego_share <= 1.0:
-            raise InputError(f"--ego-share: a share above 0 and at most 1 expected, got {self.ego_share:g}")
+            raise InputError(f"--ego-share: expected a share above 0 and at most 1, got {self.ego_share:g}")
         if self.ego_vehicle is not None and not self.ego_vehicle.strip():
-            raise InputError("--ego-vehicle: the id of a vehicle of the demand expected, got none")
+            raise InputError("--ego-vehicle: expected the id of a vehicle of the demand, got none")
         if self.duration_s is not None and not 0.0 < self.duration_s < float("inf"):
-            raise InputError(f"--duration-s: a number of seconds above 0 expected, got {self.duration_s:g}")
+            raise InputError(f"--duration-s: expected a number of seconds above 0, got {self.duration_s:g}")
         if self.actuation is not None and self.actuation not in ACTUATIONS:
-            raise InputError(f"--actuation: {' or '.join(ACTUATIONS)} expected, got {self.actuation!r}")
+            raise InputError(f"--actuation: expected {' or '.join(ACTUATIONS)}, got {self.actuation!r}")
         if not 0 <= self.seed < 2**31:
-            raise InputError(f"--seed: a whole number from 0 to {2**31 - 1} expected, got {self.seed}")
+            raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 1}, got {self.seed}")
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, str]:
@@ -73,6 +73,6 @@ def parse_settings(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
-            raise InputError(f"--set {text!r}: key=value expected, for instance pedestrians_per_hour=600")
+            raise InputError(f"--set {text!r}: expected key=value, for instance pedestrians_per_hour=600")
         settings[key.strip().replace("-", "_")] = value.strip()
     return settings

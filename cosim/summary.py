@@ -56,7 +56,7 @@ def read_row(folder: Path) -> Row:
     except OSError as error:
         raise SimulationError(f"{path} cannot be read: {error.strerror}") from error
     if len(rows) != 1:
-        raise SimulationError(f"{path}: one row expected, found {len(rows)}")
+        raise SimulationError(f"{path}: expected one row, found {len(rows)}")
     return rows[0]
 
 

@@ -57,11 +57,11 @@ class Ledger:
                 foreign = any(path.name not in (LOCK, f"{STUDY}.part") for path in folder.iterdir())
                 if foreign and not (folder / STUDY).is_file():
                     raise InputError(
-                        f"--out {folder}: an empty or new folder, or the one of this study, expected; "
+                        f"--out {folder}: expected an empty or new folder, or the one of this study; "
                         "this one has other files in it"
                     )
             elif folder.exists():
-                raise InputError(f"--out {folder}: a folder expected, this is a file")
+                raise InputError(f"--out {folder}: expected a folder, this is a file")
         except OSError as error:
             raise InputError(f"--out {folder}: {error.strerror}") from error
 

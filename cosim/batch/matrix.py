@@ -166,7 +166,7 @@ def _egos(values: Mapping[str, Value]) -> dict[str, Any]:
     if "ego_share" in values:
         share = values["ego_share"]
         if isinstance(share, bool | str):
-            raise InputError(f"ego_share: a number above 0 and at most 1 expected, got {share!r}")
+            raise InputError(f"ego_share: expected a number above 0 and at most 1, got {share!r}")
         chosen["ego_share"] = float(share)
     return chosen
 

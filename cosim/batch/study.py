@@ -132,10 +132,10 @@ def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:
     """
     found = tuple(seeds) if isinstance(seeds, list) else tuple(_from_ranges(seeds))
     if not found:
-        raise ValueError("seeds: at least one seed expected, got none")
+        raise ValueError("seeds: expected at least one seed, got none")
     for seed in (min(found), max(found)):
         if not 0 <= seed <= LARGEST_SEED:
-            raise ValueError(f"seeds: whole numbers from 0 to {LARGEST_SEED} expected, got {seed}")
+            raise ValueError(f"seeds: expected whole numbers from 0 to {LARGEST_SEED}, got {seed}")
     if (twice := _first_repeated(found)) is not None:
         raise ValueError(f"seeds: {twice} is named twice")
     return found
@@ -152,7 +152,7 @@ def _from_ranges(text: str) -> list[int]:
         first = int(match[1])
         last = int(match[2] or first)
         if last < first:
-            raise ValueError(f'seeds = "{text}": the first seed of a range expected to be the smaller one')
+            raise ValueError(f'seeds = "{text}": expected the smaller seed of a range first')
         if last - first >= MOST_SEEDS:
             raise ValueError(f'seeds = "{text}": at most {MOST_SEEDS} seeds expected')
         found += range(first, last + 1)
@@ -169,7 +169,7 @@ def _check(study: StudyTable) -> None:
     ]
     for name, values in axes:
         if not values:
-            raise ValueError(f"{name}: at least one expected, got an empty list; the study would have no run")
+            raise ValueError(f"{name}: expected at least one, got an empty list; the study would have no run")
         if (twice := _first_repeated(values)) is not None:
             raise ValueError(f"{name}: {twice!r} is named twice")
     for key in study.vary:
@@ -203,7 +203,7 @@ def _first_line(error: ValidationError) -> str:
         return 'seeds: a range such as "1-30", or a list such as [1, 2, 5], expected'
     if location[0] in ("set", "vary") and len(location) > 1:
         what = "a list of numbers, texts or truth values" if location[0] == "vary" else "a value"
-        return f"key '{location[0]}.{location[1]}': {what} expected, got {details['input']!r}"
+        return f"key '{location[0]}.{location[1]}': expected {what}, got {details['input']!r}"
     message = str(details["msg"])
     return f"key '{key}': {message[:1].lower() + message[1:]}, got {details['input']!r}"
 

@@ -59,7 +59,7 @@ def read_baseline(folder: Path) -> Baseline:
     folders = [path for path in find_run_folders(folder) if (path / NOTE).is_file()]
     if not folders:
         raise InputError(
-            f"--baseline {folder}: no run in it; the folder of an earlier check or batch expected"
+            f"--baseline {folder}: contains no runs; expected the folder of an earlier check or batch"
         )
     try:
         runs = [run for run in read_runs(folders) if run.valid]
@@ -93,7 +93,7 @@ def check_common(baseline: Baseline, matrices: Sequence[Matrix]) -> None:
         )
     if most < FEWEST_SEEDS:
         raise InputError(
-            f"--baseline {baseline.folder}: at least {FEWEST_SEEDS} seeds in common expected for a test, "
+            f"--baseline {baseline.folder}: expected at least {FEWEST_SEEDS} seeds in common for a test, "
             "there is one; --seeds 1-10 makes ten runs"
         )
 

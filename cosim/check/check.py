@@ -134,7 +134,7 @@ def prepared(
         For a target, a criterion, a baseline or a folder with which a check must not begin.
     """
     if not 0.0 < request.level < 1.0:
-        raise InputError(f"--level: a probability above 0 and below 1 expected, got {request.level:g}")
+        raise InputError(f"--level: expected a probability above 0 and below 1, got {request.level:g}")
     targets = [read_target(text, request.wishes) for text in request.targets]
     _check_targets(targets, with_baseline=request.baseline is not None)
     if request.drop_recordings and any(target.cases for target in targets):
@@ -189,12 +189,12 @@ def _check_folder(folder: Path, out: Path | None) -> None:
         if not folder.exists():
             return
         if not folder.is_dir():
-            raise InputError(f"--out {out}: a folder expected, this is a file")
+            raise InputError(f"--out {out}: expected a folder, this is a file")
         for path in folder.iterdir():
             ours = path.name in (CRITERIA.file, PACKAGE, "junit.xml") or path.suffix == ".xml"
             if not ours and not (path / STUDY).is_file() and not (path / LOCK).is_file():
                 raise InputError(
-                    f"--out {out}: an empty or new folder, or the one of this check, expected; "
+                    f"--out {out}: expected an empty or new folder, or the one of this check; "
                     f"this one has {path.name} in it"
                 )
     except OSError as error:
@@ -203,7 +203,7 @@ def _check_folder(folder: Path, out: Path | None) -> None:
 
 def _check_junit(path: Path | None) -> None:
     if path is not None and path.is_dir():
-        raise InputError(f"--junit {path}: a file expected, this is a folder")
+        raise InputError(f"--junit {path}: expected a file, this is a folder")
 
 
 def _replace(path: Path, text: str) -> None:

@@ -139,7 +139,7 @@ def _values(settings: Mapping[str, str]) -> dict[str, Any]:
         try:
             found["ego_share"] = float(found["ego_share"])
         except ValueError:
-            raise InputError(f"--set ego_share={found['ego_share']}: a number expected") from None
+            raise InputError(f"--set ego_share={found['ego_share']}: expected a number") from None
     return found
 
 

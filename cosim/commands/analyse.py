@@ -1,4 +1,4 @@
-"""``cosim analyse``: the CSV files again, from recordings."""
+"""``cosim analyse``: recompute the CSV files from recordings."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ def analyse(
     folders: Annotated[list[Path], typer.Argument(metavar="RUN_DIR…", help="Folders of recorded runs.")],
     settings: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Set a threshold of the analysis; repeatable."),
+        typer.Option("--set", metavar="KEY=VALUE", help="Threshold of the analysis; repeatable."),
     ] = None,
     ssam: Annotated[
-        bool, typer.Option("--ssam", help="Write run.trj in SSAM's format and ssam_id_map.csv too.")
+        bool, typer.Option("--ssam", help="Also write run.trj in SSAM's format and ssam_id_map.csv.")
     ] = False,
     debug: Debug = False,
 ) -> int:
-    """Make encounters.csv and runs.csv again from recorded runs, without simulating.
+    """Recompute encounters.csv and runs.csv from recorded runs, without simulating.
 
     \b
     Examples:
@@ -31,7 +31,7 @@ def analyse(
       cosim analyse runs/midblock_zebra-vo_mpc-1-1 --ssam
 
     \b
-    Exit codes: 0 all good, 2 a folder or a threshold is wrong (the other folders are analysed).
+    Exit codes: 0 success, 2 a folder or a threshold is wrong (the other folders are analysed).
     """
     from analysis.errors import AnalysisError
     from analysis.report import analyse_run

@@ -1,4 +1,4 @@
-"""``cosim batch``: the runs of a study, on many processes, until all are done."""
+"""``cosim batch``: the runs of a study on many processes, until all are done."""
 
 from __future__ import annotations
 
@@ -15,35 +15,40 @@ if TYPE_CHECKING:
     from cosim.batch.batch import Batch, Result
 
 MOST_ROWS = 40
-"""Of the matrix, as shown."""
+"""Rows of the matrix that are shown."""
 
 
 def batch(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What to run.")],
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")],
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", metavar="DIR", help="Folder of the study; resumes there.", show_default="runs/<STUDY>"
+            "--out",
+            metavar="DIR",
+            help="Output folder; resumes an earlier batch.",
+            show_default="runs/<STUDY>",
         ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Runs at a time.", show_default="one a core")
+        int | None,
+        typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Run on this Dask cluster: the address of its scheduler."),
+        typer.Option(metavar="ADDRESS", help="Run on the Dask cluster with this scheduler."),
     ] = None,
     drop_recordings: Annotated[
-        bool, typer.Option("--drop-recordings", help="Keep the numbers of each run only.")
+        bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")
     ] = False,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Check everything, show the runs and the time; run none.")
+        bool,
+        typer.Option("--dry-run", help="Check everything and show the runs and their time; run nothing."),
     ] = False,
     debug: Debug = False,
 ) -> int:
-    """Make the runs of a study: scenarios × controllers × seeds × varied parameters.
+    """Run a study: scenarios × controllers × seeds × varied parameters.
 
-    The same command again makes what is missing, whatever ended it before.
+    Repeat the command to resume an interrupted batch.
 
     \b
     Examples:
@@ -63,8 +68,8 @@ def batch(
       pedestrians_per_hour = [200, 600]
 
     \b
-    Exit codes: 0 all runs are valid, 2 bad input (nothing is run), 3 a run failed or is not valid, or the
-    batch was ended early.
+    Exit codes: 0 all runs are valid, 2 bad input (nothing is run), 3 a run failed or is invalid, or the
+    batch was interrupted.
     """
     from cosim.batch.batch import BatchRequest, prepared
     from cosim.batch.progress import shown_checks, shown_tally
@@ -72,7 +77,7 @@ def batch(
     from cosim.errors import InputError
 
     if jobs is not None and scheduler is not None:
-        raise InputError("--jobs and --scheduler exclude each other; a cluster has its own number of workers")
+        raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")
     request = BatchRequest(study, out, jobs, scheduler, drop_recordings)
     with termination_interrupts(), prepared(request, shown_checks()) as one:
         if dry_run:
@@ -82,7 +87,7 @@ def batch(
 
 
 def _show_plan(one: Batch) -> None:
-    """Print every configuration, and what there is to do."""
+    """Print every configuration and the remaining work."""
     from rich.table import Table
 
     from cosim.batch.estimate import in_words
@@ -101,7 +106,7 @@ def _show_plan(one: Batch) -> None:
     console = terminal.console()
     console.print(table)
     if len(one.matrix.configurations) > MOST_ROWS:
-        console.print(f"… and {len(one.matrix.configurations) - MOST_ROWS} further configurations")
+        console.print(f"… and {len(one.matrix.configurations) - MOST_ROWS} more configurations")
     processes = one.request.processes
     alone, together = one.estimate(1), one.estimate(processes)
     console.print(
@@ -113,18 +118,18 @@ def _show_plan(one: Batch) -> None:
 
 
 def _show_result(one: Batch, result: Result) -> int:
-    """Say how a batch has ended, and return the exit code."""
+    """Print how the batch ended and return the exit code."""
     tally, folder = result.tally, one.ledger.folder
     typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed; tables: {folder}/*.csv")
     for name, reason in result.not_valid.items():
-        typer.echo(f"cosim: not valid: {name}: {reason}", err=True)
+        typer.echo(f"cosim: invalid: {name}: {reason}", err=True)
     if tally.failed:
-        typer.echo(f"cosim: {tally.failed} runs failed; why: {folder}/failed.csv", err=True)
+        typer.echo(f"cosim: {tally.failed} runs failed; for the reasons see {folder}/failed.csv", err=True)
     if result.stopped:
         left = tally.total - tally.done
         typer.echo(
-            f"cosim: {result.stopped}; {tally.done} of {tally.total} runs are finished and whole, "
-            f"the other {left} are made by the same command: {one.request.command()}",
+            f"cosim: {result.stopped}; {tally.done} of {tally.total} runs are finished; "
+            f"to run the other {left}, repeat: {one.request.command()}",
             err=True,
         )
     return 0 if result.good else 3

@@ -1,4 +1,4 @@
-"""``cosim check``: scenarios, studies and suites that pass or fail."""
+"""``cosim check``: criteria for scenarios, studies and suites."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from cosim.commands.options import Debug, Settings
 def check(
     targets: Annotated[
         list[str],
-        typer.Argument(
-            metavar="TARGET…", help="A scenario, a SUMO configuration, a study file, or suite:NAME."
-        ),
+        typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
     ],
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", metavar="DIR", help="Folder for all files; resumes there.", show_default="runs/check-…"
+            "--out",
+            metavar="DIR",
+            help="Output folder; resumes an earlier check.",
+            show_default="runs/check-…",
         ),
     ] = None,
     junit: Annotated[
-        Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML there.")
+        Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML to this file.")
     ] = None,
     controller: Annotated[
         list[str] | None,
         typer.Option(
             "--controller",
             metavar="NAME",
-            help="Who drives the egos; repeatable.",
+            help="Controller that drives the egos; repeatable.",
             show_default="as the study, otherwise vo_mpc",
         ),
     ] = None,
@@ -43,33 +44,42 @@ def check(
     settings: Settings = None,
     criteria: Annotated[
         Path | None,
-        typer.Option("--criteria", metavar="FILE.toml", help="Criteria instead of those of the targets."),
+        typer.Option(
+            "--criteria", metavar="FILE.toml", help="Use these criteria instead of those of the targets."
+        ),
     ] = None,
     part: Annotated[
         str | None,
-        typer.Option("--filter", metavar="TEXT", help="Only scenarios or cases with this in their name."),
+        typer.Option(
+            "--filter", metavar="TEXT", help="Only scenarios or cases whose name contains this text."
+        ),
     ] = None,
     baseline: Annotated[
         Path | None,
-        typer.Option("--baseline", metavar="DIR", help="Fail what got worse than in this earlier check."),
+        typer.Option(
+            "--baseline", metavar="DIR", help="Fail if a key measure is worse than in this earlier check."
+        ),
     ] = None,
     level: Annotated[
         float,
-        typer.Option("--level", metavar="P", help="Of the comparison with the baseline, all tests together."),
+        typer.Option("--level", metavar="P", help="Significance level of the baseline comparison."),
     ] = 0.05,
     jobs: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Runs at a time.", show_default="one a core")
+        int | None,
+        typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
     ] = None,
     run_timeout_s: Annotated[
         float | None,
-        typer.Option("--run-timeout-s", metavar="S", help="Wall-clock time of a run.", show_default="3600"),
+        typer.Option(
+            "--run-timeout-s", metavar="S", help="Wall-clock limit of a run [s].", show_default="3600"
+        ),
     ] = None,
     drop_recordings: Annotated[
-        bool, typer.Option("--drop-recordings", help="Keep the numbers of each run only.")
+        bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")
     ] = False,
     debug: Debug = False,
 ) -> int:
-    """Run scenarios, studies or suites, hold the numbers against criteria, and say so in the exit code.
+    """Run scenarios, studies or suites and check their results against criteria.
 
     \b
     Examples:
@@ -79,7 +89,7 @@ def check(
       cosim check town.sumocfg --criteria criteria.toml --set ego_share=0.1 --set duration_s=600
 
     \b
-    A criterion, in scenario.toml, in a study file, or in a file after --criteria:
+    A criterion, in scenario.toml, in a study file, or in a file for --criteria:
       [[criteria]]
       scope = "run"
       metric = "n_collisions"
@@ -122,6 +132,8 @@ def check(
     for line in summary.failures(result.findings):
         typer.echo(f"cosim: {line}", err=True)
     if result.stopped:
-        typer.echo(f"cosim: {result.stopped}; the same command with --out {result.folder} goes on", err=True)
+        typer.echo(
+            f"cosim: {result.stopped}; to resume, repeat the command with --out {result.folder}", err=True
+        )
     console.print(f"\n{summary.verdict(result.findings)}\nfiles: {result.folder}", soft_wrap=True)
     return result.exit_code

@@ -17,30 +17,34 @@ if TYPE_CHECKING:
 
 def compare(
     folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of a study, or any folder with run folders in it.")
+        Path,
+        typer.Argument(metavar="DIR", help="Folder of a study, or any folder that contains run folders."),
     ],
     alt: Annotated[
-        str, typer.Option(metavar="NAME", help="Who is compared: a controller, or one with its parameters.")
+        str, typer.Option(metavar="NAME", help="Controller to compare, optionally with parameters.")
     ],
-    base: Annotated[str, typer.Option(metavar="NAME", help="With whom.")] = "sumo",
+    base: Annotated[str, typer.Option(metavar="NAME", help="Controller to compare it with.")] = "sumo",
     metrics: Annotated[
         list[str] | None,
         typer.Option(
-            "--metric", metavar="NAME", help="Compare this measure; repeatable.", show_default="the key ones"
+            "--metric",
+            metavar="NAME",
+            help="Measure to compare; repeatable.",
+            show_default="the key measures",
         ),
     ] = None,
     scenario: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Only this scenario.", show_default="each of them")
+        str | None, typer.Option(metavar="NAME", help="Only this scenario.", show_default="all")
     ] = None,
     each: Annotated[
-        bool, typer.Option("--each", help="One table for each setting of a scenario, not one for all.")
+        bool, typer.Option("--each", help="One table per setting of a scenario instead of one for all.")
     ] = False,
     write: Annotated[
-        bool, typer.Option("--write", help="Write the rows to DIR/comparison-BASE-ALT.csv too.")
+        bool, typer.Option("--write", help="Also write the rows to DIR/comparison-BASE-ALT.csv.")
     ] = False,
     debug: Debug = False,
 ) -> int:
-    """Say whether one controller is safer than another, and slower, on the same seeds.
+    """Compare two controllers on the same seeds: is one safer, and is it slower?
 
     \b
     Examples:
@@ -49,7 +53,7 @@ def compare(
       cosim compare results/study --alt "vo_mpc horizon=20" --each --write
 
     \b
-    Exit codes: 0 all good, 2 no such folder, controller, measure or scenario, or no seed in common.
+    Exit codes: 0 success, 2 no such folder, controller, measure or scenario, or no seed in common.
     """
     from analysis.comparison_rows import compare_labels, correct, pair_runs, shared_conditions
     from analysis.errors import AnalysisError
@@ -66,10 +70,12 @@ def compare(
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     if not study.runs:
-        raise InputError(f"{folder}: no run in it; a folder of a study, or of run folders, expected")
+        raise InputError(
+            f"{folder}: contains no runs; expected the folder of a study or a folder of run folders"
+        )
     one, other = _label(study, folder, "--base", base), _label(study, folder, "--alt", alt)
     if one == other:
-        raise InputError(f"--base {base} and --alt {alt} are the same; there are {_all(study)}")
+        raise InputError(f"--base {base} and --alt {alt} are the same; available: {_all(study)}")
     chosen = _measures(metrics or [])
     by_name = {measure.name: measure for measure in chosen}
     console = terminal.console()
@@ -93,7 +99,7 @@ def compare(
         raise InputError(_nothing_in_common(study, folder, one, other))
     if left_out:
         names = ", ".join(f"{where.scenario_id} {where.text}".strip() for where in left_out)
-        console.print(f"Left out, no seed in common with valid runs: {names}.", soft_wrap=True)
+        console.print(f"Left out, because no seed in common has valid runs: {names}.", soft_wrap=True)
     if write:
         path = folder / f"comparison-{_file_name(one)}-{_file_name(other)}.csv"
         try:
@@ -109,9 +115,9 @@ def _label(study: Study, folder: Path, flag: str, name: str) -> str:
 
     labels = study.matching(name)
     if not labels:
-        raise InputError(f"{flag} {name}: no run of it in {folder}; there are {_all(study)}")
+        raise InputError(f"{flag} {name}: no run of it in {folder}; available: {_all(study)}")
     if len(labels) > 1:
-        raise InputError(f"{flag} {name}: which of {', '.join(map(repr, labels))}?")
+        raise InputError(f"{flag} {name} is ambiguous: {', '.join(map(repr, labels))}")
     return labels[0]
 
 
@@ -134,8 +140,8 @@ def _measures(names: list[str]) -> list[Measure]:
             hint = f"did you mean {near[0]!r}? " if near else ""
             keys = ", ".join(measure.name for measure in known.values() if measure.key)
             raise InputError(
-                f"--metric {name}: no such measure; {hint}there are the key ones ({keys}), the other shares "
-                "and rates of docs/statistics.md, and every number of runs.csv but wall-clock times"
+                f"--metric {name}: no such measure; {hint}available: the key measures ({keys}), the other "
+                "shares and rates of docs/statistics.md, and all numbers of runs.csv except wall-clock times"
             )
     return [known[name] for name in dict.fromkeys(names)]
 
@@ -145,7 +151,7 @@ def _scopes(study: Study, scenario: str | None, each: bool) -> list[list[Conditi
 
     names = sorted({one.scenario_id for one in study.conditions})
     if scenario is not None and scenario not in names:
-        raise InputError(f"--scenario {scenario}: no run of it; there are {', '.join(names)}")
+        raise InputError(f"--scenario {scenario}: no run of it; available: {', '.join(names)}")
     chosen = [one for one in study.conditions if scenario in (None, one.scenario_id)]
     if each:
         return [[one] for one in chosen]
@@ -156,7 +162,9 @@ def _nothing_in_common(study: Study, folder: Path, base: str, alt: str) -> str:
     from analysis.comparison_rows import pair_runs
 
     if any(pair_runs(study, [one], base, alt).base for one in study.conditions):
-        return f"{folder}: no seed was run under all settings of a scenario; --each takes them one by one"
+        return (
+            f"{folder}: no seed was run under all settings of a scenario; --each compares setting by setting"
+        )
     said = []
     for label in (base, alt):
         runs = [run for run in study.runs if study.label(run) == label]

@@ -1,4 +1,4 @@
-"""``cosim conformance``: what is true of the coupling with the SUMO that is installed."""
+"""``cosim conformance``: checks the coupling with the installed SUMO."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def conformance(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[CASE]…", help="Cases to run.", show_default="all")
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Processes at a time.")] = 1,
-    only_list: Annotated[bool, typer.Option("--list", help="Say which cases exist, run none.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Number of parallel processes.")] = 1,
+    only_list: Annotated[bool, typer.Option("--list", help="List the cases without running them.")] = False,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="Write the table as Markdown too.", show_default=False),
+        typer.Option("--out", metavar="FILE", help="Also write the table as Markdown.", show_default=False),
     ] = None,
     debug: Debug = False,
 ) -> int:
@@ -34,7 +34,7 @@ def conformance(
       cosim conformance --list
 
     \b
-    Exit codes: 0 all as expected, 1 a case or a control is not, 2 unknown case.
+    Exit codes: 0 all as expected, 1 a case or a control is not as expected, 2 unknown case.
     """
     from cosim.conformance import suite
     from cosim.conformance.table import HEADINGS, markdown, summary, sumo_version, table_rows
@@ -48,7 +48,7 @@ def conformance(
         console.print(table)
         return 0
     if out is not None:
-        _write(out, "")  # said now if it is not possible, and not after minutes
+        _write(out, "")  # fail now if it is not writable, not after minutes
     results = suite.run(chosen, jobs, lambda result: typer.echo(f"{result.case.key} done", err=True))
     table = Table(title=f"Conformance with SUMO {sumo_version()}", title_justify="left")
     for heading in HEADINGS:
@@ -69,4 +69,4 @@ def _write(path: Path, text: str) -> None:
     try:
         path.write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise InputError(f"--out {path}: a file that can be written expected: {error.strerror}") from error
+        raise InputError(f"--out {path}: cannot be written: {error.strerror}") from error

@@ -1,4 +1,4 @@
-"""``cosim inspect``: can a pedestrian study be run on this network?"""
+"""``cosim inspect``: does a network support a pedestrian study?"""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 def inspect(
     path: Annotated[
-        Path, typer.Argument(metavar="NET_OR_SUMOCFG", help="A SUMO network or a SUMO configuration.")
+        Path, typer.Argument(metavar="NET_OR_SUMOCFG", help="SUMO network or SUMO configuration.")
     ],
     scaffold: Annotated[
         Path | None,
-        typer.Option("--scaffold", metavar="DIR", help="Write a scenario that cosim run can run."),
+        typer.Option("--scaffold", metavar="DIR", help="Write a scenario folder for cosim run."),
     ] = None,
     picture: Annotated[
         Path | None,
@@ -31,7 +31,7 @@ def inspect(
     ] = None,
     debug: Debug = False,
 ) -> int:
-    """Say whether a pedestrian study can be run on a network, and what mends it if not.
+    """Check whether a network supports a pedestrian study, and print the commands that fix it.
 
     \b
     Examples:
@@ -40,7 +40,7 @@ def inspect(
       cosim inspect town.sumocfg --scaffold scenarios/town
 
     \b
-    Exit codes: 0 it can, 1 it cannot yet, 2 bad input.
+    Exit codes: 0 it does, 1 it does not yet, 2 bad input.
     """
     from cosim import output
     from cosim.inspection.inspection import inspect as look
@@ -61,7 +61,7 @@ def inspect(
     _show_routes(found)
     for command in dict.fromkeys(finding.command for finding in found.findings if finding.command):
         checks = ", ".join(finding.check for finding in found.findings if finding.command == command)
-        console.print(f"\n{checks}, mended by:\n  {command}", soft_wrap=True)
+        console.print(f"\nto fix {checks}:\n  {command}", soft_wrap=True)
     console.print(f"\n{path}: {found.verdict}", soft_wrap=True)
     if picture is not None:
         from cosim.inspection.picture import draw_map
@@ -71,7 +71,9 @@ def inspect(
     if scaffold is not None:
         for line in write_scaffold(found, scaffold):
             console.print(line, soft_wrap=True)
-        console.print(f"scenario: {scaffold}, run by: cosim run {shlex.quote(str(scaffold))}", soft_wrap=True)
+        console.print(
+            f"scenario: {scaffold}; to run it: cosim run {shlex.quote(str(scaffold))}", soft_wrap=True
+        )
     return 0 if found.possible else 1
 
 

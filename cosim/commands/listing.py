@@ -1,4 +1,4 @@
-"""``cosim list``: what exists."""
+"""``cosim list``: what is available."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class Kind(StrEnum):
 def show(
     what: Annotated[
         str,
-        typer.Argument(metavar="|".join(Kind), help="What to list; or suite:NAME for the cases of a suite."),
+        typer.Argument(metavar="|".join(Kind), help="What to list, or suite:NAME for the cases of a suite."),
     ],
     debug: Debug = False,
 ) -> int:
-    """List scenarios, controllers, metrics, sensing models or suites, with the parameters that --set takes.
+    """List scenarios, controllers, metrics, sensing models or suites, and their parameters for --set.
 
     \b
     Examples:

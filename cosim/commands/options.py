@@ -1,4 +1,4 @@
-"""Flags that several commands share."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import typer
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Empty or new folder for the files.", show_default="runs/…"),
+    typer.Option("--out", metavar="DIR", help="Output folder, new or empty.", show_default="runs/…"),
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a scenario, controller or sensing parameter."),
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Set a scenario, controller or sensing parameter; repeatable."
+    ),
 ]

@@ -14,10 +14,11 @@ from cosim.commands.options import Debug
 def plot(
     folder: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="Folder of a recorded run.")],
     ego: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Whose trip is drawn.", show_default="the first ego's")
+        str | None,
+        typer.Option(metavar="NAME", help="Ego whose trip is drawn.", show_default="the first ego"),
     ] = None,
     encounter: Annotated[
-        int | None, typer.Option(metavar="N", help="Draw this encounter only: encounter_id.")
+        int | None, typer.Option(metavar="N", help="Draw only the encounter with this encounter_id.")
     ] = None,
     out: Annotated[
         Path | None,
@@ -25,10 +26,10 @@ def plot(
             "--out", metavar="DIR", help="Empty or new folder for the figures.", show_default="RUN_DIR/plots"
         ),
     ] = None,
-    kind: Annotated[str, typer.Option("--format", metavar="png|svg", help="Kind of file.")] = "png",
+    kind: Annotated[str, typer.Option("--format", metavar="png|svg", help="File format.")] = "png",
     debug: Debug = False,
 ) -> int:
-    """Draw the trip of an ego, or one encounter: in the plane, over time, and in space and time.
+    """Draw the trip of an ego or one encounter: on the map, over time, and as a space-time diagram.
 
     \b
     Examples:
@@ -36,7 +37,7 @@ def plot(
       cosim plot runs/midblock_zebra-vo_mpc-1-1 --encounter 3 --format svg --out figures
 
     \b
-    Exit codes: 0 good, 2 bad input.
+    Exit codes: 0 success, 2 bad input.
     """
     from analysis.errors import AnalysisError
     from cosim import output
@@ -45,7 +46,7 @@ def plot(
 
     require_matplotlib("cosim plot")
     if kind not in FORMATS:
-        raise InputError(f"--format: {' or '.join(FORMATS)} expected, got {kind!r}")
+        raise InputError(f"--format: expected {' or '.join(FORMATS)}, got {kind!r}")
     output.check(out)
     from analysis.case import prepare
     from analysis.plots.figures import draw_figures

@@ -13,20 +13,21 @@ from cosim.commands.options import Debug
 
 def replay(
     folder: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="Folder of a recorded run.")],
-    encounter: Annotated[int, typer.Option(metavar="N", help="Which encounter: encounter_id.")],
+    encounter: Annotated[int, typer.Option(metavar="N", help="The encounter_id of the encounter.")],
     out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="The film: .gif, or .mp4 where ffmpeg is installed.")
+        Path,
+        typer.Option("--out", metavar="FILE", help="Film to write: .gif, or .mp4 if ffmpeg is installed."),
     ],
     debug: Debug = False,
 ) -> int:
-    """Show an encounter from above as a film, a second of film for a second of simulated time.
+    """Write a film of an encounter from above, in real time.
 
     \b
     Examples:
       cosim replay runs/midblock_zebra-vo_mpc-1-1 --encounter 3 --out encounter-3.gif
 
     \b
-    Exit codes: 0 good, 2 bad input.
+    Exit codes: 0 success, 2 bad input.
     """
     from analysis.errors import AnalysisError
     from cosim.drawing import check_picture, require_matplotlib
@@ -40,7 +41,7 @@ def replay(
 
     check_picture(out, FORMATS)
     if out.suffix.lower() == ".mp4" and not has_ffmpeg():
-        raise InputError(f"{out}: .mp4 needs the program ffmpeg, which is not installed; .gif does not")
+        raise InputError(f"{out}: .mp4 needs ffmpeg, which is not installed; use .gif instead")
     try:
         count = write_film(choose(prepare(read_run(folder)), None, encounter), out)
     except AnalysisError as error:

@@ -1,4 +1,4 @@
-"""``cosim report``: what runs found, as a page to look at."""
+"""``cosim report``: the results of runs as an HTML page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from cosim.commands.options import Debug
 def report(
     folders: Annotated[
         list[Path],
-        typer.Argument(metavar="DIR…", help="Folders of runs, of a study, or any with run folders in them."),
+        typer.Argument(
+            metavar="DIR…", help="Folders of runs or studies, or folders that contain run folders."
+        ),
     ],
     out: Annotated[
         Path | None,
@@ -28,14 +30,18 @@ def report(
     base: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="With whom others are compared.", show_default="sumo, or the first"
+            metavar="NAME",
+            help="Controller that others are compared with.",
+            show_default="sumo, or the first",
         ),
     ] = None,
-    rows: Annotated[int, typer.Option(metavar="N", min=1, help="Encounters listed, the worst first.")] = 200,
-    replays: Annotated[int, typer.Option(metavar="N", min=0, help="Of them with a replay.")] = 100,
+    rows: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Number of encounters listed, worst first.")
+    ] = 200,
+    replays: Annotated[int, typer.Option(metavar="N", min=0, help="Number of them with a replay.")] = 100,
     debug: Debug = False,
 ) -> int:
-    """Write report.html: the answer, tables, distributions, the worst encounters, and their replays.
+    """Write report.html: comparison, tables, distributions, the worst encounters and their replays.
 
     \b
     Examples:
@@ -45,7 +51,7 @@ def report(
       cosim report results/study --base aeb --replays 500
 
     \b
-    Exit codes: 0 all good, 2 no such folder, no run in it, or runs that do not belong together.
+    Exit codes: 0 success, 2 no such folder, no run in it, or runs that do not belong together.
     """
     from cosim.errors import InputError
 
@@ -67,12 +73,12 @@ def write(
     rows: int = 200,
     replays: int = 100,
 ) -> tuple[Path, list[str]]:
-    """Write the page; return its path and what is worth saying.
+    """Write the page; return its path and notes to print.
 
     Raises
     ------
     InputError
-        When the runs cannot be read, the page cannot be written, or what it is made with is not installed.
+        If the runs cannot be read, the page cannot be written, or a required package is missing.
     """
     try:
         from analysis.page.report import write_report
@@ -96,13 +102,13 @@ def write(
     if written.not_recorded:
         notes.append(
             f"{written.not_recorded} of them have no recording to replay; "
-            "the page says which command records each"
+            "the page gives the command that records each"
         )
     return written.page, notes
 
 
 def unavailable(error: ModuleNotFoundError) -> Exception:
-    """Return the error that says what to install."""
+    """Return an error that says which extra to install."""
     from cosim.errors import InputError
 
-    return InputError(f'{error.name} is not installed; pip install "sumo-cosim[report]" brings it')
+    return InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[report]"')

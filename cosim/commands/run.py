@@ -14,9 +14,9 @@ from cosim.commands.options import Debug, Out, Settings
 from cosim.request import RunRequest, parse_settings
 
 BESIDE_THE_LANE = 2.0
-"""An ego further from the middle of its lane is beside it [m]."""
+"""An ego farther from its lane's centre line is reported [m]."""
 COARSE_STEP_S = 0.2
-"""In a longer step a pedestrian goes further than his own radius [s]."""
+"""In a longer step a pedestrian moves by more than their radius [s]."""
 
 if TYPE_CHECKING:
     from cosim.execution import Outcome
@@ -27,27 +27,31 @@ def run(
     scenario: Annotated[
         str,
         typer.Argument(
-            metavar="SCENARIO", help="A scenario's name or folder, suite:NAME/CASE, or a SUMO configuration."
+            metavar="SCENARIO", help="Scenario name or folder, suite:NAME/CASE, or SUMO configuration."
         ),
     ],
-    controller: Annotated[str, typer.Option(metavar="NAME", help="Who drives the ego.")] = "vo_mpc",
-    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 1,
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help="Controller that drives the egos.")
+    ] = "vo_mpc",
+    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 1,
     out: Out = None,
     settings: Settings = None,
     duration_s: Annotated[
         float | None,
-        typer.Option("--duration-s", metavar="S", help="Simulated time.", show_default="as the scenario"),
+        typer.Option("--duration-s", metavar="S", help="Simulated time [s].", show_default="as the scenario"),
     ] = None,
     step_s: Annotated[
         float | None,
-        typer.Option("--step-s", metavar="S", help="Simulation step.", show_default="as the scenario"),
+        typer.Option("--step-s", metavar="S", help="Step length [s].", show_default="as the scenario"),
     ] = None,
     actuation: Annotated[
         str | None,
-        typer.Option(metavar="hybrid|move", help="How the ego is moved.", show_default="as the scenario"),
+        typer.Option(
+            metavar="hybrid|move", help="How SUMO's vehicle is moved.", show_default="as the scenario"
+        ),
     ] = None,
     ego_route: Annotated[
-        str | None, typer.Option(metavar='"E1 E2 …"', help="Insert one ego that drives these edges.")
+        str | None, typer.Option(metavar='"E1 E2 …"', help="Add one ego that drives these edges.")
     ] = None,
     ego_vehicle: Annotated[
         str | None, typer.Option(metavar="ID", help="Take over this vehicle of the demand.")
@@ -59,7 +63,7 @@ def run(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="What egos know of pedestrians: cosim list sensing.",
+            help="Sensing model; see cosim list sensing.",
             show_default="as the scenario",
         ),
     ] = None,
@@ -80,7 +84,7 @@ def run(
       cosim run town.sumocfg --ego-vehicle car.12 --gui
 
     \b
-    Exit codes: 0 good, 2 bad input, 3 the run went wrong after its first step.
+    Exit codes: 0 success, 2 bad input, 3 the run failed after its first step.
     """
     request = RunRequest(
         scenario=scenario,
@@ -106,10 +110,10 @@ def run(
 
 
 def _tell_of_crash(ended: apart.Ended) -> int:
-    """Keep what was recorded and say what happened."""
+    """Keep the recording so far and report the crash."""
     from cosim.execution import salvage
 
-    reason = f"the simulation's process ended by {ended.signal}"
+    reason = f"the simulation process was ended by {ended.signal}"
     if not ended.told:
         typer.echo(f"cosim: {reason} before its first step", err=True)
         return 3
@@ -135,28 +139,28 @@ def _show(outcome: Outcome) -> int:
     console.print(f"\nfiles: {outcome.folder}", soft_wrap=True)
     step_s = float(outcome.description["step_s"])
     if step_s > COARSE_STEP_S:
-        text = f"the step was {step_s:g} s; to judge conflicts takes 0.1 s or less: --step-s 0.1"
+        text = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
         typer.echo(f"cosim: note: {text}", err=True)
     _tell_mishaps(outcome.description)
     if outcome.invalid_reason:
-        typer.echo(f"cosim: the run is not valid: {outcome.invalid_reason}", err=True)
+        typer.echo(f"cosim: the run is invalid: {outcome.invalid_reason}", err=True)
         return 3
     return 0
 
 
 def _tell_mishaps(description: dict[str, Any]) -> None:
-    """Say in one line each what the coupling could not do as it should."""
+    """Report in one line each what the coupling could not do."""
     given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
     if given_up:
-        text = f"{len(given_up)} egos left their way and were handed back to SUMO's driver: {given_up[0]}"
+        text = f"{len(given_up)} egos left their path and were handed back to SUMO's driver: {given_up[0]}"
         typer.echo(f"cosim: note: {text}{', …' if len(given_up) > 1 else ''}", err=True)
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:
         furthest = max(beside.values())
-        text = f"egos pass up to {furthest:.1f} m beside lanes too tight for them: {next(iter(beside))}"
+        text = f"egos drive up to {furthest:.1f} m beside lanes with too tight bends: {next(iter(beside))}"
         typer.echo(f"cosim: note: {text}{', …' if len(beside) > 1 else ''}", err=True)
     if not_taken:
-        text = f"{len(not_taken)} cars of the share have routes that no ego can drive: {not_taken[0]}"
+        text = f"{len(not_taken)} cars of --ego-share stay with SUMO (route cannot be driven): {not_taken[0]}"
         typer.echo(f"cosim: note: {text}{', …' if len(not_taken) > 1 else ''}", err=True)
 
 

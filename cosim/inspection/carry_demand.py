@@ -13,7 +13,7 @@ Element = ElementTree.Element
 VEHICLES = ("vehicle", "trip", "flow")
 ON_FOOT = ("person", "personFlow", "container", "containerFlow")
 _STAGES = ("walk", "personTrip", "ride", "transport", "tranship")
-_UNKNOWN = "which edge it is on is known to SUMO alone"
+_UNKNOWN = "only SUMO knows which edge it is on"
 _SEVERAL = "it is on several edges, whose lanes are numbered differently now"
 
 

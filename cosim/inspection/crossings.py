@@ -47,8 +47,8 @@ def impossible_routes(cars: Passing | None) -> list[Finding]:
     """Say so where cars of the demand have a route that is not possible."""
     if cars is None or not cars.impossible:
         return []
-    text = f"{cars.impossible:,.0f} cars of the demand have edges that do not exist, or no way between them"
-    return [Finding("car routes", Level.DANGER, text + ": SUMO stops at the first of them")]
+    text = f"{cars.impossible:,.0f} cars of the demand have edges that do not exist or are not connected"
+    return [Finding("car routes", Level.DANGER, text + ": SUMO stops at the first one")]
 
 
 def ego_routes(routes: Sequence[EgoRoute], cars: Passing | None, any_crossing: bool) -> Finding:

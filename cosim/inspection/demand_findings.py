@@ -1,4 +1,4 @@
-"""Findings on who drives and walks, and on route files."""
+"""Findings on vehicles, persons and route files."""
 
 from __future__ import annotations
 
@@ -11,34 +11,38 @@ from cosim.inspection.source import Source
 
 
 def vehicles(source: Source, demand: Demand) -> Finding:
-    """Say how many vehicles of each class the demand brings."""
+    """Report the number of vehicles of each class in the demand."""
     present = {kind: count for kind, count in sorted(demand.vehicles.items()) if count >= 0.5}
     if not source.configured:
-        return Finding("vehicles", Level.NOTE, "a network alone has no demand")
+        return Finding("vehicles", Level.NOTE, "a network without a configuration has no demand")
     if not present:
-        return Finding("vehicles", Level.NOTE, "none: an ego of --ego-route would drive alone")
+        return Finding("vehicles", Level.NOTE, "none: an ego of --ego-route drives alone")
     parts = [f"{count:,.0f} {kind}" for kind, count in present.items()]
     if CAR not in present:
-        return Finding("vehicles", Level.NOTE, ", ".join(parts) + "; no cars, so --ego-share takes none over")
+        return Finding(
+            "vehicles", Level.NOTE, ", ".join(parts) + "; no cars that --ego-share could take over"
+        )
     return Finding("vehicles", Level.GOOD, ", ".join(parts))
 
 
 def persons(source: Source, demand: Demand) -> Finding:
-    """Say how many people walk."""
+    """Report the number of pedestrians."""
     if not source.configured:
-        return Finding("persons", Level.NOTE, "a network alone has no demand; --scaffold writes some")
+        return Finding(
+            "persons", Level.NOTE, "a network without a configuration has no demand; --scaffold adds some"
+        )
     if demand.persons >= 0.5:
         return Finding("persons", Level.GOOD, f"{demand.persons:,.0f} in the demand")
     return Finding("persons", Level.MISSING, "none in the demand", _walks_command(source))
 
 
 def sorting(demand: Demand) -> list[Finding]:
-    """Name the route files of which SUMO leaves a part out; none where all is read."""
+    """Name the route files of which SUMO drops a part; none if it reads everything."""
     return [
         Finding(
             "route order",
             Level.DANGER,
-            f"{path.name} is not sorted by time: SUMO leaves out {len(names)} entries, first {names[0]!r}",
+            f"{path.name} is not sorted by time: SUMO drops {len(names)} entries, first {names[0]!r}",
             _sort_command(path),
         )
         for path, names in demand.ignored.items()

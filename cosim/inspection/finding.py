@@ -1,4 +1,4 @@
-"""One thing that was found, how bad it is, and the command that mends it."""
+"""A finding of one check, its severity, and the command that fixes it."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from enum import StrEnum
 
 
 class Level(StrEnum):
-    """How much a finding matters."""
+    """How severe a finding is."""
 
     GOOD = "good"
     NOTE = "note"
     """Worth knowing."""
     DANGER = "danger"
-    """A run works, and its numbers do not mean what one thinks."""
+    """A run works, but its numbers do not mean what the user would expect."""
     MISSING = "missing"
-    """No study is possible before it is mended."""
+    """No study is possible before this is fixed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """The answer of one check."""
+    """The result of one check."""
 
     check: str
     level: Level
     text: str
     command: str = ""
-    """What mends it; empty where nothing has to be mended, or no command can."""
+    """Fixes it; empty if nothing has to be fixed or no command can."""

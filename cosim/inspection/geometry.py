@@ -53,10 +53,10 @@ def waiting_places(network: Network) -> list[Finding]:
     if not bad:
         return [Finding("waiting places", Level.GOOD, f"none of {len(ends)} is in a car lane")]
     text = (
-        f"{len(bad)} of {len(ends)} places where people wait for a crossing are in a car lane: at "
-        f"{_some(bad)}. SUMO draws these crossings shorter than the road is wide, and cars, SUMO's own too, "
-        "meet people there who only wait: give each <crossing> a shape from kerb to kerb (netedit), or judge "
-        "contacts with waiting people apart"
+        f"{len(bad)} of {len(ends)} places where pedestrians wait for a crossing are in a car lane: "
+        f"{_some(bad)}. SUMO draws these crossings shorter than the road is wide, so that cars, including "
+        "SUMO's own, meet waiting pedestrians there: give each <crossing> a shape from kerb to kerb (netedit), "
+        "or evaluate contacts with waiting pedestrians separately"
     )
     return [Finding("waiting places", Level.NOTE, text)]
 
@@ -84,11 +84,11 @@ def tight_bends(network: Network) -> list[Finding]:
     off = max((bend.off for _, path, _ in ways for bend in widened(path, CAR_TURNING)[1]), default=0.0)
     bad = sorted((name for name, radius in radii.items() if radius < TIGHTEST), key=lambda name: radii[name])
     if not bad:
-        return [Finding("bends", Level.GOOD, f"a car can drive all {len(radii)} ways through junctions")]
+        return [Finding("bends", Level.GOOD, f"a car can drive all {len(radii)} junction movements")]
     text = (
-        f"{len(bad)} of {len(radii)} ways through junctions bend more than a car can (radius below "
-        f"{TIGHTEST:g} m): {_some(bad)}, {radii[bad[0]]:.1f} m. An ego takes a wider way there, up to "
-        f"{off:.1f} m from the middle of its lane: give the junction a greater radius (netconvert "
+        f"{len(bad)} of {len(radii)} junction movements are tighter than a car can drive (radius below "
+        f"{TIGHTEST:g} m): {_some(bad)}, {radii[bad[0]]:.1f} m. An ego takes a wider path there, up to "
+        f"{off:.1f} m from its lane's centre line: give the junction a larger radius (netconvert "
         "--default.junctions.radius 8) or draw the lane wider (netedit)"
     )
     return [Finding("bends", Level.NOTE, text)]
@@ -110,11 +110,11 @@ def swept_walking_areas(network: Network) -> list[Finding]:
         if any(_inside(outline, body).any() for outline in near):
             bad.append(connection.via[0])
     if not bad:
-        return [Finding("swept paths", Level.GOOD, "no car that turns reaches over a walking area")]
+        return [Finding("swept paths", Level.GOOD, "no turning car reaches over a walking area")]
     text = (
-        f"on {len(bad)} of {number} ways through junctions the body of a car reaches over a walking area: "
-        f"{_some(bad)}. People who wait there are touched without leaving their place: give the junction a "
-        "greater radius, or judge contacts on walking areas apart"
+        f"on {len(bad)} of {number} junction movements the body of a car reaches over a walking area: "
+        f"{_some(bad)}. It touches pedestrians who only wait there: give the junction a larger radius, or "
+        "evaluate contacts on walking areas separately"
     )
     return [Finding("swept paths", Level.NOTE, text)]
 

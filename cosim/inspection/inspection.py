@@ -1,4 +1,4 @@
-"""Everything that is looked at, and the verdict."""
+"""All checks of a network and its demand, and the verdict."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cosim.sumo.network import Network, read_network
 
 @dataclass(frozen=True, slots=True)
 class Inspection:
-    """What was found out about a network and its demand."""
+    """The findings on a network and its demand."""
 
     source: Source
     network: Network
@@ -29,12 +29,12 @@ class Inspection:
 
     @property
     def possible(self) -> bool:
-        """Whether a pedestrian study can be run here."""
+        """Whether the network supports a pedestrian study."""
         return all(finding.level is not Level.MISSING for finding in self.findings)
 
     @property
     def verdict(self) -> str:
-        """The answer in one line."""
+        """The verdict in one line."""
         missing = [finding.check for finding in self.findings if finding.level is Level.MISSING]
         if missing:
             return f"a pedestrian study cannot be run here yet: see {', '.join(missing)}"

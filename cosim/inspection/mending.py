@@ -45,7 +45,7 @@ def mend(found: Inspection, work: Path, folder: Path) -> tuple[Inspection, list[
     routes = _copies(carrier, source.route_files, work / "routes", "routes")
     mended = replace(source, net_file=net, additional_files=additional, route_files=routes)
     said = [
-        f"mended by: {guess_command(found.network, source.net_file, sidewalks)}",
+        f"fixed by: {guess_command(found.network, source.net_file, sidewalks)}",
         *carrier.carried.lines(),
     ]
     return inspect_source(mended), said

@@ -1,4 +1,4 @@
-"""Findings on a configuration's options: what a run would suffer from, and what ``cosim run`` replaces."""
+"""Findings on a configuration's options: those that harm a run, and those that ``cosim run`` overrides."""
 
 from __future__ import annotations
 
@@ -10,45 +10,47 @@ from cosim.inspection.source import Source
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
 
 COARSE_STEP_S = 0.2
-"""In a longer step a pedestrian goes further than his own radius [s]."""
+"""In a longer step a pedestrian moves by more than their radius [s]."""
 NO_INTERACTION = "noninteracting"
 _TRUE = ("true", "1", "yes", "on", "t", "x")
 
 
 def step_length(source: Source) -> Finding:
-    """Say whether the step length is one that a run can have."""
+    """Report whether a run accepts the step length."""
     if not source.configured:
-        return Finding("step length", Level.NOTE, "a network alone has none; --scaffold writes 0.1 s")
+        return Finding(
+            "step length", Level.NOTE, "a network without a configuration has none; --scaffold sets 0.1 s"
+        )
     step = source.step_s
     limits = f"{SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
     if not SHORTEST_STEP_S <= step <= LONGEST_STEP_S:
         wanted = '<step-length value="0.1"/>'
         return Finding("step length", Level.MISSING, f"{step:g} s; a run needs {limits}: {wanted}")
     if step > COARSE_STEP_S:
-        absent = "" if "step-length" in source.options else ", SUMO's own, because none is given"
-        text = f"{step:g} s{absent}; to judge conflicts takes 0.1 s or less: cosim run --step-s 0.1"
+        absent = "" if "step-length" in source.options else ", SUMO's default, because none is given"
+        text = f"{step:g} s{absent}; judging conflicts takes 0.1 s or less: cosim run --step-s 0.1"
         return Finding("step length", Level.NOTE, text)
     return Finding("step length", Level.GOOD, f"{step:g} s")
 
 
 def pedestrian_model(source: Source) -> list[Finding]:
-    """Say so where people and vehicles do not see each other."""
+    """Report a model in which pedestrians and vehicles ignore each other."""
     model = source.options.get("pedestrian.model", "striping")
     if model.lower() != NO_INTERACTION:
         return []
-    text = f"{model}: people and vehicles drive and walk through each other; remove pedestrian.model"
+    text = f"{model}: pedestrians and vehicles pass through each other; remove pedestrian.model"
     return [Finding("pedestrian model", Level.MISSING, text)]
 
 
 def route_errors(source: Source) -> list[Finding]:
-    """Say so where vehicles with broken routes are left out in silence."""
+    """Report an option that silently drops vehicles with broken routes."""
     if not _is_true(source.options, "ignore-route-errors"):
         return []
-    return [Finding("route errors", Level.DANGER, "ignore-route-errors leaves broken routes out in silence")]
+    return [Finding("route errors", Level.DANGER, "ignore-route-errors silently drops broken routes")]
 
 
 def replaced(source: Source) -> list[Finding]:
-    """Name what SUMO alone would do with this configuration and ``cosim run`` does not let it do."""
+    """Name the options of this configuration that ``cosim run`` overrides."""
     if not source.configured:
         return []
     options = source.options
@@ -60,16 +62,16 @@ def replaced(source: Source) -> list[Finding]:
     if action != "warn":
         found.append(f"collision.action {action}")
     if not _is_true(options, "collision.check-junctions"):
-        found.append("no look for collisions in junctions, where crossings are")
+        found.append("no collision check in junctions, where the crossings are")
     if _is_true(options, "step-method.ballistic"):
         found.append("the ballistic step method")
     if _is_true(options, "random"):
-        found.append("a seed from the clock")
+        found.append("a random seed from the clock")
     if (seconds(options.get("lanechange.duration", "0")) or 0.0) > 0.0:
-        found.append("lanechange.duration, beside which there is no sublane model")
+        found.append("lanechange.duration, which excludes the sublane model")
     if not found:
         return []
-    text = f"SUMO alone would have: {'; '.join(found)}. cosim run sets its own values"
+    text = f"SUMO alone would use: {'; '.join(found)}. cosim run overrides these"
     return [Finding("options", Level.NOTE, text)]
 
 

@@ -62,14 +62,14 @@ def permissions(network: Network) -> Finding:
         and any(lane.permissions.allows(ON_FOOT) for lane in _lanes(network, edge))
     ]
     nobody = [edge for edge in edges if not _has_walkers(network, edge)]
-    text = f"{len(nobody)} edges for cars are closed to people on foot"
+    text = f"{len(nobody)} edges for cars are closed to pedestrians"
     if shared:
         return Finding(
             "permissions",
             Level.NOTE,
-            f"on {len(shared)} of {len(edges)} edges for cars people walk on the roadway itself; {text}",
+            f"on {len(shared)} of {len(edges)} edges for cars, pedestrians walk on the carriageway; {text}",
         )
-    return Finding("permissions", Level.GOOD, f"people and cars share no lane; {text}")
+    return Finding("permissions", Level.GOOD, f"pedestrians and cars share no lane; {text}")
 
 
 def guess_command(network: Network, net_file: Path, sidewalks: bool) -> str:

@@ -64,9 +64,9 @@ def _scaffold(found: Inspection, given: Inspection, folder: Path) -> None:
     if not found.routes:
         what = "no car can drive over a crossing" if found.counts else "there is no crossing"
         guessed = "" if found is given else ", nor one that netconvert guesses"
-        raise InputError(f"--scaffold: {what} in {net}{guessed}; mend that first")
+        raise InputError(f"--scaffold: {what} in {net}{guessed}; fix this first")
     if not found.possible and _blocking(found):
-        raise InputError(f"--scaffold: {found.verdict}; mend that first")
+        raise InputError(f"--scaffold: {found.verdict}; fix this first")
     walks = walks_over(found.network, found.routes)
     if not walks and found.demand.persons < 0.5:
         raise InputError(f"--scaffold: no sidewalk leads to the crossings in {net}")
@@ -176,7 +176,7 @@ def _scenario(found: Inspection, origin: str, duration_s: float, warmup_s: float
     lines = [
         f"description = {_quoted(f'Made by cosim inspect from {origin}')}",
         f"duration_s = {duration_s:.1f}",
-        f"warmup_s = {warmup_s:.1f} # egos come in afterwards",
+        f"warmup_s = {warmup_s:.1f} # egos enter afterwards",
         'actuation = "hybrid"',
         f'sumocfg = "{CONFIGURATION}"',
         "",

@@ -108,7 +108,7 @@ def _told(name: str, error: ValidationError) -> str:
     for bound, words in _BOUNDS.items():
         if bound in (details.get("ctx") or {}):
             expected = f"{words} {details['ctx'][bound]:g}"
-    return f"{key} = {details['input']!r}: {expected} expected"
+    return f"{key} = {details['input']!r}: expected {expected}"
 
 
 def _existing(wanted: str, existing: Iterable[str]) -> str:

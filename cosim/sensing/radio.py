@@ -71,10 +71,10 @@ class RadioSettings(Settings):
                 right = False
             if not right:
                 raise ValueError(
-                    f"'crossings' or places such as '120,-4' or '120,-4,90' expected, got {word!r}"
+                    f"expected 'crossings' or places such as '120,-4' or '120,-4,90', got {word!r}"
                 )
         if not words:
-            raise ValueError("'crossings' or at least one place such as '120,-4' expected")
+            raise ValueError("expected 'crossings' or at least one place such as '120,-4'")
         return " ".join(words)
 
 

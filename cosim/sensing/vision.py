@@ -42,7 +42,7 @@ class VisionSettings(Settings):
         """Check that so many detections fit into so many looks."""
         if self.confirm_hits > self.confirm_looks:
             raise ValueError(
-                f"confirm_hits = {self.confirm_hits}: at most confirm_looks = {self.confirm_looks} expected"
+                f"confirm_hits = {self.confirm_hits}: expected at most confirm_looks = {self.confirm_looks}"
             )
         return self
 

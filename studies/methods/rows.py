@@ -49,9 +49,10 @@ runs `studies/papers.toml` and writes the tables below. Repeat the command to re
 *People at once* is the mean number of pedestrians within 45 m of an ego while the ego is within 45 m of a
 crossing. *Encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
 Contacts are computed from recorded shapes, continuously between samples. The interval of their share is exact
-for independent encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs. Delay
-is relative to the speed limit; an unfinished trip counts with its delay so far. Jerk and control step are means
-over runs of the run's 95th percentile. The control step is wall-clock time, measured beside other runs.
+for independent encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
+Delay is relative to the speed limit; an unfinished trip counts with its delay so far. Jerk and control step
+are means over runs of the run's 95th percentile. The control step is wall-clock time, measured beside other
+runs.
 """
 
 

@@ -54,7 +54,9 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
     rest = [contact.impact_kmh or 0.0 for contact in contacts if APPEARED not in contact.kind]
     ran, met = bool(judged.valid), bool(entered or contacts)
     return [
-        Bar("every run finishes and is analysed and reported", f"{len(lost)} of {len(runs)} failed", not lost),
+        Bar(
+            "every run finishes and is analysed and reported", f"{len(lost)} of {len(runs)} failed", not lost
+        ),
         Bar(
             "at most 1 run in 50 with an ego that SUMO teleported",
             f"{len(teleported)} of {len(runs)}",
@@ -87,9 +89,7 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
             f"{len(sudden)} in {entered:,}",
             200 * len(sudden) <= entered if met else None,
         ),
-        _none(
-            "0 ego-closed overlaps with vehicles", judged.total("n_vehicle_overlaps_ego_closed"), ran
-        ),
+        _none("0 ego-closed overlaps with vehicles", judged.total("n_vehicle_overlaps_ego_closed"), ran),
         _none("0 stops on a crossing", judged.total("n_stopped_on_crossing"), ran),
         _none("0 deadlocks", judged.total("deadlock"), ran),
         _none(

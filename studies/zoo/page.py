@@ -96,7 +96,7 @@ def _failures(failed: Sequence[Run]) -> list[str]:
     if not failed:
         return []
     rows = [(run.controller, str(run.seed), _cut(run.reason), f"`{run.command}`") for run in failed]
-    return [markdown(("driver", "seed", "why the run is not valid", "again"), rows)]
+    return [markdown(("driver", "seed", "why the run is invalid", "again"), rows)]
 
 
 def _contacts(runs: Sequence[Run]) -> list[str]:

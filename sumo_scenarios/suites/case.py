@@ -86,7 +86,7 @@ def find(reference: str) -> Case:
             return case
     if not name:
         raise ScenarioError(
-            f"{reference}: one case of the suite expected, for instance {every[0].reference}; "
+            f"{reference}: expected one case of the suite, for instance {every[0].reference}; "
             f"cosim list {PREFIX}{suite} shows all {len(every)}"
         )
     near = difflib.get_close_matches(name, [case.name for case in every], n=1)

@@ -74,14 +74,14 @@ class GroupTable(Table):
             raise ValueError(f"group '{self.name}': key 'start_distance_m' is missing")
         if (self.motion == "standing") != (self.pedestrian_speed_kmh == 0.0):
             raise ValueError(
-                f"group '{self.name}': pedestrian_speed_kmh expected, except where he is standing"
+                f"group '{self.name}': expected pedestrian_speed_kmh, unless the pedestrian stands"
             )
         if (self.motion == "turning") != bool(self.turns and self.turn_radius_m):
             raise ValueError(f"group '{self.name}': turns and turn_radius_m belong to motion 'turning'")
         if (self.rule == "impact_speed") != bool(self.highest_impact_kmh):
             raise ValueError(f"group '{self.name}': 'highest_impact_kmh' belongs to rule 'impact_speed'")
         if self.highest_impact_kmh and len(self.highest_impact_kmh) != len(self.speeds_kmh):
-            raise ValueError(f"group '{self.name}': as many highest_impact_kmh as speeds_kmh expected")
+            raise ValueError(f"group '{self.name}': expected as many highest_impact_kmh as speeds_kmh")
         if (self.rule == "no_worse") != bool(self.standard):
             raise ValueError(f"group '{self.name}': 'standard' belongs to rule 'no_worse'")
         return self

@@ -180,7 +180,7 @@ def test_filters_choose_scenarios_and_controllers() -> None:
 def test_a_truth_value_is_a_threshold_of_a_truth_value_only() -> None:
     (one,) = read_criteria([{**RUN, "scope": "encounter", "metric": "collision", "threshold": False}])
     assert one.threshold == 0.0
-    assert "a number expected, got false" in refused(threshold=False)
+    assert "expected a number, got false" in refused(threshold=False)
 
 
 @pytest.mark.parametrize(
@@ -190,22 +190,22 @@ def test_a_truth_value_is_a_threshold_of_a_truth_value_only() -> None:
         ({"metric": "collision"}, "it exists with scope = 'encounter'"),
         ({"metric": "collision_share"}, "it exists with scope = 'configuration'"),
         ({"metric": "controller"}, "'controller' is no metric of runs.csv"),
-        ({"threshold": "0"}, "threshold: a number expected, got '0'"),
-        ({"threshold": None}, "threshold is missing; a number expected"),
-        ({"threshold": float("nan")}, "threshold: a number expected, got nan"),
-        ({"operator": "=<"}, "one of < <= > >= == expected"),
+        ({"threshold": "0"}, "threshold: expected a number, got '0'"),
+        ({"threshold": None}, "threshold is missing; expected a number"),
+        ({"threshold": float("nan")}, "threshold: expected a number, got nan"),
+        ({"operator": "=<"}, "expected one of < <= > >= =="),
         ({"operator": None}, "'operator' is missing"),
         ({"scope": "runs"}, "did you mean 'run'?"),
         ({"statistic": "mean"}, 'statistic belongs to scope = "configuration"'),
         ({"treshold": 1}, "unknown key 'treshold'; did you mean 'threshold'?"),
         ({"where": {"n_collision": 1}}, "did you mean 'n_collisions'?"),
-        ({"where": {"actuation": 1}}, "where: actuation: a text expected, got 1"),
-        ({"where": {"seed": "one"}}, "where: seed: a number expected, got 'one'"),
-        ({"where": 3}, "where: a table of columns and values expected"),
-        ({"controllers": "aeb"}, "controllers: a list of names expected"),
-        ({"controllers": []}, "controllers: at least one name expected"),
-        ({"allow_undefined": 1}, "allow_undefined: true or false expected"),
-        ({"id": ""}, "id: a text expected"),
+        ({"where": {"actuation": 1}}, "where: actuation: expected a text, got 1"),
+        ({"where": {"seed": "one"}}, "where: seed: expected a number, got 'one'"),
+        ({"where": 3}, "where: expected a table of columns and values"),
+        ({"controllers": "aeb"}, "controllers: expected a list of names"),
+        ({"controllers": []}, "controllers: expected at least one name"),
+        ({"allow_undefined": 1}, "allow_undefined: expected true or false"),
+        ({"id": ""}, "id: expected a text"),
         ({**SHARE, "statistic": None}, "needs a statistic; one of mean, sd"),
         ({**SHARE, "statistic": "p59"}, "did you mean 'p95'?"),
         ({**SHARE, "statistic": "tail95_hi"}, "does not exist for collision_share, which is of kind share"),

@@ -123,9 +123,9 @@ def test_every_threshold_and_curve_is_echoed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("severity_ttc_serious_s", "name=value expected"),
+        ("severity_ttc_serious_s", "expected name=value"),
         ("severity_ttc_serius_s=1", "severity_ttc_serious_s"),
-        ("mdrac_reaction_s=soon", "a number expected"),
+        ("mdrac_reaction_s=soon", "expected a number"),
         ("mdrac_reaction_s=nan", "a finite number"),
         ("substep_s=0", "above 0"),
     ],

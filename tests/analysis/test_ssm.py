@@ -49,7 +49,7 @@ def test_undefined_measures_are_absent(tmp_path: Path) -> None:
     ("text", "says"),
     [
         ("<SSMLog><conflict", "truncated or not XML"),
-        ("<routes/>", "an SSMLog expected, found 'routes'"),
+        ("<routes/>", "expected an SSMLog, found 'routes'"),
         ('<SSMLog><conflict begin="1" end="2" ego="a"/></SSMLog>', "no attribute 'foe'"),
         ('<SSMLog><conflict begin="soon" end="2" ego="a" foe="b"/></SSMLog>', "conflict 1"),
     ],

@@ -130,7 +130,7 @@ def test_a_folder_with_something_in_it_is_never_written_to(
     line = refused(capsys, "run", "midblock_zebra", "--out", "results")
     assert "results" in line
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine.txt"]
-    assert "a folder expected" in refused(capsys, "run", "midblock_zebra", "--out", "results/mine.txt")
+    assert "expected a folder" in refused(capsys, "run", "midblock_zebra", "--out", "results/mine.txt")
 
 
 def test_a_missing_or_broken_configuration_is_named(
@@ -198,7 +198,7 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
     code = main(["run", "town.sumocfg", *arguments, "--duration-s", "300", "--out", "out"])
     captured = capsys.readouterr()
     assert code == 3, captured.err
-    assert "not valid" in captured.err
+    assert "invalid" in captured.err
     description = json.loads((tmp_path / "out/run.json").read_text())
     assert description["valid"] is False
     assert "bad" in description["invalid_reason"]

@@ -159,12 +159,12 @@ def test_seeds_that_are_left_out_are_told(study: Path, capsys: pytest.CaptureFix
     ("arguments", "says"),
     [
         (["--alt", "carefull"], "--alt carefull: no run of it in"),
-        (["--alt", "carefull"], "there are careful, sumo, twin"),
+        (["--alt", "carefull"], "available: careful, sumo, twin"),
         (["--alt", "careful", "--base", "aeb"], "--base aeb: no run of it"),
         (["--alt", "sumo"], "are the same"),
         (["--alt", "careful", "--metric", "ego_delay"], "did you mean 'ego_delay_mean_s'?"),
         (["--alt", "careful", "--metric", "compute_p95_ms"], "no such measure"),
-        (["--alt", "careful", "--scenario", "street"], "there are road"),
+        (["--alt", "careful", "--scenario", "street"], "available: road"),
         ([], "--alt"),
     ],
 )
@@ -175,7 +175,7 @@ def test_a_mistake_is_one_line_with_what_exists(
 
 
 def test_a_folder_without_runs_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "no run in it" in refused(capsys, str(tmp_path), "--alt", "aeb")
+    assert "contains no runs" in refused(capsys, str(tmp_path), "--alt", "aeb")
     assert "no such folder" in refused(capsys, str(tmp_path / "gone"), "--alt", "aeb")
     (tmp_path / "run").mkdir()
     (tmp_path / "run/run.json").write_text("{")
@@ -207,7 +207,7 @@ def test_several_parameter_sets_of_a_controller_have_to_be_told_apart(
         write_study_run(tmp_path / f"sumo-{seed}", "sumo", seed)
         for gain in (1, 2):
             write_study_run(tmp_path / f"mpc-{gain}-{seed}", "mpc", seed, parameters={"gain": gain})
-    assert "which of 'mpc gain=1', 'mpc gain=2'?" in refused(capsys, str(tmp_path), "--alt", "mpc")
+    assert "ambiguous: 'mpc gain=1', 'mpc gain=2'" in refused(capsys, str(tmp_path), "--alt", "mpc")
     lines = shown(capsys, str(tmp_path), "--base", "mpc gain=1", "--alt", "mpc gain=2")
     assert lines[0].startswith("mpc gain=2 against mpc gain=1 on road, 3 seeds")
 

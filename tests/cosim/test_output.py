@@ -25,7 +25,7 @@ def test_an_empty_or_new_folder_is_taken_and_a_full_one_refused(tmp_path: Path) 
     assert output.create(out, "zebra", "aeb", 1) == out
     assert output.create(out, "zebra", "aeb", 1) == out
     (out / "something").touch()
-    with pytest.raises(InputError, match="an empty or new folder expected"):
+    with pytest.raises(InputError, match="expected an empty or new folder"):
         output.create(out, "zebra", "aeb", 1)
 
 

@@ -56,7 +56,7 @@ def test_figures_go_into_the_run_s_folder_or_a_new_one(
 def test_what_cannot_be_drawn_is_one_line(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "there are: ego" in refused(capsys, "plot", "run", "--ego", "nobody")
     assert "there are: 1 to 1" in refused(capsys, "plot", "run", "--encounter", "7")
-    assert "png or svg expected" in refused(capsys, "plot", "run", "--format", "pdf")
+    assert "expected png or svg" in refused(capsys, "plot", "run", "--format", "pdf")
     assert "no such run folder" in refused(capsys, "plot", "gone")
     assert "there are: 1 to 1" in refused(capsys, "replay", "run", "--encounter", "2", "--out", "a.gif")
     assert ".gif or .mp4" in refused(capsys, "replay", "run", "--encounter", "1", "--out", "a.avi")

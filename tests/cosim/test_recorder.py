@@ -120,7 +120,7 @@ def test_a_sink_writes_in_chunks_and_keeps_the_last_rows(tmp_path: Path) -> None
 
 def test_a_sink_refuses_rows_of_another_shape(tmp_path: Path) -> None:
     sink = ParquetSink(tmp_path / "timing.parquet", recording.TIMING)
-    with pytest.raises(ValueError, match="3 columns expected, got 2"):
+    with pytest.raises(ValueError, match="expected 3 columns, got 2"):
         sink.add_row((0.0, "ego"))
     with pytest.raises(ValueError, match="columns of one length"):
         sink.add_columns([[0.0], ["ego", "ego"], [1.0]])

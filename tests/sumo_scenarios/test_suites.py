@@ -60,7 +60,7 @@ def test_the_pedestrian_of_a_case_is_the_protocols() -> None:
     [
         ("suite:fmvs127/x", "did you mean 'fmvss127'"),
         ("suite:fmvss127/crossing_rigt_25_30kmh", "did you mean 'crossing_right_25_30kmh'"),
-        ("suite:fmvss127", "one case of the suite expected, for instance suite:fmvss127/crossing_right"),
+        ("suite:fmvss127", "expected one case of the suite, for instance suite:fmvss127/crossing_right"),
         ("suite:", "no such suite"),
     ],
 )

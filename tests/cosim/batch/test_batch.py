@@ -116,7 +116,7 @@ def test_a_dry_run_shows_the_matrix_and_the_time_and_writes_nothing(tmp_path: Pa
 def test_wrong_usage_is_one_line(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     assert "gone.toml" in refused("gone.toml", folder=tmp_path)
-    assert "exclude each other" in refused(
+    assert "use either --jobs or --scheduler" in refused(
         study, "--jobs", 2, "--scheduler", "tcp://127.0.0.1:1", folder=tmp_path
     )
     assert "--jobs" in refused(study, "--jobs", 0, folder=tmp_path)

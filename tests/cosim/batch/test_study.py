@@ -53,7 +53,7 @@ def test_a_study_file_is_read_with_its_criteria_and_limits(tmp_path: Path) -> No
         ({"vary": {"pedestrians_per_hour": [600, 600.0]}}, ["named twice"]),
         ({"vary": {"pedestrians_per_hour": 600}}, ["vary.pedestrians_per_hour", "list"]),
         ({"vary": {"duration_s": [10]}, "set": {"duration_s": 20}}, ["duration_s", "[set]", "[vary]"]),
-        ({"set": {"duration_s": [1, 2]}}, ["set.duration_s", "a value expected"]),
+        ({"set": {"duration_s": [1, 2]}}, ["set.duration_s", "expected a value"]),
         ({"run_timeout_s": 0}, ["run_timeout_s", "greater than 0"]),
         ({"run_timeout_s": "long"}, ["run_timeout_s", "number"]),
     ],

@@ -86,7 +86,7 @@ def test_bends_that_no_car_can_drive_are_named(town: Network) -> None:
     part = replace(connection, via=(via.name,))
     lanes = {**town.lanes, via.name: sharp}
     (bad,) = geometry.tight_bends(changed(town, lanes=lanes, connections={connection.source: (part,)}))
-    assert "1 of 1 ways" in bad.text
+    assert "1 of 1 junction movements" in bad.text
     assert "netconvert --default.junctions.radius" in bad.text
 
 

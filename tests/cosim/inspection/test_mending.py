@@ -143,7 +143,7 @@ def test_what_cannot_be_carried_over_is_left_out_and_named(tmp_path: Path) -> No
     assert "busStop: 1 left out, 'gone': its lane is not in the network" in lines
     assert "stop of vehicle: 1 left out, 'bus': it needs 'gone'" in lines
     assert "person: 1 left out, 'guest': it needs 'gone'" in lines
-    assert "departLane of flow: 1 left out, 'zone': which edge" in lines
+    assert "departLane of flow: 1 left out, 'zone': only SUMO knows" in lines
     assert "tlLogic: 1 left out, 'b': its crossings have signals now" in lines
     assert parts(tmp_path / "mine/town.add.xml") == []
     left = [part.tag for part in parts(tmp_path / "mine/town.rou.xml")]
