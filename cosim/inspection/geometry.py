@@ -55,8 +55,8 @@ def waiting_places(network: Network) -> list[Finding]:
     text = (
         f"{len(bad)} of {len(ends)} places where pedestrians wait for a crossing are in a car lane: "
         f"{_some(bad)}. SUMO draws these crossings shorter than the road is wide, so that cars, including "
-        "SUMO's own, meet waiting pedestrians there: give each <crossing> a shape from kerb to kerb (netedit), "
-        "or evaluate contacts with waiting pedestrians separately"
+        "SUMO's own, meet waiting pedestrians there: give each <crossing> a shape from kerb to kerb "
+        "(netedit), or evaluate contacts with waiting pedestrians separately"
     )
     return [Finding("waiting places", Level.NOTE, text)]
 

@@ -116,7 +116,7 @@ def test_a_frame_shows_everybody_where_the_recorded_row_says(recorded: Path, ins
 
 @pytest.mark.skipif(animation.has_ffmpeg(), reason="ffmpeg is installed here")
 def test_without_ffmpeg_one_line_says_so(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "needs the program ffmpeg" in refused(
+    assert "needs ffmpeg" in refused(
         capsys, "replay", "run", "--encounter", "1", "--out", "a.mp4"
     )
 

@@ -66,7 +66,7 @@ def test_a_wrong_criterion_is_refused_and_nothing_is_run(
         (["midblock_zebra", "--set", "ego_share=much"], "--set ego_share=much: expected a number"),
         (["midblock_zebra", "--baseline", "nothing"], "--baseline nothing: no such folder"),
         (["midblock_zebra", "--baseline", "."], "contains no runs"),
-        (["midblock_zebra", "--level", "5"], "--level: a probability"),
+        (["midblock_zebra", "--level", "5"], "--level: expected a probability"),
         (["midblock_zebra", "--junit", "."], "--junit .: expected a file"),
         (["midblock_zebra", "midblock_zebra"], "two targets are called midblock_zebra"),
         (["midblock_zebra", "--run-timeout-s", "0"], "run_timeout_s"),

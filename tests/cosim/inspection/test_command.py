@@ -71,7 +71,7 @@ def test_what_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixtur
     build(tmp_path, *WALKS, *CROSSINGS)
     assert ".png or .svg" in refused(capsys, "inspect", "town.net.xml", "--picture", "map.jpg")
     assert "does not exist" in refused(capsys, "inspect", "town.net.xml", "--picture", "maps/map.png")
-    assert "--scaffold .: an empty" in refused(capsys, "inspect", "town.net.xml", "--scaffold", ".")
+    assert "--scaffold .: expected an empty" in refused(capsys, "inspect", "town.net.xml", "--scaffold", ".")
     configure(tmp_path, '<flow id="f" perHour="many" begin="0" from="east_1" to="east_2"/>')
     line = refused(capsys, "inspect", "town.sumocfg")
     assert "town.rou.xml: flow 'f'" in line
