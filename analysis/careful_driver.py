@@ -1,16 +1,16 @@
 """Replays a contact with a competent and careful driver at the wheel of the ego.
 
-He drives the path that the ego drove, and the pedestrian moves as recorded:
+The driver follows the path that the ego drove, and the pedestrian moves as recorded:
 
 1. The *corridor* is what the ego's body swept, continued straight on where its recording ends.
-2. The pedestrian is *observable* while both are recorded, he is within ``r157_view_m`` of the driver's eye,
-   and no vehicle cuts the line from the eye to his middle. The eye is ``r157_eye_m`` behind the middle of the
-   front bumper. What the ego's sensors told does not matter.
-3. He is a *risk* while his disc is within ``r157_wander_m`` of the corridor ahead of the body, or would be
-   within ``r157_foresight_s`` at his present velocity, at a place that the body, at its present speed, has
+2. The pedestrian is *observable* while both are recorded, within ``r157_view_m`` of the driver's eye,
+   and no vehicle cuts the line from the eye to the pedestrian's centre. The eye is ``r157_eye_m`` behind the
+   middle of the front bumper. The ego's sensors do not matter.
+3. The pedestrian is a *risk* while their disc is within ``r157_wander_m`` of the corridor ahead of the body, or would be
+   within ``r157_foresight_s`` at their present velocity, at a place that the body, at its present speed, has
    not passed by then. The risk begins at the first observable instant of the last spell of risk before the
-   contact. A spell is over when he has been seen to be none for ``r157_foresight_s``: a driver who had
-   braked for him would have driven on. At most 30 s are looked back.
+   contact. A spell ends when the driver has seen no risk for ``r157_foresight_s``: a driver who had
+   braked would have driven on. At most 30 s before the contact are considered.
 4. From that instant on the driver keeps the ego's recorded speed, at most the limit, for
    ``r157_reaction_s``. Then the deceleration rises, within ``r157_ramp_s`` from 0, or from where the ego's
    already was, to ``r157_deceleration_mps2``, and stays there until the standstill.
@@ -43,16 +43,16 @@ _SLACK_M = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """What became of the contact."""
+    """The result of the replay."""
 
     onset: float
     """When the risk could first be seen; nan if it never could be before the contact [s]."""
     touched_at: float
-    """When the replayed ego touches him while it moves; nan if it does not [s]."""
+    """When the moving replayed ego touches the pedestrian; nan if it does not [s]."""
 
     @property
     def prevented(self) -> bool:
-        """Whether the careful driver touches nobody while he drives."""
+        """Whether the careful driver touches nobody while driving."""
         return bool(np.isnan(self.touched_at))
 
 
@@ -134,7 +134,7 @@ def _observable(scene: Scene, vehicles: Sequence[Track], thresholds: Thresholds)
 
 
 def _is_risk(scene: Scene, thresholds: Thresholds) -> BoolArray:
-    """Return where his disc is, or soon will be, close to the corridor that the body has yet to sweep."""
+    """Return when the disc is, or soon will be, close to the corridor that the body has yet to sweep."""
     ego, person = scene.ego, scene.person
     x, y = person.x[scene.other], person.y[scene.other]
     u, v = person.x_speed[scene.other], person.y_speed[scene.other]
@@ -251,7 +251,7 @@ def _stop(
 
 
 def _first_touch(scene: Scene, way: FloatArray, speed: FloatArray, standing_speed: float) -> float:
-    """Return when the moving replayed ego touches him first; nan if it does not [s]."""
+    """Return when the moving replayed ego first touches the pedestrian; nan if it does not [s]."""
     ego, person = scene.ego, scene.person
     centre_x, centre_y, heading = scene.path.at(way)
     x, y = to_frame(person.x[scene.other] - centre_x, person.y[scene.other] - centre_y, heading)

@@ -60,7 +60,7 @@ class Case:
     knowledge: Mapping[tuple[str, str], Knowledge] | None
     """What each ego knew of each pedestrian, by names; ``None`` where it knew the truth."""
     entered: BoolArray
-    """The encounter has a conflict area, or the pedestrian was exposed; else he only waited."""
+    """Whether the encounter has a conflict area or the pedestrian was exposed, rather than only waiting."""
 
     def __len__(self) -> int:
         return len(self.encounters)

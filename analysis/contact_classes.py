@@ -45,7 +45,7 @@ class Circumstances:
 
 
 def contact_class(one: Circumstances, vehicles: Sequence[Track]) -> str:
-    """Return what kind of contact it was.
+    """Return the class of a contact.
 
     ``touching_at_start``
         They touch in the first sample that holds both.
@@ -55,7 +55,7 @@ def contact_class(one: Circumstances, vehicles: Sequence[Track]) -> str:
         The ego had stood for 0.5 s when they touched, and then began to move while they still did.
     ``appeared``
         The careful driver does not prevent it, and at the first sample that holds both the pedestrian was in
-        view and nearer than that driver's stopping distance: he came out of nothing, not out of hiding.
+        view and nearer than that driver's stopping distance: they appeared suddenly, not from hiding.
     ``ego``
         Any other contact.
     """

@@ -39,9 +39,9 @@ def places_of(run: RecordedRun) -> Places:
 
 
 def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: Places) -> str:
-    """Return where the middle of a pedestrian was at an instant [s].
+    """Return the kind of place of a pedestrian's centre at an instant [s].
 
-    On a crossing if the recording says so, or if he was within its width; else on a walking area if within
+    On a crossing if the recording says so, or if within its width; else on a walking area if within
     its outline; else on the carriageway if within the width of a lane that vehicles use, or where the map
     has no lanes at all; anywhere else is at the kerb.
     """

@@ -17,16 +17,16 @@ _PLAN_INTERVAL_S = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Knowledge:
-    """One ego and one pedestrian: at which instants it was told of him."""
+    """The instants at which one ego was told of one pedestrian."""
 
     time: FloatArray
-    """When it looked while he was near, ascending [s]."""
+    """When it looked while the pedestrian was near, ascending [s]."""
     told: BoolArray
     longest_gap: float
     """Instants further apart than this do not follow each other [s]."""
 
     def since(self, instant: float) -> float:
-        """Return since when it had been told without a break; nan where it was not told at that instant [s].
+        """Return since when it had been told without interruption; nan if not told at that instant [s].
 
         >>> times, told = np.array([0.0, 0.1, 0.2, 0.3]), np.array([True, False, True, True])
         >>> Knowledge(times, told, 0.15).since(0.35)
@@ -41,7 +41,7 @@ class Knowledge:
 
 
 NOTHING = Knowledge(np.zeros(0), np.zeros(0, dtype=np.bool_), 0.0)
-"""He was never near when the ego looked."""
+"""For a pedestrian who was never near when the ego looked."""
 
 
 def knowledge_of(run: RecordedRun) -> Mapping[tuple[str, str], Knowledge] | None:

@@ -49,10 +49,10 @@ def phase_samples(case: Case, encounter: Encounter, *phases: str) -> BoolArray:
 
 
 def crossing_stay(case: Case, encounter: Encounter) -> tuple[int, int] | None:
-    """Return first and last sample of the person's stay on the crossing that matters.
+    """Return first and last sample of the relevant stay of the person on the crossing.
 
-    That is the stay around his entry into the conflict area, the last one of the encounter where there
-    is no area, ``None`` for one who never is on the crossing.
+    That is the stay around their entry into the conflict area, the last one of the encounter if there is no
+    area, ``None`` for a person who never is on the crossing.
     """
     if not encounter.crossing_id:
         return None

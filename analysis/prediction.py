@@ -1,9 +1,9 @@
 """When ego and pedestrian will be in their conflict area if both keep their velocity.
 
 Seen from the ego at one sample: its *strip* is the body's width straight ahead. The pedestrian is in the
-area while his disc touches the strip; the ego is in it while the body touches the piece of the strip
-that his disc sweeps. All times are counted from the sample; nan where the pedestrian never is in the
-strip again.
+area while their disc touches the strip; the ego is in it while the body touches the piece of the strip
+that the disc sweeps. All times are counted from the sample; nan if the pedestrian never is in the strip
+again.
 """
 
 from __future__ import annotations

@@ -118,10 +118,10 @@ SENSING = pa.schema(
         ("time_s", _f),  # when the ego planned, at the beginning of a step
         ("ego_id", _s),
         ("object_id", _s),  # pedestrian near it
-        ("told", _b),  # the controller knew of him; the three last columns are null otherwise
+        ("told", _b),  # the controller knew of the pedestrian; the last three columns are null otherwise
         ("state", _s),  # visible | late | lost | missed | hidden | out_of_range
-        ("age_s", _f),  # since the measurement that was believed
-        ("error_m", _f),  # from where he was believed to where he was
+        ("age_s", _f),  # age of the measurement in use
+        ("error_m", _f),  # from the estimated to the true position
         ("uncertainty_m", _f),  # standard deviation of the position along either axis
     ]
 )

@@ -21,7 +21,7 @@ def drac(case: Case, reaction_s: float) -> FloatArray:
         crossing = required_deceleration(
             speed, area.distance_in - speed * reaction_s, area.person_out - reaction_s
         )
-        # An ego already beside the pedestrian's path with him outside goes first; it need not brake.
+        # An ego already across the path of a pedestrian who is outside goes first and need not brake.
         first = (area.ego_out < area.person_in) | ((area.distance_in <= 0.0) & (area.person_in > 0.0))
     out_of_it = np.isnan(area.person_in) | (area.distance_out <= 0.0) | first
     crossing = np.where(out_of_it, 0.0, crossing)

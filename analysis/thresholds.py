@@ -81,7 +81,7 @@ class Thresholds:
     pedestrian_mass_kg: float = 75.0
     hood_leading_edge_cm: float = 75.0
     free_walking_percentile: float = 95.0
-    """A person's free speed is this percentile of his recorded speeds while walking."""
+    """A person's free speed is this percentile of their recorded speeds while walking."""
 
     def as_dict(self) -> dict[str, float]:
         """Return name -> value in the order of declaration."""

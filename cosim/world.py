@@ -91,15 +91,15 @@ class Sensed:
     ego: str
     names: tuple[str, ...]
     told: NDArray[np.bool_]
-    """Whether its controller was told of this one."""
+    """Whether the controller was told of this pedestrian."""
     state: tuple[str, ...]
-    """Whether he was measured then: ``cosim.sensing.interface.State`` in small letters."""
+    """State of the measurement: ``cosim.sensing.interface.State`` in lower case."""
     age: FloatArray
-    """Time since the measurement that was believed; nan where it was not told [s]."""
+    """Age of the measurement in use; nan if not told [s]."""
     error: FloatArray
-    """From where he was believed to where he was; nan where it was not told [m]."""
+    """Distance between estimated and true position; nan if not told [m]."""
     uncertainty: FloatArray
-    """Standard deviation of the position along either axis, as believed; nan where it was not told [m]."""
+    """Estimated standard deviation of the position along either axis; nan if not told [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What ``[[pedestrians]]`` of a ``scenario.toml`` may hold: who walks where, when and in which manner."""
+"""The ``[[pedestrians]]`` tables of a ``scenario.toml``: who walks where, when and in which manner."""
 
 from __future__ import annotations
 
@@ -42,19 +42,19 @@ class Table(BaseModel):
 
 
 class MannerTable(Table):
-    """How somebody walks, once he has set off."""
+    """How a pedestrian walks after setting off."""
 
     kind: Literal["steady", "hesitating", "running", "turning_back", "social_force"] = "steady"
     weight: NotNegative = 1.0
-    """Share of those who walk so, beside the other manners of the table."""
+    """Relative frequency among the manners of the table."""
     after_m: Length | None = None
-    """Where on his way he pauses, runs or turns."""
+    """Distance along the path at which they pause, run or turn."""
     pause_s: Duration | None = None
-    """For how long he stands there."""
+    """Duration of the pause."""
     speed_mps: Speed | None = None
-    """With which he runs, or goes back."""
+    """Speed of running or of walking back."""
     ego_within_s: Duration | None = None
-    """Runs or turns as soon as an ego would be at his line within this time, if that comes first."""
+    """Run or turn as soon as an ego would reach the line within this time, if that comes first."""
 
     @model_validator(mode="after")
     def fitting(self) -> MannerTable:
@@ -80,26 +80,26 @@ STARTS = ("time_s", "per_hour", "ego_distance_m", "ego_arrival_s", "overlap")
 
 
 class StartTable(Table):
-    """When somebody sets off: exactly one of the first five keys, and conditions."""
+    """When a pedestrian sets off: exactly one of the first five keys, and conditions."""
 
     time_s: NotNegative | None = None
     """After the warm-up."""
     per_hour: NotNegative | None = None
     """Many, at random times (Poisson)."""
     ego_distance_m: Length | None = None
-    """When the ego's front bumper is this far from where it crosses his line."""
+    """When the ego's front bumper is this far from where its path crosses the line."""
     ego_arrival_s: Duration | None = None
     """When the ego would be there in this time."""
     overlap: Share | None = None
-    """So that the front bumper meets him at this share of its width, from the side that he comes from."""
+    """So that the bumper meets the pedestrian at this share of its width, from the side they come from."""
     ego_speed_mps: Positive | None = None
     """Nominal speed for ``overlap``; without it, the ego's own."""
     accepted_gap_s: Duration | None = None
-    """Waits until every vehicle comes at least this long after he steps before it."""
+    """Waits until every vehicle arrives at least this long after the pedestrian is in front of it."""
     watchful: Share = Distribution("choice", (1.0,))
     """Share of those who wait for a gap that look again before each lane; the others walk on."""
     signal: Literal["", "red", "green"] = ""
-    """Sets off only while the signal of his crossing shows this."""
+    """Sets off only while the crossing's signal shows this."""
 
     @model_validator(mode="after")
     def one(self) -> StartTable:
@@ -115,19 +115,19 @@ class StartTable(Table):
 
     @property
     def by_ego(self) -> bool:
-        """Whether an ego makes him set off: then there is one for each ego."""
+        """Whether an ego triggers the start; then there is one pedestrian per ego."""
         return self.time_s is None and self.per_hour is None
 
 
 class GroupTable(Table):
-    """Several who walk side by side."""
+    """Several pedestrians who walk side by side."""
 
     size: Size
     spacing_m: Positive = 0.8
 
 
 class PedestrianTable(Table):
-    """What all kinds share."""
+    """Keys that all kinds share."""
 
     name: str
     kind: str
@@ -143,16 +143,16 @@ class TrajectoryTable(PedestrianTable):
 
 
 class WalkerTable(PedestrianTable):
-    """Somebody who walks along a straight line."""
+    """A pedestrian who walks along a straight line."""
 
     speed_mps: Speed
     start: StartTable
     acceleration_distance_m: NotNegative = 0.0
-    """Way on which he reaches his speed."""
+    """Distance in which the speed is reached."""
     stop_after_m: Length | None = None
-    """He walks this far and stops."""
+    """Walks this far and stops."""
     stay_s: Duration = Distribution("choice", (0.0,))
-    """How long he stands at the end of his way before he is gone."""
+    """Time standing at the end of the path before disappearing."""
     manners: list[MannerTable] = [MannerTable()]
     group: GroupTable | None = None
 
@@ -188,23 +188,23 @@ class LineTable(WalkerTable):
 
 
 class JaywalkTable(WalkerTable):
-    """Over the road where there is no crossing, in a direction that the model of directions draws."""
+    """Across the road away from crossings, in a direction drawn from the direction model."""
 
     kind: Literal["jaywalk"]
     edge: str
     opposite: str = ""
     """Edge of the other direction; empty on a one-way road."""
     section_m: Place
-    """Where he stands, along the edge."""
+    """Range of starting positions along the edge."""
     side: Literal["right", "left", "both"] = "both"
     setback_m: NotNegative = 0.5
-    """How far he stands from the outermost lane for cars."""
+    """Distance of the start from the outermost lane for cars."""
     goal_along_m: Offset = Distribution("choice", (0.0,))
-    """How far his goal is along the road, in the direction of the edge."""
+    """Offset of the goal along the road, in the direction of the edge."""
     goal_beyond_m: NotNegative = 1.0
-    """How far his goal is behind the road."""
+    """Distance of the goal beyond the road."""
     choice_scale: Positive = 0.05
-    """The smaller, the surer the choice of a direction."""
+    """A smaller value makes the choice of direction more certain."""
 
     @model_validator(mode="after")
     def ordered(self) -> JaywalkTable:
@@ -220,9 +220,9 @@ class CrossingTable(WalkerTable):
     kind: Literal["crossing"]
     crossing: str
     side: Literal["first", "last", "both"] = "both"
-    """End of the crossing that he comes from, in SUMO's order."""
+    """End of the crossing where the pedestrian starts, in SUMO's order."""
     setback_m: NotNegative = 0.5
-    """How far he stands before it."""
+    """Distance of the start from the crossing."""
 
 
 TABLES: Mapping[str, type[PedestrianTable]] = {

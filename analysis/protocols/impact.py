@@ -29,7 +29,7 @@ class Impact:
     """Of the ego that was hit: front, rear, left or right."""
 
     def overlap(self, from_left: bool) -> float:
-        """Return the share of the ego's width at which he was hit, from the side that he came from."""
+        """Return the point of impact as a share of the ego's width, from the pedestrian's side."""
         share = 0.5 + self.across / self.ego_width
         return 1.0 - share if from_left else share
 

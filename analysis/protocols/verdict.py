@@ -13,7 +13,7 @@ EMERGENCY_MPS2 = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """What a protocol asks in one case.
+    """The requirement of a protocol in one case.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ class Demand:
     ego_speed_kmh : test speed [km/h]
     highest_impact_kmh : for rule ``impact_speed`` [km/h]
     avoidance_only : every contact is red
-    in_view : he stands or walks in the ego's path from long before on, so that the test is preventable
+    in_view : the pedestrian is in the ego's path long before the test, so that a contact is preventable
     """
 
     rule: str

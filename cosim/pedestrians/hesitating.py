@@ -1,4 +1,4 @@
-"""Stops on his way, and then walks on."""
+"""Manner ``hesitating``: stops on the way and then walks on."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Hesitating:
     pause: float
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
-        """Return a walk with a pause; who is over before he would hesitate does not."""
+        """Return a walk with a pause; a walk that ends before the pause has none."""
         if self.after >= length:
             return pace.legs(length)
         return (*pace.legs(self.after), Leg(self.pause, 0.0), *pace.legs(length - self.after))

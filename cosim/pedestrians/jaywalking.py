@@ -1,4 +1,4 @@
-"""Where somebody stands who wants to cross a road that has no crossing, and in which direction he crosses."""
+"""Start and direction of a pedestrian who crosses a road away from crossings."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Wish:
 
     Parameters
     ----------
-    from_left : on which side of the road he stands
+    from_left : whether the start is on the left of the road
     setback : how far from its border [m]
-    goal_along : how far his goal is along the road, in the direction of the edge [m]
+    goal_along : offset of the goal along the road, in the direction of the edge [m]
     goal_beyond : how far it is behind the other border [m]
     """
 
@@ -51,14 +51,12 @@ class Wish:
     goal_beyond: float = 1.0
 
 
-def jaywalk_line(
-    road: Roadside, wish: Wish, model: CrossingDirection, generator: np.random.Generator
-) -> Line:
-    """Return the line that he walks along, from where he stands to as far behind the other border.
+def jaywalk_line(road: Roadside, wish: Wish, model: DirectionModel, generator: np.random.Generator) -> Line:
+    """Return the line of the walk, from the start to the same distance beyond the other border.
 
     Notes
     -----
-    The direction is drawn once, when he sets off, from the model of [LiLuZhang]_. There the cars that count
+    The direction is drawn once, at the start, from the model of [LiLuZhang]_. There the cars that count
     drive one way; here they are those of the edge, also for somebody who comes from its left.
     """
     angle = model.draw(road.width, wish.goal_along, wish.goal_beyond, generator)

@@ -10,7 +10,7 @@ import numpy as np
 from cosim.pedestrians.scene import RADIUS, STANDING, FloatArray, RoadUser
 
 LOOK_AHEAD = 3.0
-"""How far ahead on his line somebody says that he will walk [m]."""
+"""Length of the walk ahead that a pedestrian announces [m]."""
 SPACING = 0.5
 """[m]"""
 SIDE = 0.3

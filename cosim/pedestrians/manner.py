@@ -1,4 +1,4 @@
-"""How somebody walks along his line once he has set off: what every manner has to answer."""
+"""The interface of a manner: how a pedestrian walks along the line after setting off."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cosim.pedestrians.line import Line
 from cosim.pedestrians.scene import Leg, RoadUser
 
 SHORTEST_RAMP = 1e-6
-"""On a shorter way he has his speed at once [m]."""
+"""Over a shorter acceleration distance the speed is reached at once [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +54,12 @@ class Manner(Protocol):
     """How somebody walks along a line."""
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
-        """Return the walk that he plans when he sets off.
+        """Return the walk planned at the start.
 
         Parameters
         ----------
-        pace : at which he sets off
-        length : of his way [m]
+        pace : speed at the start
+        length : of the path [m]
         """
         ...
 
@@ -70,9 +70,9 @@ class Manner(Protocol):
 
         Parameters
         ----------
-        legs, elapsed : his plan, and since when he follows it [s]
-        length : of his way [m]
-        arrival : time until an ego that has not passed would be at his line; inf without one [s]
+        legs, elapsed : the plan, and the time since its start [s]
+        length : of the path [m]
+        arrival : time until an ego that has not passed would reach the line; inf without one [s]
         """
         ...
 

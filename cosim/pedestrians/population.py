@@ -63,11 +63,11 @@ class Places(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Scripted:
-    """One pedestrian and how he walks."""
+    """One pedestrian and their behaviour."""
 
     name: str
     kind: str
-    """Of his table."""
+    """Kind of the table that describes them."""
     behaviour: Behaviour
 
 

@@ -16,7 +16,7 @@ class Recorded:
 
     Parameters
     ----------
-    points : time, x and y (n, 3) [s, m]; he is there from the first time to the last
+    points : time, x and y (n, 3) [s, m]; the person is present from the first time to the last
     start : simulated time of the recording's time 0 [s]
     """
 
@@ -34,26 +34,26 @@ class Recorded:
         x, y = (float(np.interp(local, times, self.points[:, axis])) for axis in (1, 2))
         if not times[0] <= local <= times[-1]:
             return x, y, 0.0, 0.0
-        # At a point the velocity is that of the piece that led to it: what he did in the step before.
+        # At a point the velocity is that of the piece leading to it: that of the previous step.
         last = min(max(int(np.searchsorted(times, local - 1e-9, side="left")), 1), len(times) - 1)
         (t0, x0, y0), (t1, x1, y1) = self.points[last - 1].tolist(), self.points[last].tolist()
         return x, y, (x1 - x0) / (t1 - t0), (y1 - y0) / (t1 - t0)
 
     def first(self, scene: Scene) -> State | None:
-        """Return him once his recording has begun."""
+        """Return the person once the recording has begun."""
         local = scene.time - self.start
         if local < self.points[0, 0] - 1e-9 or local > self.points[-1, 0] + 1e-9:
             return None
         return State(*self.at(scene.time))
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
-        """Return him where he was then."""
+        """Return the person at their recorded position."""
         if until > self.start + self.points[-1, 0] + 1e-9:
             return None
         return State(*self.at(until))
 
     def onward(self, state: State, time: float) -> FloatArray:
-        """Return the points that he is recorded to walk over within the next metres."""
+        """Return the recorded points along the next metres."""
         later = self.points[self.points[:, 0] > time - self.start, 1:]
         way = np.concatenate([[[state.x, state.y]], later])
         gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])

@@ -1,4 +1,4 @@
-"""Begins to run on his way, or because an ego comes."""
+"""Manner ``running``: starts to run along the way, or because an ego approaches."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from cosim.pedestrians.scene import Leg, begun, travelled
 
 @dataclass(frozen=True, slots=True)
 class Running:
-    """Runs after a way, or as soon as an ego would be at his line within a time, whichever comes first.
+    """Runs after a distance, or as soon as an ego would reach the line within a time, whichever comes first.
 
     Parameters
     ----------
-    speed : with which he runs [m/s]
+    speed : of running [m/s]
     after : [m]
     ego_within : [s]
     """
@@ -33,7 +33,7 @@ class Running:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Run the rest, if an ego is near and he does not run yet."""
+        """Run the rest if an ego is near and the pedestrian does not run yet."""
         way, speed = travelled(legs, elapsed)
         if arrival > self.ego_within or abs(speed - self.speed) < 1e-9 or way >= length - 1e-9:
             return None

@@ -1,4 +1,4 @@
-"""What a scripted pedestrian is, what he may know, and what a behaviour has to answer."""
+"""The state of a scripted pedestrian, the scene they see, and the interface of a behaviour."""
 
 from __future__ import annotations
 
@@ -105,11 +105,11 @@ class State:
     x_speed: float = 0.0
     y_speed: float = 0.0
     started: float | None = None
-    """When he set off; ``None`` while he waits for that [s]."""
+    """Time of the start; ``None`` while waiting for it [s]."""
     legs: tuple[Leg, ...] = ()
-    """His walk from then on, as planned at the moment."""
+    """The walk from then on, as presently planned."""
     ended: float | None = None
-    """When he came to the end of his way [s]."""
+    """Time of arrival at the end of the path [s]."""
 
     @property
     def motion(self) -> tuple[float, float, float, float]:
@@ -118,30 +118,30 @@ class State:
 
 
 class Behaviour(Protocol):
-    """How one pedestrian walks: a pure function of his state, the time and what he sees."""
+    """How one pedestrian walks: a pure function of their state, the time and the scene."""
 
     def first(self, scene: Scene) -> State | None:
-        """Return his state when he comes into view; ``None`` as long as he has not."""
+        """Return the state at the appearance; ``None`` before it."""
         ...
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
-        """Return his state at the time ``until``; ``None`` when he is gone.
+        """Return the state at the time ``until``; ``None`` after the pedestrian has disappeared.
 
         Parameters
         ----------
         state : at ``scene.time``
-        scene : what he sees then
+        scene : what the pedestrian sees then
         until : end of the step [s]
         """
         ...
 
     def onward(self, state: State, time: float) -> FloatArray:
-        """Return places that he means to walk over within the next metres, (n, 2) [m]."""
+        """Return the places along the next metres of the planned walk, (n, 2) [m]."""
         ...
 
 
 def travelled(legs: Sequence[Leg], elapsed: float) -> tuple[float, float]:
-    """Return way [m] and speed [m/s] of a walk after a time; at its end he stands.
+    """Return distance [m] and speed [m/s] of a walk after a time; the walker stands at its end.
 
     >>> travelled((Leg(2.0, 0.0, 0.5), Leg(10.0, 1.0)), 3.0)
     (2.0, 1.0)

@@ -1,4 +1,4 @@
-"""Walks towards the end of his line, a little unevenly, and keeps away from vehicles."""
+"""Manner ``social_force``: walks at a varying pace towards the end of the line, pushed away by vehicles."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ TICK = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class SocialForce:
-    """A walker whom the vehicle that is nearest pushes off his line.
+    """A pedestrian who is pushed off the line by the nearest vehicle.
 
     Parameters
     ----------
     walker : line, pace, start and end; its manner is not used
-    seed : of the unevenness of his speed
+    seed : of the speed variation
     model : of walking; v̄ is the walker's own speed
 
     Notes
@@ -39,17 +39,17 @@ class SocialForce:
     model: WalkingModel = field(default_factory=WalkingModel)
 
     def first(self, scene: Scene) -> State | None:
-        """Return him standing at the beginning, once he is there."""
+        """Return the pedestrian standing at the start, once present."""
         return self.walker.first(scene)
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
-        """Return him later on, in steps of at most 0.05 s; vehicles go straight on meanwhile."""
+        """Return a later state, in steps of at most 0.05 s; vehicles go straight on meanwhile."""
         started = state.started
         if started is None:
             started = self.walker.start.instant(scene, until)
             if started is None:
                 return state
-            # He sets off at his speed, as the others do.
+            # Sets off at full speed, as the other manners do.
             east, north = self.walker.line.direction
             pace = self.walker.pace.speed
             state = replace(state, x_speed=pace * east, y_speed=pace * north, started=started)
@@ -66,7 +66,7 @@ class SocialForce:
         return state
 
     def onward(self, state: State, time: float) -> FloatArray:
-        """Return the straight way to the end of his line."""
+        """Return the straight path to the end of the line."""
         line = self.walker.line
         if state.ended is not None:
             return np.array([[state.x, state.y]])

@@ -67,16 +67,16 @@ class EgoNear:
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """So that an ego that keeps its speed touches him with a given point of its front bumper.
+    """Start so that an ego that keeps its speed hits the pedestrian with a given point of its front bumper.
 
-    He has walked to that point of its width when the front bumper touches his disc:
-    t_start = t + (d − r) / v − t_walk, with d the distance of the front bumper from his line.
+    The pedestrian has walked to that point of its width when the front bumper touches their disc:
+    t_start = t + (d − r) / v − t_walk, with d the distance of the front bumper from the line.
 
     Parameters
     ----------
     line : to walk along
-    overlap : share of the ego's width, from the side that he comes from
-    legs : how he will walk
+    overlap : share of the ego's width, from the side that the pedestrian comes from
+    legs : of the planned walk
     speed : nominal, of the ego; ``None``: its own [m/s]
     ego : name; empty for any
     """
@@ -110,16 +110,16 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class WhenClear:
-    """As soon after another start as every vehicle leaves him a gap.
+    """Start at the first acceptable gap after another start.
 
     See `Meeting.leaves_gap`.
 
     Parameters
     ----------
-    start : before that he does not want to go
+    start : the earliest start
     line : to walk along
     gap : [s]
-    speed : with which he expects to walk [m/s]
+    speed : expected walking speed [m/s]
     """
 
     start: Start

@@ -1,4 +1,4 @@
-"""Walks on at his speed."""
+"""Manner ``steady``: walks at constant speed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cosim.pedestrians.scene import Leg
 
 @dataclass(frozen=True, slots=True)
 class Steady:
-    """Walks to the end of his way at his pace, whoever comes."""
+    """Walks to the end of the path at constant speed, regardless of vehicles."""
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
         """Return the walk."""

@@ -1,4 +1,4 @@
-"""Turns on his way and goes back to where he came from."""
+"""Manner ``turning_back``: turns around on the way and goes back to the start."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from cosim.pedestrians.scene import Leg, begun, travelled
 
 @dataclass(frozen=True, slots=True)
 class TurningBack:
-    """Turns after a way, or as soon as an ego would be at his line within a time, whichever comes first.
+    """Turns after a distance, or as soon as an ego would reach the line in a time, whichever comes first.
 
     Parameters
     ----------
     after : [m]
-    pause : how long he stands before he goes back [s]
-    speed : with which he goes back; ``None``: the speed that he came with [m/s]
+    pause : standing time before going back [s]
+    speed : of going back; ``None``: the speed so far [m/s]
     ego_within : [s]
     """
 
@@ -27,7 +27,7 @@ class TurningBack:
     ego_within: float = 0.0
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
-        """Return a walk there and back; who is over before he would turn does not."""
+        """Return a walk there and back; a walk that ends before the turn has none."""
         if self.after >= length:
             return pace.legs(length)
         return (*pace.legs(self.after), *self._back(self.after, pace.speed))
@@ -35,7 +35,7 @@ class TurningBack:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Turn, if an ego is near and he has not turned yet."""
+        """Turn if an ego is near and the pedestrian has not turned yet."""
         way, speed = travelled(legs, elapsed)
         turned = any(leg.speed < 0.0 for leg in legs) and speed <= 0.0
         if arrival > self.ego_within or turned or way >= length - 1e-9 or way <= 0.0:

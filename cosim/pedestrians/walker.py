@@ -13,9 +13,9 @@ from cosim.pedestrians.start import Start
 COMES_INTO_VIEW_M = 120.0
 """Whose start an ego decides is there when it is this near [m]."""
 COMES_INTO_VIEW_S = 5.0
-"""... or when it would make him set off within this time [s]."""
+"""... or when it would make them set off within this time [s]."""
 STOPS_BEFORE = 0.3
-"""Who looks stops this long before he would be in a vehicle's way [s]."""
+"""A watchful pedestrian stops this long before entering a vehicle's path [s]."""
 ASIDE = 8.0
 """Vehicles that cannot be nearer than this in time are not looked at in detail [m]."""
 
@@ -29,11 +29,11 @@ class Walker:
     line : where
     pace, manner : how
     start : when
-    length : of his way; at most the line's [m]
-    stay : how long he stands where it ends [s]
-    appears : from when on he is there [s]; for ``ego`` he is not there before that ego is near
-    ego : whose coming he waits for; empty for nobody's
-    watches : gap that he needs to step before a vehicle on his way; ``None``: he does not look [s]
+    length : of the walk; at most that of the line [m]
+    stay : time standing at its end [s]
+    appears : time of appearance [s]; with ``ego``, not before that ego is near
+    ego : the ego whose approach triggers the start; empty for none
+    watches : gap needed to step in front of a vehicle; ``None``: does not look again [s]
     """
 
     line: Line
@@ -47,13 +47,13 @@ class Walker:
     watches: float | None = None
 
     def first(self, scene: Scene) -> State | None:
-        """Return him standing at the beginning, once he is there."""
+        """Return the pedestrian standing at the start, once present."""
         if scene.time < self.appears - 1e-9 or (self.ego and not self._is_near(scene)):
             return None
         return State(self.line.x, self.line.y)
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
-        """Return him later on; exact, also where he sets off or changes his speed between two steps."""
+        """Return a later state; exact even for starts and speed changes between two steps."""
         if state.started is None:
             instant = self.start.instant(scene, until)
             if instant is None:
@@ -76,7 +76,7 @@ class Walker:
         return State(x, y, speed * east, speed * north, started, legs)
 
     def onward(self, state: State, time: float) -> FloatArray:
-        """Return the next metres of his line, behind him if he goes back; where he is, if he stays there."""
+        """Return the next metres of the walk, backwards after turning; the present place if standing."""
         if state.started is None:
             return self.line.onward(0.0)
         way, speed = travelled(state.legs, time - state.started)
@@ -86,7 +86,7 @@ class Walker:
         return Line(self.line.x, self.line.y, *self.line.point(max(goal, 1e-3))).onward(way)
 
     def _paused(self, legs: tuple[Leg, ...], scene: Scene, elapsed: float, step: float) -> tuple[Leg, ...]:
-        """Return his plan, with a step's pause now if he is about to step before a vehicle that comes."""
+        """Return the plan, with a pause of one step before stepping in front of an approaching vehicle."""
         way, speed = travelled(legs, elapsed)
         later = travelled(legs, elapsed + step + STOPS_BEFORE)[0]
         if self.watches is None or later == way:
@@ -99,7 +99,7 @@ class Walker:
             meeting = self.line.meeting(vehicle)
             if meeting is None:
                 continue
-            # Walking back, he comes from the other side.
+            # On the way back, they come from the other side.
             missing = meeting.enters - way if later > way else way - meeting.leaves
             if not 0.0 < missing <= abs(later - way):
                 continue

@@ -50,8 +50,8 @@ class VisionSettings(Settings):
 class Vision:
     """The sensor of one ego.
 
-    Nothing is known of a pedestrian until his track is confirmed; then he is told where the filter has
-    him, and, while he is not detected, where he would be at his last velocity.
+    A pedestrian is unknown until their track is confirmed. From then on the filter's estimate is reported;
+    without a detection, it is extrapolated at the last velocity.
     """
 
     def __init__(self, settings: VisionSettings, site: Site, seed: int, ego: str) -> None:

@@ -27,10 +27,10 @@ _NO_SITE = Site({}, np.zeros((0, 4)), np.zeros((0, 4)))
 
 
 class Knowledge:
-    """Asks the sensors of all egos; where egos know the truth nobody is asked.
+    """Queries the sensors of all egos, unless the egos know the truth.
 
-    Which crossing a pedestrian is on or next, and his size, are told as they are of everybody who is told
-    of at all. Vehicles are known as they are.
+    The crossing that a pedestrian is on or will use next, and their size, are reported exactly for every
+    pedestrian who is reported at all. Vehicles are known exactly.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Everybody near the egos, each seen in the route frame of his ego: computed for all egos at once.
+"""The road users near each ego, in the ego's route frame, computed for all egos at once.
 
-An ego has a handful of road users near it, and a call of NumPy costs more than the arithmetic on a handful
-of numbers. So the arrays here hold the road users of one ego after those of another; who is near two egos
-is in them twice.
+An ego has a handful of road users near it, and a NumPy call costs more than the arithmetic on a handful of
+numbers. The arrays here therefore concatenate the road users of all egos; one who is near two egos appears
+twice.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class NearEgos:
         return told
 
     def _project(self, cars: Sequence[IntArray], persons: Sequence[IntArray]) -> None:
-        """Find everybody along his ego's path: the vehicles' front bumpers, their rear ones, the persons."""
+        """Locate front bumpers, rear bumpers and persons along the path of their ego."""
         all_cars, all_persons = self._surroundings.cars, self._surroundings.persons
         places = np.concatenate([all_cars.front, _rear_bumpers(all_cars), all_persons.position])
         fronts = len(all_cars.names)

@@ -170,7 +170,7 @@ class ScriptedPersons:
         )
 
     def _spot(self, one: Scripted, state: State, time: float) -> tuple[Spot, PedestrianPhase]:
-        """Return where he is, the crossing that he walks on or next, and his phase."""
+        """Return a pedestrian's place, the crossing they are on or will use next, and their phase."""
         assert self._ground is not None
         known = self._spots.get(one.name)
         if known is not None and known[0] is state:
@@ -184,7 +184,7 @@ class ScriptedPersons:
         return here, phase
 
     def _seen(self, state: State, time: float, one: Scripted) -> Seen | None:
-        """Return him as drivers see him; ``None`` for somebody who stands beside the road."""
+        """Return a pedestrian as drivers see them; ``None`` for one who stands beside the road."""
         spot, phase = self._spot(one, state, time)
         stands = abs(state.x_speed) + abs(state.y_speed) < WALKING
         crossing = self._network.crossings.get(spot.crossing)
@@ -214,7 +214,7 @@ class ScriptedPersons:
         return None if all(letter in "oO" for letter in letters) else any(one in "gG" for one in letters)
 
     def _let_in(self, scene: Scene, until: float) -> None:
-        """Let those come into view who do by the end of the step."""
+        """Add the pedestrians who appear by the end of the step."""
         assert self._population is not None
         for ego in scene.egos:
             if ego.name not in self._egos_seen:
@@ -224,7 +224,7 @@ class ScriptedPersons:
         later = replace(scene, time=until)
         for one in self._to_come:
             state = one.behaviour.first(later)
-            # He may set off within the step in which he comes.
+            # A pedestrian may set off within the step in which they appear.
             state = state if state is None else one.behaviour.next(state, scene, until)
             if state is None:
                 waiting.append(one)

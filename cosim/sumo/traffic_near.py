@@ -1,7 +1,7 @@
-"""The vehicles near scripted pedestrians, with the way that each will drive.
+"""The vehicles near scripted pedestrians, with the path that each will drive.
 
-SUMO tells who is near a point of interest as well as who is near a vehicle; so every scripted pedestrian is
-one, which also shows him in SUMO's window.
+SUMO reports what is near a point of interest, as it does for a vehicle. Every scripted pedestrian is therefore
+a point of interest, which also shows them in SUMO's window.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ class TrafficNear:
 
 
 def way_along(path: Path, x: float, y: float) -> Way:
-    """Return how somebody with the front bumper at (x, y) sees places along his path."""
+    """Return places relative to the path of a vehicle with its front bumper at (x, y)."""
     alongs, acrosses, _ = path.project(np.array([[x, y]]))
     front, beside = float(alongs[0]), float(acrosses[0])
 

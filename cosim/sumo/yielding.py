@@ -1,8 +1,8 @@
-"""SUMO's own drivers brake for scripted pedestrians, whom SUMO does not know.
+"""Makes SUMO's own drivers brake for scripted pedestrians, which SUMO does not know.
 
-SUMO's drivers can see a person that ``moveToXY`` puts on a lane, but not for long and not safely: see
-docs/pedestrians.md. So the speed of each vehicle that would meet one is bounded from here, as a driver would
-who expects him to walk on as he does for a short time. Following vehicles then react to it as to any other.
+SUMO's drivers can see a person that ``moveToXY`` puts on a lane, but not reliably and not safely: see
+docs/pedestrians.md. The speed of each vehicle that would meet one is therefore limited from here, like that of
+a driver who expects the pedestrian to keep walking for a short time. Following vehicles react as usual.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from cosim.pedestrians.scene import RADIUS, STANDING, RoadUser
 from cosim.sumo.traffic_near import Body, TrafficNear
 
 LOOK_AHEAD = 2.5
-"""A driver expects somebody to walk on as he does for this time [s]."""
+"""A driver expects a pedestrian to keep their velocity for this time [s]."""
 LOOK_AHEAD_PRIORITY = 4.0
-"""The same for somebody who has the right of way on a crossing [s]."""
+"""The same for a pedestrian with the right of way on a crossing [s]."""
 STEPPING_OUT = 1.3
-"""Speed at which somebody with the right of way who waits is expected to step out [m/s]."""
+"""Speed at which a waiting pedestrian with the right of way is expected to step out [m/s]."""
 STOP_LINE = 1.5
-"""Distance from the crossing at which a vehicle stops that lets somebody go first [m]."""
+"""Distance from the crossing at which a yielding vehicle stops [m]."""
 SIDE_MARGIN = 0.3
 """Between the vehicle's side and the pedestrian's [m]."""
 NEXT_LANE = 3.5
-"""Nobody changes lanes with a pedestrian so near to the side of his way: he is in the other lane [m]."""
+"""No vehicle changes lanes with a pedestrian this near to the side of its path [m]."""
 KEEPS_ITS_LANE = 512
 """Lane-change mode: no change that SUMO wishes."""
 INTERVAL = 0.25
@@ -39,7 +39,7 @@ OBEYS_BRAKES_BEYOND_COMFORT = ~4
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """A scripted pedestrian as a driver sees him."""
+    """A scripted pedestrian as seen by a driver."""
 
     x: float
     y: float
@@ -171,9 +171,9 @@ def stopping_distance(speed: float, deceleration: float, step: float) -> float:
 
 
 def _sight(vehicle: RoadUser, pedestrian: Seen) -> float | None:
-    """Return the distance from the front bumper to where he is, or soon will be, in the vehicle's way [m].
+    """Return the distance from the front bumper to a pedestrian who is or soon will be in the path [m].
 
-    It is inf for somebody beside the way, and ``None`` for somebody far from it or behind the vehicle.
+    It is inf for a pedestrian beside the path, and ``None`` for one far from it or behind the vehicle.
     """
     half = 0.5 * vehicle.width + RADIUS + SIDE_MARGIN
     until = LOOK_AHEAD_PRIORITY if pedestrian.has_priority else LOOK_AHEAD

@@ -24,7 +24,7 @@ APPEARS_M = 10.0
 AFTERWARDS_S = 12.0
 """For the ego to stop, and for the pedestrian to get out of its way."""
 CLOSING_S = 6.0
-"""Who walks along the ego's path sets off when the ego would have caught up with him in this time."""
+"""Pedestrians along the ego's path set off when the ego would catch up with them in this time."""
 EGO_WIDTH_M = 1.8
 FRONT_M = 3.55
 """Of an ego, from the rear axle to the front bumper."""
@@ -127,7 +127,7 @@ def _table(case: Case) -> dict[str, Any]:
         table["parameters"] = {
             "nearer_front_m": {
                 "default": round(nearer, 6),
-                "description": "Front of the parked car he passes",
+                "description": "Front of the parked car that the pedestrian passes",
             },
             "further_front_m": {"default": round(further, 6), "description": "Front of the one behind it"},
         }
@@ -158,7 +158,7 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
         return row | {"start": {"ego_distance_m": _turning_distance(case)}}
     if group.motion == "crossing":
         return row | {"start": {"overlap": group.overlap, "ego_speed_mps": case.ego_speed_kmh / 3.6}}
-    # As somebody would who walks on to the near side of the ego; but he stops.
+    # As for a pedestrian who walks on to the near side of the ego, except that this one stops.
     near = walking_time(case, begin - 0.5 * EGO_WIDTH_M)
     distance = RADIUS_M + near * case.ego_speed_kmh / 3.6
     stop = {"stop_after_m": begin - _beside(case), "stay_s": FOREVER_S}
@@ -166,7 +166,7 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
 
 
 def _turning_distance(case: Case) -> float:
-    """Return the distance along the lane at which he sets off before an ego that is in its turn [m].
+    """Return the distance along the lane at which the pedestrian sets off before a turning ego [m].
 
     As for an overlap, but that the front bumper is seen at its place along the lane. With the rear axle on
     the circle that is R · atan(f / R) ahead of it, not the f by which it will be ahead behind the turn.
@@ -181,7 +181,7 @@ def _turning_distance(case: Case) -> float:
 
 
 def _beside(case: Case) -> float:
-    """Return how far from the middle of the ego's path he walks along, stands or stops [m]."""
+    """Return the lateral distance of the pedestrian from the middle of the ego's path [m]."""
     if case.group.beside_m is not None:
         return 0.5 * EGO_WIDTH_M + case.group.beside_m + RADIUS_M
     assert case.group.overlap is not None
@@ -189,9 +189,10 @@ def _beside(case: Case) -> float:
 
 
 def _head_start(case: Case) -> float:
-    """Return the distance at which he sets off along the ego's path, to be reached CLOSING_S later [m].
+    """Return the distance at which a pedestrian on the ego's path sets off to be reached CLOSING_S later [m].
 
-    Less the ramp's s = v · t_ramp − s he has walked v · t − s by then, with the front bumper r behind him.
+    Less the ramp's s = v · t_ramp − s, the pedestrian has walked v · t − s by then, with the front bumper r
+    behind them.
     """
     ego, walker = case.ego_speed_kmh / 3.6, case.group.pedestrian_speed_kmh / 3.6
     return (ego - walker) * CLOSING_S + case.group.acceleration_distance_m + RADIUS_M

@@ -38,22 +38,22 @@ class GroupTable(Table):
     rule: Rule
     motion: Motion = "crossing"
     """``crossing`` the ego's path, ``stopping`` short of it, walking or ``standing`` ``along`` it;
-    ``turning``: the ego turns, he walks over the road that it turns into."""
+    ``turning``: the ego turns, and the pedestrian crosses the road that it turns into."""
     comes_from: Literal["right", "left"] = "right"
     overlap: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Where he is hit if the ego keeps its speed: share of its width, from the side that he comes from."""
+    """Point of impact if the ego keeps its speed: share of its width, from the pedestrian's side."""
     beside_m: NotNegative | None = None
-    """Instead of an overlap: between the ego's side and him, where he walks along or stops."""
+    """Instead of an overlap: lateral distance from the ego's side to where the pedestrian walks or stops."""
     pedestrian_speed_kmh: NotNegative = 0.0
     start_distance_m: Positive | None = None
-    """Between the middle of the ego's path and where he sets off."""
+    """Distance of the pedestrian's start from the middle of the ego's path."""
     acceleration_distance_m: NotNegative = 0.0
     turns: Literal["left", "right", ""] = ""
     """Where the ego turns to, in a quarter of a circle; motion ``turning``."""
     turn_radius_m: Positive | None = None
     """There is a road for each of the protocol's radii."""
     obstructed: bool = False
-    """Two parked cars hide him."""
+    """Two parked cars hide the pedestrian."""
     highest_impact_kmh: list[NotNegative] = []
     """For rule ``impact_speed``: what is allowed at each of the speeds."""
     standard: str = ""

@@ -1,4 +1,4 @@
-"""Everybody is known, where he is."""
+"""All pedestrians within range are known exactly."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ class Model(Settings):
 
     @property
     def exact(self) -> bool:
-        """The world need not ask."""
+        """Whether the world may skip the sensors."""
         return True
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
-        """Return the truth's own voice."""
+        """Return a sensor that reports the truth."""
         return Truth()
 
 
 class Truth:
-    """Tells what is."""
+    """A sensor that reports the truth."""
 
     def look(self, scene: Scene) -> Belief:
-        """Return the truth."""
+        """Return the true state."""
         count = len(scene.names)
         nothing = np.zeros(count)
         return Belief(

@@ -16,7 +16,7 @@ class ToyWalk:
 
     Parameters
     ----------
-    behaviour : how he walks
+    behaviour : of the pedestrian
     ego : as it is when the run begins
     time : then [s]
     """
