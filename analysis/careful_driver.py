@@ -6,10 +6,10 @@ The driver follows the path that the ego drove, and the pedestrian moves as reco
 2. The pedestrian is *observable* while both are recorded, within ``r157_view_m`` of the driver's eye,
    and no vehicle cuts the line from the eye to the pedestrian's centre. The eye is ``r157_eye_m`` behind the
    middle of the front bumper. The ego's sensors do not matter.
-3. The pedestrian is a *risk* while their disc is within ``r157_wander_m`` of the corridor ahead of the body, or would be
-   within ``r157_foresight_s`` at their present velocity, at a place that the body, at its present speed, has
-   not passed by then. The risk begins at the first observable instant of the last spell of risk before the
-   contact. A spell ends when the driver has seen no risk for ``r157_foresight_s``: a driver who had
+3. The pedestrian is a *risk* while their disc is within ``r157_wander_m`` of the corridor ahead of the body,
+   or would be within ``r157_foresight_s`` at their present velocity, at a place that the body, at its present
+   speed, has not passed by then. The risk begins at the first observable instant of the last spell of risk
+   before the contact. A spell ends when the driver has seen no risk for ``r157_foresight_s``: one who had
    braked would have driven on. At most 30 s before the contact are considered.
 4. From that instant on the driver keeps the ego's recorded speed, at most the limit, for
    ``r157_reaction_s``. Then the deceleration rises, within ``r157_ramp_s`` from 0, or from where the ego's

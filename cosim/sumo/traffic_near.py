@@ -1,7 +1,7 @@
 """The vehicles near scripted pedestrians, with the path that each will drive.
 
-SUMO reports what is near a point of interest, as it does for a vehicle. Every scripted pedestrian is therefore
-a point of interest, which also shows them in SUMO's window.
+SUMO reports what is near a point of interest, as it does for a vehicle. Every scripted pedestrian is
+therefore a point of interest, which also shows them in SUMO's window.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Makes SUMO's own drivers brake for scripted pedestrians, which SUMO does not know.
+"""Makes SUMO's own drivers brake for scripted pedestrians, whom SUMO does not know.
 
 SUMO's drivers can see a person that ``moveToXY`` puts on a lane, but not reliably and not safely: see
-docs/pedestrians.md. The speed of each vehicle that would meet one is therefore limited from here, like that of
-a driver who expects the pedestrian to keep walking for a short time. Following vehicles react as usual.
+docs/pedestrians.md. The speed of each vehicle that would meet one is therefore limited from here, like that
+of a driver who expects the pedestrian to keep walking for a short time. Following vehicles react as usual.
 """
 
 from __future__ import annotations

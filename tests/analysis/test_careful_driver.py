@@ -97,7 +97,7 @@ def test_somebody_inside_the_swept_front_corner_of_a_turning_ego_is_spared(tmp_p
     # of the body is at half the length before it and half the width to its right.
     speed, radius = 20 / 3.6, 8.0
     outer = math.hypot(math.hypot(radius, 1.3) + 0.9, 2.25)
-    reach = outer - 0.2 + 0.25  # his surface is 0.2 m inside what the corner sweeps
+    reach = outer - 0.2 + 0.25  # the disc reaches 0.2 m into what the corner sweeps
     angle = math.radians(-40.0)
     person = walker(
         lambda t: (reach * math.cos(angle), radius + reach * math.sin(angle)), start=2.5, radius=0.25
@@ -136,8 +136,8 @@ def test_a_turning_ego_cannot_spare_somebody_who_steps_before_its_corner(tmp_pat
 
 
 def test_a_walker_is_foreseen_two_seconds_ahead(tmp_path: Path) -> None:
-    # At 50 km/h 1.96 s are needed. He walks at 1.5 m/s to the middle of the lane and is struck there: his
-    # disc is less than 0.375 m from the corridor for 1.0 s only, but he was seen to come.
+    # At 50 km/h 1.96 s are needed. The pedestrian walks at 1.5 m/s to the middle of the lane and is struck
+    # there: the disc is less than 0.375 m from the corridor for 1.0 s only, but was seen to approach.
     person = walker(lambda t: (ahead(50.0, 6.0, 0.0), -1.5 * (6.0 - t)))
     row = only(tmp_path, Ego(driving(50.0)), person)
     assert row["collision"] is True
@@ -156,8 +156,8 @@ def test_a_walker_who_turns_into_the_lane_at_once_is_not(tmp_path: Path) -> None
 
 
 def test_somebody_hidden_by_a_vehicle_until_it_is_too_late_is_not_spared(tmp_path: Path) -> None:
-    # He stands before a lorry that is parked beside the lane, and runs out 10 m before an ego at 50 km/h;
-    # its driver sees him past the corner of the lorry 6 m before the bumper.
+    # A pedestrian in front of a lorry parked beside the lane runs out 10 m before an ego at 50 km/h; its
+    # driver sees them past the corner of the lorry 6 m before the bumper.
     out = ahead(50.0, 5.0, 6.0)
 
     def runs(t: float) -> tuple[float, float]:
@@ -173,7 +173,7 @@ def test_somebody_hidden_by_a_vehicle_until_it_is_too_late_is_not_spared(tmp_pat
 
 
 def test_somebody_who_is_hidden_for_a_while_is_not_forgotten(tmp_path: Path) -> None:
-    """A car on the other lane hides him for a moment; he stands in the lane all the time."""
+    """A car on the other lane briefly hides a pedestrian who stands in the lane all the time."""
     there = 20.0
     car = Vehicle(line(there + 60.0, 1.2, -14.0, 0.0), "oncoming", width=1.2)
     row = only(tmp_path, Ego(line(-100.0, 0, 13.0, 0.0)), walker(line(there, 0, 0, 0)), car)
@@ -181,7 +181,7 @@ def test_somebody_who_is_hidden_for_a_while_is_not_forgotten(tmp_path: Path) -> 
 
 
 def test_who_crossed_long_before_and_comes_back_is_seen_anew(tmp_path: Path) -> None:
-    """He leaves the ego's way, is seen outside for 3 s, and steps back 5 m before the bumper."""
+    """The pedestrian leaves the ego's path, is seen outside for 3 s, and steps back 5 m before the bumper."""
 
     def returns(t: float) -> tuple[float, float]:
         there = ahead(50.0, 6.0, 5.0)
@@ -202,7 +202,7 @@ def test_the_careful_driver_keeps_the_limit(tmp_path: Path) -> None:
 
 
 def test_braking_that_the_ego_had_begun_is_not_given_up(tmp_path: Path) -> None:
-    """It brakes with 7 m/s² from 60 km/h when he steps out; released brakes would reach him."""
+    """It brakes with 7 m/s² from 60 km/h for a pedestrian; with released brakes it would reach them."""
 
     def brakes(t: float) -> tuple[float, float]:
         s = 60 / 3.6 * t
@@ -222,7 +222,7 @@ def test_braking_that_the_ego_had_begun_is_not_given_up(tmp_path: Path) -> None:
 def test_somebody_who_leaves_in_time_is_spared_though_the_replay_does_not_stop_before_him(
     tmp_path: Path,
 ) -> None:
-    """He runs across and is 3 cm short of having left: a little braking is enough, a stop is not needed."""
+    """A runner is 3 cm short of having left: a little braking is enough, a stop is not needed."""
     there = ahead(50.0, 3.0, 20.0)
 
     def runs(t: float) -> tuple[float, float]:

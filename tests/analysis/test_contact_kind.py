@@ -61,7 +61,7 @@ def test_one_who_is_struck_while_he_stands_did_not_move(tmp_path: Path) -> None:
     assert row["contact_moved_by"] == "ego"
     assert row["contact_class"] == "ego"
     assert row["contact_place"] == "carriageway"
-    # His disc is 77.5 m before the bumper at the beginning, he is seen from the beginning on.
+    # The disc is 77.5 m before the bumper at the beginning and visible from then on.
     assert row["contact_risk_seen_s"] == pytest.approx(row["t_collision_s"], abs=0.01)
 
 
@@ -85,7 +85,7 @@ def test_two_who_run_into_each_other_both_moved(tmp_path: Path) -> None:
 
 
 def test_one_who_walks_into_a_car_that_has_stood_for_a_second_walked_in(tmp_path: Path) -> None:
-    # The car stands from 5 s on; he touches its side at 6 s.
+    # The car stands from 5 s on; the pedestrian touches its side at 6 s.
     person = walker(lambda t: (0.0, min(-1.15 + 1.3 * (t - 6.0), 0.0)))
     found = report(tmp_path, Ego(stands), person)
     (row,) = found.encounters
@@ -198,7 +198,7 @@ def test_every_collision_is_counted_once_in_each_way(tmp_path: Path) -> None:
 
 
 def test_a_contact_that_lies_in_two_encounters_of_a_pair_is_one(tmp_path: Path) -> None:
-    """He crosses the ego's way 30 m before the place where he crosses back and is struck."""
+    """The pedestrian crosses the ego's path 30 m before the place where they cross back and are struck."""
 
     def there_and_back(t: float) -> tuple[float, float]:
         if t < 6.0:
@@ -210,7 +210,7 @@ def test_a_contact_that_lies_in_two_encounters_of_a_pair_is_one(tmp_path: Path) 
     def phase(t: float) -> str:
         return "crossing" if t < 6.0 or t >= 26.0 else "walking"
 
-    # The front bumper is at x = 29.75 m at 29 s, when he is in the middle of the lane.
+    # The front bumper is at x = 29.75 m at 29 s, when the pedestrian is in the middle of the lane.
     ego = Ego(lambda t: (27.5 + 8.0 * (max(t, 20.0) - 29.0), 0.0), columns={"lane": lambda t: "road_1"})
     person = walker(there_and_back, crossing="first", phase=phase)
     folder = write_run(tmp_path, [ego], [person], areas=MAP, duration=36.0)

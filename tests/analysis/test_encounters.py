@@ -129,7 +129,7 @@ def test_a_person_waiting_at_the_kerb_is_no_conflict(tmp_path: Path) -> None:
     assert row["pet_status"] == "no_crossing"
     assert row["first_user"] == "none"
     assert row["min_ttc_s"] is None
-    assert row["yielded"] is False, "he stood there in time for the ego to stop"
+    assert row["yielded"] is False, "the pedestrian stood there in time for the ego to stop"
 
 
 def test_where_signals_decide_nobody_yields(tmp_path: Path) -> None:
@@ -229,7 +229,7 @@ def test_the_waiting_of_a_pedestrian_is_his_delay(tmp_path: Path) -> None:
 
 
 def test_one_who_steps_out_late_could_not_have_been_spared(tmp_path: Path) -> None:
-    # He stands 0.85 m beside the ego's way until 2.4 s and is struck at 3.08 s, before anybody reacts.
+    # The pedestrian stands 0.85 m beside the ego's path until 2.4 s and is struck at 3.08 s, too soon to react.
     def steps_out(t: float) -> tuple[float, float]:
         return 32.5, -2.0 + 1.25 * max(t - 2.4, 0.0)
 

@@ -69,7 +69,7 @@ def test_the_space_time_diagram_has_the_pedestrian_where_he_crosses_the_way(tmp_
     (axes,) = draw_space_time(choose(meeting(tmp_path / "run"), None, 1)).axes
     bold = drawn(axes, "pedestrian in the ego's path")
     inside = bold[np.isfinite(bold[:, 1])]
-    # His disc is within the body's width while |y| <= 0.9 m + 0.25 m, at 1.25 m/s.
+    # The disc is within the body's width while |y| <= 0.9 m + 0.25 m, at 1.25 m/s.
     assert inside[0, 0] == pytest.approx((5.0 - 1.15) / 1.25, abs=0.05)
     assert inside[-1, 0] == pytest.approx((5.0 + 1.15) / 1.25, abs=0.05)
     front = drawn(axes, "ego, front to rear")

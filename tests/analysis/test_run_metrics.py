@@ -116,7 +116,7 @@ def test_only_a_pedestrian_who_changes_sides_is_a_side_change(tmp_path: Path) ->
     def passing(t: float) -> str:
         return classes[min(int(t + 1e-6), len(classes) - 1)]
 
-    # a goes ahead, b goes ahead, and b behind again although no plan in between named him.
+    # a goes ahead, b goes ahead, and b behind again although no plan in between named them.
     assert summary(tmp_path, recorded(passing=passing))["side_changes"] == 3
 
 

@@ -59,7 +59,9 @@ def test_an_ego_recorded_among_the_vehicles_with_the_id_of_a_person_overlaps_nob
     report = analyse_run(folder)
     assert report.overlaps == []
     assert report.encounters[0]["collision"] is True
-    assert report.encounters[0]["preventable_r157"] is True, "the ego does not hide him from its driver"
+    assert report.encounters[0]["preventable_r157"] is True, (
+        "the ego does not hide the pedestrian from its driver"
+    )
 
 
 def test_the_replay_shows_both(tmp_path: Path) -> None:

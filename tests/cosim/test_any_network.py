@@ -89,7 +89,7 @@ def test_egos_drive_in_it_to_the_end_of_the_run(
     assert egos["route_position_m"].max() > 60.0
     if request_["controller"] in ("vo_mpc", "aeb"):
         assert egos["solved"].dropna().all()
-        # Nobody leaves his lane's limit far behind; in bends it is the one of the lane just entered.
+        # No ego exceeds its lane's limit by much; in bends it is the limit of the lane just entered.
         assert (egos["speed_mps"] <= 13.89 + 0.5).all()
     if request_.get("ego_vehicle") == "cyclists.0":
         assert egos["speed_mps"].max() < 7.0  # 20 km/h, and the speed factor that it came with

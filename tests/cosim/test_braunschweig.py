@@ -1,4 +1,4 @@
-"""A share of the measured traffic of an intersection is driven by vo_mpc; nobody loses his route."""
+"""A share of the measured traffic of an intersection is driven by vo_mpc; no ego loses its route."""
 
 from __future__ import annotations
 

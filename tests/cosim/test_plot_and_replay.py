@@ -116,9 +116,7 @@ def test_a_frame_shows_everybody_where_the_recorded_row_says(recorded: Path, ins
 
 @pytest.mark.skipif(animation.has_ffmpeg(), reason="ffmpeg is installed here")
 def test_without_ffmpeg_one_line_says_so(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "needs ffmpeg" in refused(
-        capsys, "replay", "run", "--encounter", "1", "--out", "a.mp4"
-    )
+    assert "needs ffmpeg" in refused(capsys, "replay", "run", "--encounter", "1", "--out", "a.mp4")
 
 
 @pytest.mark.skipif(not animation.has_ffmpeg(), reason="ffmpeg is not installed")

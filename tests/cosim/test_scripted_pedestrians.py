@@ -102,7 +102,7 @@ def test_a_recorded_trajectory_replays_to_the_millimetre(tmp_path: Path, step_s:
         found.y_m - np.interp(local, rows[:, 0], rows[:, 2]),
     )
     assert off.max() < 1e-6
-    # He is there at every step while the ego is within 80 m.
+    # The pedestrian is present at every step while the ego is within 80 m.
     assert np.diff(found.time_s) == pytest.approx(float(step_s), abs=1e-6)
     assert len(found) > 10.0 / float(step_s)
 
@@ -179,7 +179,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
         assert y == pytest.approx(middle - 0.9 + overlap * 1.8, abs=0.02)
         assert both.speed_mps[after] * 3.6 == pytest.approx(13.89 * 3.6, abs=0.1)
         assert pd.read_csv(out / "encounters.csv").collision.tolist() == [1]
-        # Who looks does not touch him: what SUMO does not have is perceived.
+        # A controller that looks does not touch them: pedestrians unknown to SUMO are perceived.
         seeing = ran(tmp_path, "aeb")
         assert pd.read_csv(seeing / "encounters.csv").collision.tolist() == [0]
 

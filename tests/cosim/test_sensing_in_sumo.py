@@ -65,7 +65,7 @@ def test_the_bus_hides_him_and_a_unit_across_the_road_does_not(tmp_path: Path) -
     onboard = tables["onboard"]
     hidden = onboard[onboard.state == "hidden"]
     assert len(hidden) > 20
-    # He who was never seen is not told; the error of who is told is of the size of the noise.
+    # A pedestrian who was never seen is not reported; errors are of the size of the noise.
     first = onboard[onboard.state == "visible"].index[0]
     assert not onboard[onboard.index < first].told.any()
     assert tables["roadside"][tables["roadside"].told].error_m.median() < 0.6
@@ -127,7 +127,7 @@ def test_the_noise_of_one_seed_is_the_same_for_every_controller(tmp_path: Path) 
         tables.append(_sensing(out))
     one, other = tables
     # The first detection of a track is the bare measurement; both tracks begin with the same one if the
-    # pedestrian comes into view at the same step, which he does while both egos drive alike.
+    # pedestrian appears at the same step, which happens while both egos drive alike.
     first = one[one.told].index[0]
     assert first == other[other.told].index[0]
     assert one.loc[first, "error_m"] == pytest.approx(other.loc[first, "error_m"], abs=1e-9)
@@ -155,7 +155,7 @@ def test_a_building_hides_what_is_behind_it(tmp_path: Path) -> None:
     walkers = table[table.object_id.str.startswith("along") & (table.state != "out_of_range")]
     assert len(walkers) > 50
     assert set(walkers.state) == {"hidden"}
-    # He who steps out waits behind the wall, and walks through it.
+    # The pedestrian waits behind the wall and walks through it.
     mine = list(_sensing(out).state)
     out_of_it = mine.index("visible")
     assert set(mine[:out_of_it]) <= {"hidden", "out_of_range"}

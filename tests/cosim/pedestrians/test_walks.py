@@ -76,7 +76,7 @@ def states(
 
 @pytest.mark.parametrize("step", [0.05, 0.1, 0.37, 1.0])
 def test_somebody_who_sets_off_between_two_steps_is_where_he_ought_to_be(step: float) -> None:
-    # first() gives him at the time itself, so the clock of the first state is one step late here.
+    # first() returns the state at that very time, so the clock of the first state is one step late here.
     who = walker(start=AtTime(2.03), speed=1.4, ramp=0.7)
     state = who.first(NOBODY)
     assert state is not None
@@ -114,7 +114,7 @@ def test_planned_walks_have_the_length_and_the_time_that_they_ought_to(
     way, still = travelled(legs, duration_of(legs) + 1e-9)
     assert still == 0.0
     assert way == pytest.approx(0.0 if kind == "turning_back" and after < 8.0 else 8.0, abs=1e-6)
-    # Nobody jumps: between two instants he moves by no more than his greatest speed allows.
+    # Nobody jumps: between two instants they move by no more than their greatest speed allows.
     times = np.linspace(0.0, duration_of(legs), 400)
     ways = np.array([travelled(legs, float(time))[0] for time in times])
     assert np.abs(np.diff(ways)).max() <= max(6.0, speed) * (times[1] - times[0]) + 1e-9
@@ -134,7 +134,7 @@ def test_a_place_that_is_never_reached_is_reached_at_no_time() -> None:
 def test_the_impact_is_where_on_the_front_it_is_asked_for(
     step: float, overlap: float, ego_speed: float, from_left: bool
 ) -> None:
-    """The geometry of the protocols: an ego that keeps its speed touches him at that share of its width."""
+    """The geometry of the protocols: an ego that keeps its speed touches the pedestrian at that share of its width."""
     line = Line(50.0, 4.0, 50.0, -4.0) if from_left else ACROSS
     pace = Pace(5 / 3.6, 1.0)
     start = Impact(line, overlap, Steady().legs(pace, line.length))
@@ -159,7 +159,7 @@ def test_the_impact_is_where_on_the_front_it_is_asked_for(
 def test_a_nominal_speed_makes_him_set_off_at_a_distance_whatever_the_ego_does() -> None:
     legs = Steady().legs(Pace(1.0), 8.0)
     start = Impact(ACROSS, 0.5, legs, speed=10.0)
-    # He needs 4 s to the middle: the front bumper is 40.25 m away when he sets off.
+    # The walk to the middle takes 4 s: the front bumper is 40.25 m away at the start.
     for speed in (5.0, 10.0, 20.0):
         at = start.instant(Scene(0.0, (ego_at(0.0, speed, 0.0),)), 100.0)
         assert at == pytest.approx((50.0 - 40.25) / speed)
@@ -183,7 +183,7 @@ def test_an_ego_that_is_near_enough_in_metres_or_seconds_makes_him_set_off() -> 
 def test_a_gap_is_accepted_when_every_vehicle_comes_late_enough_or_is_past(
     x: float, speed: float, clear: bool
 ) -> None:
-    # He is in the way of a car in the middle from 2.85 m on, after 2.85 s.
+    # They are in the path of a car in the middle from 2.85 m on, after 2.85 s.
     start = WhenClear(AtTime(0.0), ACROSS, 4.0, 1.0)
     scene = Scene(0.5, (), (ego_at(0.0, speed, x),))
     assert (start.instant(scene, 0.6) is not None) is clear
@@ -339,5 +339,5 @@ def test_an_impact_on_a_bend_counts_the_way_along_it() -> None:
             break
         state, time = who.next(state, Scene(time, (ego(time),)), time + 0.05), time + 0.05
     assert state is not None
-    # Half a step of his and of the car's is left.
+    # Half a step of the pedestrian and of the car remains.
     assert abs(across) < 0.08

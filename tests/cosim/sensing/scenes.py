@@ -24,7 +24,7 @@ Car = tuple[float, float, float]
 def scene(
     walkers: Sequence[Walker], time: float = 0.0, cars: Sequence[Car] = (), x: float = 0.0, ego: str = "ego"
 ) -> Scene:
-    """Return a scene in which everybody is where he would be at that time."""
+    """Return a scene with everybody at their place at that time."""
     table = np.array([one[1:] for one in walkers], dtype=np.float64).reshape(-1, 4)
     traffic = np.array(cars, dtype=np.float64).reshape(-1, 3)
     return Scene(

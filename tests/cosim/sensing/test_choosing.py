@@ -128,7 +128,10 @@ def test_sensing_is_part_of_a_run_s_identity() -> None:
     [
         (["--sensing", "radar"], "no sensing model 'radar'"),
         (["--sensing", "roadside", "--set", "latency_ms=-5"], "latency_ms = '-5': expected at least 0"),
-        (["--sensing", "onboard", "--set", "miss_probability=1.2"], "miss_probability = '1.2': expected at most 1"),
+        (
+            ["--sensing", "onboard", "--set", "miss_probability=1.2"],
+            "miss_probability = '1.2': expected at most 1",
+        ),
         (["--set", "range_m=40"], "--set range_m: no such parameter; --sensing fused or onboard has it"),
         (["--sensing", "onboard", "--set", "rang_m=40"], "did you mean 'range_m'"),
         (["--sensing", "onboard", "--set", "sensing.rang_m=40"], "did you mean 'range_m'"),

@@ -80,7 +80,7 @@ def test_the_filter_is_better_than_the_measurements_and_knows_how_good_it_is() -
     errors = last.position - scene(walkers, 5.9).position
     deviation = float(last.uncertainty[0])
     assert deviation < 0.25
-    # Nobody here changes his velocity, for which the filter allows; it is not overconfident.
+    # Nobody here changes velocity, which the filter allows for; it is not overconfident.
     assert 0.5 * deviation < errors.std() < 1.05 * deviation
     assert abs(errors.mean()) < 0.05
 

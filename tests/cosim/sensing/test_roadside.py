@@ -35,7 +35,7 @@ def test_what_is_late_is_extrapolated() -> None:
     assert [bool(one.told[0]) for one in beliefs] == [False] * 3 + [True] * 9
     assert [int(one.state[0]) for one in beliefs] == [State.LATE] * 12
     assert beliefs[11].age[0] == pytest.approx(0.3)
-    # He walks straight on, so the extrapolation is right.
+    # The pedestrian walks straight on, so the extrapolation is right.
     assert off(beliefs[11].position, scene([WALKER], 1.1).position) < 1e-9
 
 

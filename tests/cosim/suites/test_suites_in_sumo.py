@@ -1,4 +1,4 @@
-"""The geometry of every case in SUMO: with an ego that keeps its speed, he is hit where and as the protocol says."""
+"""The geometry of every case in SUMO: an ego that keeps its speed hits the pedestrian as the protocol says."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def assert_geometry(case: Case, folder: Path) -> None:
     speed = case.ego_speed_kmh / 3.6
     egos = recorded.egos.numbers
     assert np.abs(egos["speed_mps"] - speed).max() < 0.1 / 3.6
-    him = person(recorded)
-    walking = np.hypot(him["x_speed_mps"], him["y_speed_mps"])
+    walker = person(recorded)
+    walking = np.hypot(walker["x_speed_mps"], walker["y_speed_mps"])
     assert walking.max() == pytest.approx(case.group.pedestrian_speed_kmh / 3.6, abs=0.1 / 3.6)
     if case.group.motion != "standing":
-        assert_full_speed_in_time(case, him, walking)
-    # Whatever he does, the ego has come steadily for four seconds before it is there.
+        assert_full_speed_in_time(case, walker, walking)
+    # In any case, the ego has approached steadily for four seconds before it arrives.
     arrives = np.interp(place_of(case), egos["route_position_m"], egos["time_s"])
     assert arrives - egos["time_s"][0] >= 4.0
     if case.group.rule in BESIDE:
@@ -69,39 +69,39 @@ def assert_geometry(case: Case, folder: Path) -> None:
     assert overlap * impact.ego_width == pytest.approx(case.group.overlap * impact.ego_width, abs=0.02)
     if case.group.motion in ("crossing", "turning"):
         assert case.group.start_distance_m is not None
-        assert_walks_to_the_point(case, him, walking, impact)
+        assert_walks_to_the_point(case, walker, walking, impact)
     else:
-        begins = him["time_s"][0] if case.group.motion == "standing" else set_off(him, walking)
-        assert impact.time - begins >= 4.0, "he is ahead for that long"
+        begins = walker["time_s"][0] if case.group.motion == "standing" else set_off(walker, walking)
+        assert impact.time - begins >= 4.0, "the pedestrian is ahead for that long"
 
 
 def assert_walks_to_the_point(
-    case: Case, him: dict[str, np.ndarray], walking: np.ndarray, impact: Impact
+    case: Case, walker: dict[str, np.ndarray], walking: np.ndarray, impact: Impact
 ) -> None:
-    """Check how long he walks; who sets off further away than is recorded is gathering speed by then."""
+    """Check the walking time; one who sets off farther away than is recorded has begun to accelerate."""
     assert case.group.start_distance_m is not None
     assert case.group.overlap is not None
     takes = walking_time(case, case.group.start_distance_m - (0.5 - case.group.overlap) * impact.ego_width)
     if walking[0] == 0.0:
-        assert impact.time - set_off(him, walking) == pytest.approx(takes, abs=0.11)
+        assert impact.time - set_off(walker, walking) == pytest.approx(takes, abs=0.11)
         return
     full = case.group.pedestrian_speed_kmh / 3.6
     assert walking[0] < 0.999 * full
-    # With constant acceleration v^2 / 2 s he has the speed w after 2 s w / v^2.
+    # With constant acceleration v^2 / 2 s, the speed w is reached after 2 s w / v^2.
     since = 2.0 * case.group.acceleration_distance_m * walking[0] / full**2
-    assert impact.time - him["time_s"][0] == pytest.approx(takes - since, abs=0.01)
+    assert impact.time - walker["time_s"][0] == pytest.approx(takes - since, abs=0.01)
 
 
-def set_off(him: dict[str, np.ndarray], walking: np.ndarray) -> float:
-    """Return the last instant at which he stood before he walked, so at most a step early."""
-    return float(him["time_s"][max(int(np.argmax(walking > 0.0)) - 1, 0)])
+def set_off(walker: dict[str, np.ndarray], walking: np.ndarray) -> float:
+    """Return the last instant of standing before the walk, so at most a step early."""
+    return float(walker["time_s"][max(int(np.argmax(walking > 0.0)) - 1, 0)])
 
 
-def assert_full_speed_in_time(case: Case, him: dict[str, np.ndarray], walking: np.ndarray) -> None:
+def assert_full_speed_in_time(case: Case, walker: dict[str, np.ndarray], walking: np.ndarray) -> None:
     if walking[0] > 0.0:
-        return  # he set off further away than is recorded
+        return  # set off farther away than is recorded
     full = np.flatnonzero(walking > 0.999 * walking.max())[0]
-    way = np.hypot(him["x_m"][full] - him["x_m"][0], him["y_m"][full] - him["y_m"][0])
+    way = np.hypot(walker["x_m"][full] - walker["x_m"][0], walker["y_m"][full] - walker["y_m"][0])
     within = case.group.acceleration_distance_m
     assert within <= 1.5
     # Recorded once a step, so at most a step's way late.
@@ -110,9 +110,9 @@ def assert_full_speed_in_time(case: Case, him: dict[str, np.ndarray], walking: n
 
 def assert_beside(case: Case, measured: Measured, recorded: RecordedRun) -> None:
     assert measured.impact is None
-    him, egos = person(recorded), recorded.egos.numbers
+    walker, egos = person(recorded), recorded.egos.numbers
     middle = egos["front_y_m"].mean()
-    nearest = np.abs(him["y_m"] - middle).min() - 0.25 - 0.5 * egos["width_m"][0]
+    nearest = np.abs(walker["y_m"] - middle).min() - 0.25 - 0.5 * egos["width_m"][0]
     assert nearest == pytest.approx(case.group.beside_m, abs=0.02)
 
 
@@ -147,10 +147,10 @@ def test_a_parked_car_hides_the_child_until_it_is_nearly_in_the_lane(tmp_path: P
     recorded = driven(case, tmp_path / "run")
     assert recorded.sensing is not None
     told, time = recorded.sensing.flags["told"], recorded.sensing.numbers["time_s"]
-    him, middle = person(recorded), recorded.egos.numbers["front_y_m"].mean()
+    walker, middle = person(recorded), recorded.egos.numbers["front_y_m"].mean()
     hidden_until = time[told].min()
-    across = middle - np.interp(hidden_until, him["time_s"], him["y_m"])
-    # The line from the sensor past the corner at 1.9 m is 2.0 to 2.3 m off where he walks; his edge shows first.
+    across = middle - np.interp(hidden_until, walker["time_s"], walker["y_m"])
+    # The sensor's line past the corner at 1.9 m is 2.0 to 2.3 m off the walk; the edge of the disc shows first.
     assert 1.7 < across < 2.6
 
 

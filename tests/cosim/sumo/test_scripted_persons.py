@@ -106,7 +106,7 @@ def crosser(start_s: float, x: float = 80.0, **more: Any) -> dict[str, Any]:
 def test_a_car_of_sumos_stops_for_a_jaywalker_away_from_crossings(
     scenes: Any, lane: int, options: tuple[str, ...]
 ) -> None:
-    # He walks onto the car's lane and stands there: without him the car would be gone after 35 s.
+    # The pedestrian walks onto the car's lane and stands there; otherwise the car would be gone after 35 s.
     demand = CAR.format(lane=lane, speed=10)
     walks = {1: 3.0, 2: 6.2}[lane]
     seen = scenes([crosser(1.0, stop_after_m=walks, stay_s=40.0)], demand, *options).run(40.0)
@@ -144,7 +144,7 @@ def test_a_vehicle_that_a_controller_drives_is_left_alone(scenes: Any) -> None:
 
 @pytest.mark.parametrize("setback_m", [0.3, 1.0])
 def test_a_car_of_sumos_lets_a_scripted_pedestrian_go_first_at_a_zebra(scenes: Any, setback_m: float) -> None:
-    # He waits for a gap that a driver has to give him: with traffic that did not see him, he would not go.
+    # The pedestrian waits for a gap that a driver has to give: unseen by the traffic, they would not go.
     row = {
         "name": "polite", "kind": "crossing", "crossing": ":m_c0", "side": "first", "speed_mps": 1.3,
         "setback_m": setback_m, "start": {"time_s": 5.0, "accepted_gap_s": 30.0},
@@ -209,7 +209,7 @@ def test_the_speed_that_stops_in_time_does(scenes: Any) -> None:
 @pytest.mark.parametrize(
     ("keep_route", "stands", "sees"),
     [(2, False, False), (6, False, True), (6, True, False)],
-    ids=["a lane that bans pedestrians", "permissions ignored, he walks", "permissions ignored, he stands"],
+    ids=["a lane that bans pedestrians", "permissions ignored, walking", "permissions ignored, standing"],
 )
 def test_why_sumo_is_not_asked_to_show_them(scenes: Any, keep_route: int, stands: bool, sees: bool) -> None:
     """What SUMO's drivers make of a person that moveToXY puts before them; docs/pedestrians.md says more."""
@@ -219,7 +219,7 @@ def test_why_sumo_is_not_asked_to_show_them(scenes: Any, keep_route: int, stands
     slowest = 10.0
     for _ in range(75):
         time = libsumo.simulation.getTime()
-        # He is on the car's lane from the beginning, or steps onto it when it is 15 m away.
+        # The person is on the car's lane from the beginning, or steps onto it when the car is 15 m away.
         y = 195.2 if stands else 191.0 + 1.4 * max(0.0, time - 2.0)
         libsumo.person.moveToXY("walker", "", 80.0, y, 0.0, keep_route)
         libsumo.simulationStep()
