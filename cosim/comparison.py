@@ -88,9 +88,9 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
     """Return what a reader has to know beside the table."""
     first = rows[0]
     said = [
-        f"Mean differences with 95 % intervals, paired by seed; Holm's correction over the "
+        f"Mean differences with 95 % intervals, paired by seed; p is Holm-corrected over the "
         f"{first['n_family']} test{'s' * (first['n_family'] != 1)} of this table. "
-        "No difference shown is not the same as no difference."
+        '"No difference shown" does not mean that there is no difference.'
     ]
     for name, side in ((first["base"], pairs.base), (first["alt"], pairs.alt)):
         hit, met = (
@@ -100,14 +100,14 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
         if bound is not None:
             said.append(
                 f"{name}: {hit:.0f} collisions in {met:.0f} encounters, at most {bound:.2%} of them "
-                "(one-sided 95 %, as if encounters were independent)."
+                "(one-sided 95 %, assuming independent encounters)."
             )
         said.extend(_contacts(str(name), [run for seed in side for run in seed]))
     lost = [
         f"{number} {reason}"
         for number, reason in (
             (pairs.unpaired, "without a run of each under every condition"),
-            (pairs.invalid, "with a run that is not valid or has not ended"),
+            (pairs.invalid, "with an invalid or unfinished run"),
         )
         if number
     ]
@@ -134,7 +134,7 @@ def _contacts(name: str, runs: Sequence[StudyRun]) -> list[str]:
     if total == 0.0:
         return []
     return [
-        f"{name}: a careful driver prevents {spared:.0f} of the {total:.0f} contacts; {crossing:.0f} on a "
+        f"{name}: {spared:.0f} of the {total:.0f} contacts are preventable; {crossing:.0f} on a "
         f"crossing, {carriageway:.0f} on the carriageway, {beside:.0f} on a walking area or at the kerb; in "
         f"{appeared:.0f} the pedestrian appeared inside the stopping distance."
     ]

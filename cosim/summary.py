@@ -1,4 +1,4 @@
-"""The numbers of runs as short tables; they come from the CSV files and from nowhere else."""
+"""Short tables of the results of runs, read from the CSV files only."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _LINES = (
     ("egos", "ego_count", "{:.0f}"),
     ("encounters", "n_encounters", "{:.0f}"),
     ("contacts", "n_collisions", "{:.0f}"),
-    ("contacts that a careful driver prevents", "n_collisions_preventable", "{:.0f}"),
+    ("preventable contacts", "n_collisions_preventable", "{:.0f}"),
     ("contacts on a crossing", "n_collisions_crossing", "{:.0f}"),
     ("contacts on the carriageway", "n_collisions_carriageway", "{:.0f}"),
     ("contacts on a walking area or at the kerb", "n_collisions_walking_area_or_kerb", "{:.0f}"),
-    ("contacts with a pedestrian who appeared too near", "n_collisions_class_appeared", "{:.0f}"),
+    ("contacts with a pedestrian who appeared suddenly", "n_collisions_class_appeared", "{:.0f}"),
     ("contacts with the standing ego", "n_contacts_standing", "{:.0f}"),
     ("minimum distance [m]", "min_dist_m", "{:.2f}"),
     ("clearance of the moving ego, 1st percentile [m]", "clearance_p01_m", "{:.2f}"),
@@ -38,7 +38,7 @@ _LINES = (
     ("decisions: autonomous", "n_autonomous", "{:.0f}"),
     ("completed lane changes", "n_lane_changes", "{:.0f}"),
     ("overlaps with vehicles", "n_vehicle_overlaps", "{:.0f}"),
-    ("overlaps that the ego closed", "n_vehicle_overlaps_ego_closed", "{:.0f}"),
+    ("vehicle collisions caused by the ego", "n_vehicle_overlaps_ego_closed", "{:.0f}"),
     ("interventions by SUMO", "n_interventions", "{:.0f}"),
     ("unsolved steps", "n_solver_fail", "{:.0f}"),
     ("plans replaced by the last check", "n_shielded", "{:.0f}"),

@@ -37,7 +37,7 @@ def run_lines(study: Study, out: Path) -> list[dict[str, Any]]:
             "scenario": run.scenario_id,
             "seed": run.seed,
             "valid": run.valid,
-            "reason": run.invalid_reason or ("" if run.valid else "it has not ended"),
+            "reason": run.invalid_reason or ("" if run.valid else "not finished"),
             "recorded": has_recording(run.folder),
             "command": command(run),
         }

@@ -43,7 +43,7 @@ function openReplay(which) {
     part("replay-problem").hidden = false;
     part("replay-problem").textContent =
       `The data of this replay is missing: ${script.src.split("/").slice(-3).join("/")} beside report.html. ` +
-      "cosim report writes it again.";
+      "Run cosim report to write it again.";
   };
   document.head.append(script);
 }

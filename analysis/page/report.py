@@ -159,9 +159,9 @@ def _answers(study: Study, made: tables.Tables, say: Say, found: Encounters) -> 
         scopes[scenario, base, alt] = list(group)  # the last one is over all conditions
     told = [say(rows, by_name) for rows in scopes.values() if max(row["n_pairs"] for row in rows) > 0]
     if told or made.comparisons:
-        return told or ["No pair of valid runs with the same seed: nothing can be compared."]
+        return told or ["No comparison is possible: no pair of valid runs has the same seed."]
     if len(found) == 0:
-        return ["No encounter of a valid run: nothing can be said of safety."]
+        return ["No statement on safety is possible: no valid run has an encounter."]
     collisions = sum(text == "collision" for text in found.texts["severity"])
     runs = len(found.runs)
     ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
@@ -191,7 +191,7 @@ def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str,
         {"name": "valid runs", "value": f"{len(found.runs)} of {len(study.runs) + failed}"},
         {"name": "encounters", "value": str(len(found))},
         {"name": "collisions", "value": str(severity.count("collision"))},
-        {"name": "of them preventable", "value": str(_preventable(found))},
+        {"name": "preventable collisions", "value": str(_preventable(found))},
         {"name": "standing contacts", "value": str(standing)},
         {"name": "serious or worse", "value": str(bad)},
         {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},

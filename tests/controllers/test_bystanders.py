@@ -94,7 +94,7 @@ def _passed(gap: float, lane_width: float) -> Ride:
 
 @pytest.mark.parametrize("gap", [0.2, 0.35, 0.5])
 def test_somebody_who_stands_in_the_lane_is_passed_slowly(gap: float) -> None:
-    """The lane is too narrow to keep away from him."""
+    """The lane is too narrow to keep away from the pedestrian."""
     record = _passed(gap, 2.3)
     x, _, speed, _ = record.track
     beside = (x > 79.5) & (x < 80.5 + BODY.length)

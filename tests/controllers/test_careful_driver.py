@@ -1,4 +1,4 @@
-"""The reference driver: late by his reaction, and then as hard as the performance model says."""
+"""The reference driver brakes after the reaction time, as hard as the performance model says."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_somebody_beside_the_path_is_a_risk_once_he_has_moved_across(walked: flo
     speed, steps = 1.4, 5
     step = walked / speed / (steps - 1)
     scenes = [
-        # On a collision course: he is in the middle of the path when the front is there.
+        # On a collision course: the pedestrian is in the middle of the path when the front arrives.
         scene(k * step, 3.55 + 2.0 * SPEED - SPEED * k * step, -2.8 + speed * k * step, speed if k else 0.0)
         for k in range(steps)
     ]

@@ -125,7 +125,7 @@ def test_gradients_agree_with_finite_differences(kind: Cone, outline: Outline, t
 
 
 def test_the_interactive_cone_asks_for_half_of_the_change_of_velocity() -> None:
-    """Straight at a standing man in 20 m, old speed 8: VO wants to miss him, IVO to go half the way."""
+    """Straight at a person standing 20 m away, old speed 8: VO avoids them fully, IVO half."""
     standing = _one(21.3, 1.0, -1.0)
 
     def value(kind: Cone, heading: float) -> float:

@@ -77,7 +77,7 @@ def test_somebody_who_crosses_is_not_touched(start: float, distance: float) -> N
 
 
 BESIDE = walk(FRONT + 40.0, 3.5 - 1.5, 0.0, 0.0)
-"""Stands 0.25 m beside the way of a car in lane 1, which would pass him too near."""
+"""Stands 0.25 m beside the path of a car in lane 1, which would pass too near."""
 
 
 def test_somebody_at_the_edge_of_the_way_is_driven_round_and_the_lane_taken_again() -> None:

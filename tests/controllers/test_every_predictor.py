@@ -196,7 +196,7 @@ def test_somebody_who_will_turn_away_is_not_braked_for(foresight: Foresight) -> 
 def test_somebody_who_turns_into_the_path_is_braked_for_before_he_turns(
     driver: str, foresight: Foresight
 ) -> None:
-    """Straight on he would stay beside the ego's path."""
+    """Going straight on, the pedestrian would stay beside the ego's path."""
     motion = _turning(31.0, -1.9, (0.6, 0.0), (0.0, 1.0), at=1.6)
     surprised = _drive(driver, motion, 11.0)
     foresight(motion)

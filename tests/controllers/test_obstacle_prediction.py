@@ -79,7 +79,7 @@ def test_it_arrives_when_the_obstacle_has_gone(gone: float) -> None:
     assert moved <= 37.5 + 1e-9
     assert 0.0 < speed < 12.0
     assert plan.profile.final_speed == pytest.approx(LIMITS.top_speed)
-    # Should he stay after all, it can stop before him at any time.
+    # Should the pedestrian stay after all, the ego can stop in time at any moment.
     for time in np.linspace(0.0, gone, 60):
         way, mine, _ = plan.profile.at(float(time))
         assert way + mine**2 / 16.0 <= 46.0

@@ -185,7 +185,7 @@ def test_far_from_a_corner_the_ego_brakes_and_then_drives_on_past_it() -> None:
 
 
 def _past_the_bus(step_out: float | None, **parameters: Any) -> Ride:
-    """Drive past a bus; somebody steps out as the ego's front would reach him in that time at 13 m/s."""
+    """Drive past a bus; somebody steps out when the ego at 13 m/s would need that time to reach them."""
     people = []
     if step_out is not None:
         people.append(ToyPedestrian("child", walk(80.6, -3.0, 0.0, 1.5, start=step_out)))
@@ -219,7 +219,7 @@ def test_the_ego_slows_down_beside_a_bus_only_when_it_counts_on_somebody() -> No
 
 @pytest.mark.slow
 def test_who_steps_out_may_be_hit_by_the_careless_and_never_by_the_careful() -> None:
-    """He begins to walk when the front is so far from his way; when that is comes from a ride without him."""
+    """The walk begins when the front is this far from it; that time comes from a ride without pedestrian."""
     hit = {}
     for name, speed in (("careless", 0.0), ("careful", 1.5)):
         alone = _past_the_bus(None, hidden_speed_mps=speed)
@@ -230,7 +230,7 @@ def test_who_steps_out_may_be_hit_by_the_careless_and_never_by_the_careful() -> 
 
 
 def test_with_perfect_sensing_nothing_changes_by_a_bit() -> None:
-    """A bus, and somebody who steps out from behind it: the ego knows him all the time."""
+    """A bus, and somebody who steps out from behind it, known to the ego all the time."""
 
     def drive(**parameters: Any) -> Ride:
         world = ToyWorld(

@@ -11,12 +11,12 @@ from tests.controllers.toy_runs import Ride, ride
 
 SPEED = 10.0 / 3.6
 PLACE = 25.0
-"""Where he crosses [m]."""
+"""Place of the crossing [m]."""
 HALF, RADIUS = np.array([2.25, 0.9]), 0.25
 """Half of the body's length and width, and the pedestrian's disc [m]."""
 FINE = {"euler_step_s": 0.25, "euler_steps": 44, "replan_s": 0.25}
 ADULT, RUNNER = (5.0 / 3.6, 4.0), (8.0 / 3.6, 6.0)
-"""Speed [m/s], and how far from the middle of the lane he sets off [m]."""
+"""Speed [m/s], and distance of the start from the middle of the lane [m]."""
 
 
 def _crossing(pedestrian: tuple[float, float], **parameters: object) -> Ride:
@@ -33,7 +33,7 @@ def _crossing(pedestrian: tuple[float, float], **parameters: object) -> Ride:
 
 
 def _gaps(record: Ride) -> tuple[FloatArray, FloatArray]:
-    """Return after every step his distance from the body's centre, and that of body and disc [m]."""
+    """Return after every step the distance of the centres, and that of body and disc [m]."""
     from_centre = np.array(
         [(s.persons.x[0] - s.egos[0].x + HALF[0], s.persons.y[0] - s.egos[0].y) for s in record.snapshots]
     )
@@ -51,7 +51,7 @@ def test_a_car_touches_somebody_before_he_is_in_the_papers_disc(
     touches = np.flatnonzero(to_body <= 0.0)
     assert len(touches)
     assert to_centre[: touches[0] + 1].min() > 2.0
-    # By its own account it avoids him all the time.
+    # By its own account it avoids the pedestrian all the time.
     assert all(plan.solved for plan in record.plans)
 
 

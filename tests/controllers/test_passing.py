@@ -126,7 +126,7 @@ def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_exp
     found = _find([], scene)
     assert found.names == ("person0",)
     assert found.across_speed[0] == pytest.approx(1.2)
-    # Who has come there goes on as he goes until he stands.
+    # Once there, they keep their velocity until they stand.
     there = perception(road=straight_road(3, 1), walkers=[replace(walks, across=-1.3)], crossings=[crossing])
     assert _find([], there).across_speed[0] == pytest.approx(1.2)
 
@@ -154,7 +154,7 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_ca
     assert watch.heading == {"person0": 1.0}
     standing = _find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), watch)
     assert standing.across_speed[0] == pytest.approx(1.2)
-    # Of a stranger nothing is known: he stands where he stands.
+    # Nothing is known of a new pedestrian, who is assumed to stay.
     assert len(_find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
@@ -183,11 +183,11 @@ def test_passing_behind_bounds_the_front_until_the_pedestrian_has_left() -> None
     assert found.leave[0] == pytest.approx(3.5)
     upper, lower, freeze = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
     limit = 30.0 - 0.25 - 1.0 - FRONT
-    # Before he enters as well: the bound is that the ego has not passed when he comes.
+    # Before the entry as well: the ego must not have passed when the pedestrian comes.
     assert np.allclose(upper[TIMES <= 3.5], limit)
     assert np.isinf(upper[TIMES > 4.0]).all()
     assert np.isinf(-lower).all()
-    # Only while he is expected in the band, from the last grid time before he enters.
+    # Only while the pedestrian is expected in the band, from the last grid time before the entry.
     assert np.allclose(freeze[(TIMES >= 1.0) & (TIMES <= 3.5)], limit - 0.25)
     assert np.isinf(freeze[TIMES < 1.0 - 1e-9][:1]).all()
 

@@ -66,10 +66,10 @@ def assert_on_the_road(record: Ride, road: ToyRoad) -> None:
 
 
 def struck(record: Ride) -> list[str]:
-    """Return who is touched first by an ego faster than 0.5 m/s that could have stopped for him.
+    """Return the first pedestrian touched by an ego faster than 0.5 m/s that could have stopped.
 
     The pedestrians of the script see nothing: they step out just before a car, and walk into one that has
-    stopped for them. It could have stopped if, when he stepped out, he was further away than its stopping
+    stopped for them. It could have stopped if, when they stepped out, they were farther away than its stopping
     distance with 7.8 m/s² after 0.5 s.
     """
     could_stop: dict[str, bool] = {}

@@ -51,7 +51,7 @@ def test_who_stands_may_be_anywhere_around_him() -> None:
 
 
 def test_it_is_as_tight_as_who_stands_can_show() -> None:
-    """Pushing one way all the time he reaches the border."""
+    """Constant acceleration in one direction reaches the border."""
     forecast = _forecast(Walker(0.0, 0.0))
     speed = np.minimum(ACCELERATION * TIMES, PACE)
     way = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * 0.1)))

@@ -35,7 +35,7 @@ def test_with_a_crossing_in_view_nothing_changes() -> None:
 
 
 def test_who_walks_onto_an_empty_road_is_planned_for_from_that_step_on() -> None:
-    # Out of sight to the side there is no way to be; he comes from behind what the ego looks at.
+    # To the side nobody is out of sight; the pedestrian comes from behind what the ego looks at.
     people = [walk(130.0, -4.0, -12.0, 0.4)]
     record = ride(ToyRoad(), people, speed=3.0, duration=9.0, parameters={"idle_interval_s": 0.5})
     planned = np.array([len(plan.times) > 0 for plan in record.plans])

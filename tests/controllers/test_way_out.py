@@ -19,7 +19,7 @@ from tests.controllers.toy_runs import ride
 
 BODY = Body()
 KEPT = 0.3
-"""Radius of a person and what is kept to him [m]."""
+"""Radius of a person and distance kept from them [m]."""
 
 
 def _people(*places: tuple[float, float]) -> Obstacles:
@@ -162,7 +162,7 @@ def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_stand
 
 
 def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
-    """He stands a metre ahead of the right corner of an ego that starts from a standstill."""
+    """A person stands a metre ahead of the right corner of an ego that starts from a standstill."""
     record = ride(ToyRoad(), [walk(BODY.front + 0.9, -1.05, 0.0, 0.0)], speed=0.0, duration=60.0)
     ways_out = [i for i, plan in enumerate(record.plans) if plan.status == WAY_OUT]
     assert ways_out

@@ -88,10 +88,10 @@ def test_contacts_are_told_apart_by_place_and_by_what_a_careful_driver_prevents(
         )
     lines = shown(capsys, str(tmp_path), "--alt", "bold")
     assert (
-        "bold: a careful driver prevents 3 of the 6 contacts; 0 on a crossing, 4 on the carriageway, 2 on a "
+        "bold: 3 of the 6 contacts are preventable; 0 on a crossing, 4 on the carriageway, 2 on a "
         "walking area or at the kerb; in 1 the pedestrian appeared inside the stopping distance."
     ) in lines
-    assert not any(line.startswith("sumo: a careful driver") for line in lines)
+    assert not any(line.startswith("sumo: 0 of") for line in lines)
 
 
 def test_twins_show_no_difference(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -150,7 +150,7 @@ def test_seeds_that_are_left_out_are_told(study: Path, capsys: pytest.CaptureFix
     assert "10 seeds" in lines[0]
     assert any(
         line == "Seeds left out: 1 without a run of each under every condition, "
-        "1 with a run that is not valid or has not ended."
+        "1 with an invalid or unfinished run."
         for line in lines
     )
 

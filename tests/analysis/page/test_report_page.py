@@ -202,7 +202,7 @@ def test_each_collision_says_where_it_was_and_whether_a_careful_driver_prevents_
     _, page, _ = written(folder)
     assert "carriageway, appeared, not preventable" in page.texts
     assert "carriageway, preventable" in page.texts
-    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "of them preventable")]
+    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "preventable collisions")]
     assert values == ["2", "1"]
 
 
