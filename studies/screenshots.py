@@ -23,7 +23,7 @@ def main(study: Path, out: Path) -> int:
 
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
-        print(f"cosim: no browser found: expected one of {', '.join(BROWSERS)}", file=sys.stderr)
+        print(f"screenshots: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
         return 2
     try:
         page, _ = write([study])

@@ -51,7 +51,9 @@ class Wish:
     goal_beyond: float = 1.0
 
 
-def jaywalk_line(road: Roadside, wish: Wish, model: DirectionModel, generator: np.random.Generator) -> Line:
+def jaywalk_line(
+    road: Roadside, wish: Wish, model: CrossingDirection, generator: np.random.Generator
+) -> Line:
     """Return the line of the walk, from the start to the same distance beyond the other border.
 
     Notes

@@ -35,19 +35,20 @@ _HEADINGS = (
 _INTRODUCTION = """\
 # The methods of the papers in traffic
 
-What none of the papers did: every method drives through the same streets, past the same people and
-vehicles, on the same seeds.
+None of the papers makes this comparison: every method drives through the same streets, past the same
+pedestrians and vehicles, on the same seeds.
 
     make study-papers
 
-runs `studies/methods/methods.toml` and writes the tables below. It is resumed by the same command.
+runs `studies/methods/methods.toml` and writes the tables below. Repeat the command to resume.
 
-People at once: how many are within 45 m of an ego, on average over the time in which it is within 45 m of a
-crossing. An encounter counts when the pedestrian was on the crossing or in the ego's path, or was touched;
-its contacts come from recorded shapes, continuous between samples. The interval of their share is exact for
-independent encounters, which those of one run need not be. Least TTC is that of all these runs; delay is
-against the speed limit, with what it is by then where a trip has not ended; jerk and control step are means
-over the runs of the run's 95th percentile. The control step is wall-clock time, measured beside other runs.
+*People at once* is the mean number of pedestrians within 45 m of an ego while the ego is within 45 m of a
+crossing. *Encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
+Contacts are computed from recorded shapes, continuously between samples. The interval of their share is exact
+for independent encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
+Delay is relative to the speed limit; an unfinished trip counts with its delay so far. Jerk and control step
+are means over runs of the run's 95th percentile. The control step is wall-clock time, measured beside other
+runs.
 """
 
 

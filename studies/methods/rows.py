@@ -1,8 +1,4 @@
-"""Compares the methods of the papers in traffic: one table per scenario and demand.
-
-``python -m analysis.method_study STUDY PAGE`` reads the runs of a study's folder and writes their tables
-below the line ``## Tables`` of a page, which keeps what stands above it.
-"""
+"""One method under one condition: what its runs come to."""
 
 from __future__ import annotations
 
@@ -20,40 +16,6 @@ NEAR_M = 45.0
 """Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
 EVERY_S = 1.0
 """How often the people near an ego are counted [s]."""
-TABLES = "## Tables"
-
-_HEADINGS = (
-    "method",
-    "valid runs",
-    "people at once",
-    "encounters",
-    "contacts",
-    "contacts per encounter (95 %)",
-    "least TTC [s]",
-    "TTC < 1.5 s",
-    "delay of a trip [s]",
-    "jerk, p95 [m/s³]",
-    "unsolved steps",
-    "control step, p95 [ms]",
-)
-_INTRODUCTION = """\
-# The methods of the papers in traffic
-
-None of the papers makes this comparison: every method drives through the same streets, past the same
-pedestrians and vehicles, on the same seeds.
-
-    make study-papers
-
-runs `studies/papers.toml` and writes the tables below. Repeat the command to resume.
-
-*People at once* is the mean number of pedestrians within 45 m of an ego while the ego is within 45 m of a
-crossing. *Encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
-Contacts are computed from recorded shapes, continuously between samples. The interval of their share is exact
-for independent encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
-Delay is relative to the speed limit; an unfinished trip counts with its delay so far. Jerk and control step
-are means over runs of the run's 95th percentile. The control step is wall-clock time, measured beside other
-runs.
-"""
 
 
 @dataclass(frozen=True, slots=True)
