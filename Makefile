@@ -1,14 +1,17 @@
-# make demo   three controllers on one scenario, compared
-# make test   the tests         make check  the linters
-# make bench  the benchmarks    make study-crossings  the published table
-# make papers the papers' claims and figures     make study-papers  their methods in traffic
-# make protocols  every controller through the test protocols, and their table
-# make study-roadside  what a roadside unit buys where a bus hides people
-# make study-solvers   the same drives with four solvers
-# make zoo  networks that nobody tuned for, hours; SEED=7: fresh ones; QUICK=1: a few of them, minutes
-# make golden   every controller in every scenario, short: what a change of the code changed
-# make screenshots     the pictures of a report and of a replay in docs/images
-# make docs            the documentation as a site: build/site/index.html
+# make demo             compare three controllers on one scenario
+# make test             run the tests; make test-slow runs the long ones
+# make check            run the linters
+# make bench            run the benchmarks
+# make study-crossings  the study of mid-block crossings
+# make papers           the papers' claims and figures
+# make study-papers     the papers' methods in the same traffic
+# make protocols        every controller through the test protocols
+# make study-roadside   the effect of a roadside unit where a bus hides pedestrians
+# make study-solvers    the same drives with four solvers
+# make zoo              networks that nobody tuned for (hours); SEED=7: other networks; QUICK=1: a few, in minutes
+# make golden           every controller in every scenario, briefly, to find out what a code change changed
+# make screenshots      the pictures of a report and a replay in docs/images
+# make docs             the documentation as a site: build/site/index.html
 
 PYTHON ?= python3
 VENV := .venv
