@@ -266,7 +266,7 @@ def test_help_shows_examples_and_exit_codes(capsys: pytest.CaptureFixture[str]) 
     assert main(["run", "--help"]) == 0
     text = capsys.readouterr().out
     assert 'cosim run town.sumocfg --ego-route "e1 e2 e3"' in text
-    assert "Exit codes: 0 good, 2 bad input, 3" in text
+    assert "Exit codes: 0 success, 2 bad input, 3" in text
 
 
 @pytest.mark.parametrize(
