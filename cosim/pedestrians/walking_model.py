@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class MiddleAxis:
-    """A vehicle as a walker feels it: the middle axis of its body, from which he keeps away."""
+    """A vehicle as a walker perceives it: the middle axis of its body, from which they keep away."""
 
     x: float
     """Middle of the body [m]."""
@@ -41,7 +41,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Where one walker wants to go: a unit vector, and the speed that he walks at on average [m/s]."""
+    """Where one walker wants to go: a unit vector, and the mean speed [m/s]."""
 
     east: float
     north: float
@@ -105,7 +105,7 @@ class WalkingModel:
         Parameters
         ----------
         walker, aim : who walks, and where to
-        vehicle : what he keeps away from; ``None`` for nothing
+        vehicle : the vehicle to keep away from; ``None`` for nothing
         duration : h [s]
         noise : a standard normal number
         """

@@ -82,7 +82,7 @@ def test_a_run_that_fails_in_any_way_is_told_and_harms_no_other(tmp_path: Path) 
         assert f"failed: {row['run']}: {row['reason']}" in done.stderr
     assert len(runs(out)) == 4
     assert all(row["valid"] == "1" for row in rows(out / "runs.csv") if row["controller"] == "sumo")
-    assert f"{len(failed)} runs failed; why: out/failed.csv" in done.stderr
+    assert f"{len(failed)} runs failed; for the reasons see out/failed.csv" in done.stderr
     crash = json.loads(next((out / "failed").glob("*crash-seed1*/failure.json")).read_text())
     text = "\n".join(crash["last_lines"])
     assert "Segmentation fault" in text
