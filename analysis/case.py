@@ -17,7 +17,7 @@ from analysis.encounters import Encounter, Surroundings, find_encounters
 from analysis.geometry import BoolArray, FloatArray
 from analysis.knowledge import Knowledge, knowledge_of
 from analysis.prediction import PredictedArea, predict_area
-from analysis.run import RecordedRun
+from analysis.recording.reading import RecordedRun
 from analysis.samples import Samples, gather
 from analysis.thresholds import Thresholds
 from analysis.tracks import Grid, Track, ego_tracks, make_grid, object_tracks

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.geometry import FloatArray
-from analysis.run import Area, RecordedRun
+from analysis.recording.reading import Area, RecordedRun
 from analysis.tracks import Grid, Track
 
 PLACES = ("crossing", "carriageway", "walking_area_or_kerb")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from analysis.conflict_area import Visit, stays_on_line
-from analysis.run import Area
+from analysis.recording.reading import Area
 from analysis.tracks import Grid, Track
 
 

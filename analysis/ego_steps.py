@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import BoolArray, FloatArray
-from analysis.run import RecordedRun
+from analysis.recording.reading import RecordedRun
 from analysis.thresholds import Thresholds
 from analysis.tracks import Grid, Track
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analysis.conflict_area import ConflictArea, conflict_areas
 from analysis.crossings import Traversal
 from analysis.geometry import BoolArray
-from analysis.run import RecordedRun
+from analysis.recording.reading import RecordedRun
 from analysis.thresholds import Thresholds
 from analysis.tracks import Grid, Track
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.geometry import BoolArray, FloatArray
-from analysis.run import RecordedRun
+from analysis.recording.reading import RecordedRun
 
 _LONGEST_GAP_STEPS = 2.5
 _PLAN_INTERVAL_S = 0.1

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis import recording, schema
+from analysis import schema
 from analysis.case import Case, prepare
 from analysis.datapackage import describe
 from analysis.errors import RecordingError
+from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
+from analysis.recording.reading import read_run
 from analysis.rows import Row, cells, encounter_and_run_rows, overlap_rows
-from analysis.run import read_run
 from analysis.thresholds import Thresholds
 
 CURVES = {
@@ -88,7 +89,7 @@ def _config(case: Case) -> dict[str, Any]:
     meta = case.run.meta
     return {
         "schema_version": schema.SCHEMA_VERSION,
-        "recording_schema_version": recording.SCHEMA_VERSION,
+        "recording_schema_version": RECORDING_VERSION,
         "run_id": meta["run_id"],
         "config_id": meta["config_id"],
         "scenario_id": meta["scenario_id"],

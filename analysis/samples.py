@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.encounters import Encounter, exposed_samples
 from analysis.geometry import BoolArray, FloatArray, clearance, time_to_contact, to_frame
-from analysis.run import RecordedRun
+from analysis.recording.reading import RecordedRun
 from analysis.thresholds import Thresholds
 from analysis.tracks import Grid
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.recording import INTERVENTIONS
+from analysis.recording.columns import INTERVENTIONS
 
 SCHEMA_VERSION = "2"
 """Of the CSV files; changes whenever a column changes its name or meaning."""

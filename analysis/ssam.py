@@ -17,7 +17,7 @@ import numpy as np
 
 from analysis.errors import AnalysisError
 from analysis.geometry import FloatArray
-from analysis.run import Columns, RecordedRun, read_run
+from analysis.recording.reading import Columns, RecordedRun, read_run
 
 TRAJECTORY_FILE = "run.trj"
 ID_FILE = "ssam_id_map.csv"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import BoolArray, FloatArray
-from analysis.run import Columns, RecordedRun
+from analysis.recording.reading import Columns, RecordedRun
 from analysis.thresholds import Thresholds
 
 IntArray = NDArray[np.int64]

@@ -12,15 +12,15 @@ from typing import Any
 
 from pyarrow import ArrowInvalid
 
-from analysis.recording import SCHEMA_VERSION
+from analysis.recording.columns import SCHEMA_VERSION
 from cosim import compose, loop, output, provenance
+from cosim.broadcast import Broadcast
 from cosim.compose import Composition
 from cosim.drivers import Departures
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.loop import LoopTimes
 from cosim.parquet_sink import PART, recover
 from cosim.recorder import Recorder, write_json
-from cosim.records import Records
 from cosim.request import RunRequest
 
 Progress = Callable[[float, float | None], None]
@@ -136,7 +136,7 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
 def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
     world, end = composition.world, composition.end_time
     window = () if composition.window is None else (composition.window,)
-    record = Records(recorder, Departures(composition.drivers), *window)
+    record = Broadcast(recorder, Departures(composition.drivers), *window)
     try:
         loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
     except BaseException:

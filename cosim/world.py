@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,12 @@ from controllers.interface import Body, Command, Perception
 FloatArray = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EgoTruth:
-    """One ego after a step, as it really is: the plant's state, and what SUMO made of it."""
+    """One ego after a step, as it really is: the plant's state, and what SUMO made of it.
+
+    What of it is recorded, and under which name, ``analysis/recording/columns.py`` says.
+    """
 
     name: str
     body: Body
@@ -39,16 +43,22 @@ class EgoTruth:
     """Front bumper where SUMO says it is after the step [m]."""
     executed_y: float
     executed_speed: float
-    intervention: bool
-    """SUMO's position or speed differs from the plant's by more than 0.02 m or 0.1 m/s."""
-    handed_back: bool
-    intervention_cause: str = ""
-    """One of ``analysis.recording.INTERVENTIONS``; empty without an intervention."""
+    intervention_cause: str | None = None
+    """Why SUMO's position or speed differs from the plant's by more than 0.02 m or 0.1 m/s, one of
+    ``INTERVENTIONS`` in ``analysis/recording/columns.py``; ``None``: it does not."""
+    handed_back: bool = False
+
+    @property
+    def intervention(self) -> bool:
+        """Whether SUMO did something else than the plant."""
+        return self.intervention_cause is not None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PersonsTruth:
     """All pedestrians near any ego; arrays of length n. Riders of vehicles are not among them."""
+
+    object_kind: ClassVar[str] = "pedestrian"
 
     names: tuple[str, ...]
     x: FloatArray
@@ -57,19 +67,41 @@ class PersonsTruth:
     x_speed: FloatArray
     y_speed: FloatArray
     radius: FloatArray
-    edge: tuple[str, ...]
+    place: tuple[str, ...]
     """Edge walked on."""
-    crossing: tuple[str, ...]
-    """Crossing walked on, or next edge when that is a crossing; else empty."""
+    crossing: tuple[str | None, ...]
+    """Crossing walked on, or next edge when that is a crossing."""
     phase: tuple[str, ...]
     """``PedestrianPhase`` values."""
     kind: tuple[str, ...]
     """SUMO type id."""
 
+    @property
+    def heading(self) -> list[float | None]:
+        """Direction of motion; ``None`` for who stands [rad]."""
+        return [
+            math.atan2(v, u) if u or v else None
+            for u, v in zip(self.x_speed.tolist(), self.y_speed.tolist(), strict=True)
+        ]
 
-@dataclass(frozen=True, slots=True)
+    @property
+    def length(self) -> FloatArray:
+        """Diameter [m]."""
+        return 2.0 * self.radius
+
+    @property
+    def width(self) -> FloatArray:
+        """Diameter [m]."""
+        return 2.0 * self.radius
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class VehiclesTruth:
     """All other vehicles near any ego; arrays of length n."""
+
+    object_kind: ClassVar[str] = "vehicle"
+    crossing: ClassVar[None] = None
+    phase: ClassVar[None] = None
 
     names: tuple[str, ...]
     x: FloatArray
@@ -79,8 +111,19 @@ class VehiclesTruth:
     speed: FloatArray
     length: FloatArray
     width: FloatArray
-    lane: tuple[str, ...]
+    place: tuple[str, ...]
+    """Lane driven on."""
     kind: tuple[str, ...]
+
+    @property
+    def x_speed(self) -> FloatArray:
+        """[m/s]."""
+        return np.asarray(self.speed * np.cos(self.heading))
+
+    @property
+    def y_speed(self) -> FloatArray:
+        """[m/s]."""
+        return np.asarray(self.speed * np.sin(self.heading))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
-from analysis.recording import INTERVENTIONS
+from analysis.recording.columns import INTERVENTIONS
 
 SCOPE = "encounter"
 UNIT = "1"

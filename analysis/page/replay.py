@@ -19,8 +19,8 @@ from analysis.case import Case, prepare
 from analysis.errors import RecordingError
 from analysis.geometry import FloatArray
 from analysis.page.overlay import drawings
-from analysis.recording import EGOS, NEIGHBOURS, PLANS
-from analysis.run import read_run
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, RecordedTable
+from analysis.recording.reading import read_run
 from analysis.thresholds import Thresholds, names
 
 BEFORE_S, AFTER_S = 2.0, 2.0
@@ -66,14 +66,13 @@ def read_recording(folder: Path) -> Recording:
         When the recording cannot be read.
     """
     case = prepare(read_run(folder), _thresholds(folder))
-    schemas = {"egos": EGOS, "neighbours": NEIGHBOURS, "plans": PLANS}
-    return Recording(case, **{name: _table(folder, name, schema) for name, schema in schemas.items()})
+    return Recording(case, *(_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS)))
 
 
-def _table(folder: Path, name: str, schema: pa.Schema) -> pd.DataFrame:
-    path = folder / f"{name}.parquet"
+def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
+    path = folder / table.file
     try:
-        return pd.DataFrame(pq.read_table(path, schema=schema).to_pandas())
+        return pd.DataFrame(pq.read_table(path, schema=table.schema).to_pandas())
     except (OSError, pa.ArrowException) as error:
         raise RecordingError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
 

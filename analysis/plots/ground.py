@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from analysis.geometry import FloatArray
-from analysis.run import Area
+from analysis.recording.reading import Area
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 EGO: Final = "#0072B2"

@@ -10,7 +10,7 @@ import numpy as np
 from analysis.case import Case, prepare
 from analysis.contacts import Contact
 from analysis.metrics import preventable_r157
-from analysis.run import read_run
+from analysis.recording.reading import read_run
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from analysis.recording import SCHEMA_VERSION
+from analysis.recording.columns import SCHEMA_VERSION
 from cosim import provenance
 from cosim.provenance import Inputs
 

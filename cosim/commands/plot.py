@@ -51,7 +51,7 @@ def plot(
     from analysis.case import prepare
     from analysis.plots.figures import draw_figures
     from analysis.plots.scene import choose
-    from analysis.run import read_run
+    from analysis.recording.reading import read_run
 
     target = folder / "plots" if out is None else out
     try:

@@ -37,7 +37,7 @@ def replay(
     from analysis.case import prepare
     from analysis.plots.animation import FORMATS, has_ffmpeg, write_film
     from analysis.plots.scene import choose
-    from analysis.run import read_run
+    from analysis.recording.reading import read_run
 
     check_picture(out, FORMATS)
     if out.suffix.lower() == ".mp4" and not has_ffmpeg():

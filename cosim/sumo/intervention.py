@@ -14,7 +14,7 @@ SPEED_TOLERANCE = 0.1
 
 
 class Cause(StrEnum):
-    """Why SUMO did something else; ``analysis.recording.INTERVENTIONS`` says what each means."""
+    """Why SUMO did something else; ``INTERVENTIONS`` of ``analysis/recording/columns.py`` explains each."""
 
     TIGHT_BEND = "tight_bend"
     WAY_LOST = "way_lost"

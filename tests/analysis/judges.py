@@ -18,7 +18,7 @@ from analysis import geometry
 from analysis.case import prepare
 from analysis.conflict_area import conflict_areas
 from analysis.prediction import required_deceleration
-from analysis.run import read_run
+from analysis.recording.reading import read_run
 from analysis.tracks import Grid, Track, path_length
 from tests.analysis.recorded import Ego, Person, line, write_run
 

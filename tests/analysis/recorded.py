@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from analysis import recording
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SCHEMA_VERSION, TIMING
 
 Motion = Callable[[float], tuple[float, float]]
 """Time -> position."""
@@ -90,7 +90,7 @@ def _ego_row(ego: Ego, t: float, last_heading: dict[str, float]) -> dict[str, An
         last_heading[ego.name] = float(np.arctan2(velocity[1], velocity[0]))
     heading = last_heading.get(ego.name, 0.0)
     acceleration = float(_acceleration(ego.motion, t) @ [np.cos(heading), np.sin(heading)])
-    row: dict[str, Any] = dict.fromkeys(recording.EGOS.names)
+    row: dict[str, Any] = dict.fromkeys(EGOS.names())
     row.update(
         time_s=t,
         ego_id=ego.name,
@@ -179,13 +179,8 @@ def write_run(
         objects.extend(_person_row(p, t) for p in persons if p.start <= t <= p.end)
         objects.extend(_vehicle_row(v, t) for v in vehicles if v.start <= t <= v.end)
     timing = [{"time_s": row["time_s"], "ego_id": row["ego_id"], "compute_ms": 1.0} for row in ego_rows]
-    for name, schema, rows in (
-        ("egos", recording.EGOS, ego_rows),
-        ("neighbours", recording.NEIGHBOURS, objects),
-        ("plans", recording.PLANS, []),
-        ("timing", recording.TIMING, timing),
-    ):
-        pq.write_table(pa.Table.from_pylist(rows, schema=schema), folder / f"{name}.parquet")
+    for table, rows in ((EGOS, ego_rows), (NEIGHBOURS, objects), (PLANS, []), (TIMING, timing)):
+        pq.write_table(pa.Table.from_pylist(rows, schema=table.schema), folder / table.file)
     (folder / "map.json").write_text(json.dumps({"areas": list(areas)}))
     description = {
         "run_id": "0123456789abcdef",
@@ -208,7 +203,7 @@ def write_run(
         "parameters": {},
         "inputs": {},
         "n_teleports": 0,
-        "recording_schema_version": recording.SCHEMA_VERSION,
+        "recording_schema_version": SCHEMA_VERSION,
         **meta,
     }
     (folder / "run.json").write_text(json.dumps(description))

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from analysis import recording
 from analysis.errors import RecordingError
+from analysis.recording.columns import SENSING
 from analysis.report import analyse_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
@@ -46,7 +46,7 @@ def _write_sensing(folder: Path, seen: list[tuple[float, bool]]) -> None:
         }
         for time, told in seen
     ]
-    pq.write_table(pa.Table.from_pylist(rows, schema=recording.SENSING), folder / "sensing.parquet")
+    pq.write_table(pa.Table.from_pylist(rows, schema=SENSING.schema), folder / "sensing.parquet")
 
 
 def _row(folder: Path) -> dict[str, Any]:

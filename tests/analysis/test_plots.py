@@ -15,8 +15,8 @@ from analysis.plots.plane import draw_plane
 from analysis.plots.scene import SceneError, choose
 from analysis.plots.space_time import draw_space_time
 from analysis.plots.traces import draw_traces
+from analysis.recording.reading import read_run
 from analysis.report import analyse_run
-from analysis.run import read_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 

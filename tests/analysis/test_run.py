@@ -13,8 +13,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from analysis.errors import RecordingError
+from analysis.recording.reading import read_run
 from analysis.report import analyse_many, analyse_run
-from analysis.run import read_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 

@@ -10,13 +10,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from analysis import recording
 from analysis.case import prepare
 from analysis.errors import RecordingError
 from analysis.page.replay import read_recording, replay_of
 from analysis.plots.scene import choose
+from analysis.recording.columns import SENSING
+from analysis.recording.reading import read_run
 from analysis.report import analyse_run
-from analysis.run import read_run
 from analysis.ssam import export_ssam, read_trajectories
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 
@@ -116,7 +116,7 @@ def test_what_was_sensed_of_a_person_with_the_egos_id_is_found(tmp_path: Path) -
         {"time_s": 0.1 * k, "ego_id": "7", "object_id": "7", "told": True, "state": "visible"}
         for k in range(101)
     ]
-    pq.write_table(pa.Table.from_pylist(rows, schema=recording.SENSING), folder / "sensing.parquet")
+    pq.write_table(pa.Table.from_pylist(rows, schema=SENSING.schema), folder / "sensing.parquet")
     (row,) = analyse_run(folder).encounters
     assert row["visible_before_conflict_s"] == pytest.approx(row["t_collision_s"])
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import sumo
 
-from analysis.run import read_run
+from analysis.recording.reading import read_run
 from cosim.request import RunRequest
 from cosim.run import run
 

@@ -15,7 +15,7 @@ from analysis.case import prepare
 from analysis.plots import animation
 from analysis.plots.animation import Film, frame_indices
 from analysis.plots.scene import choose
-from analysis.run import read_run
+from analysis.recording.reading import read_run
 from cosim.cli import main
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 from tests.cosim.test_cli import refused

@@ -9,19 +9,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from analysis import recording
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TIMING, RecordedColumn, RecordedTable
 from cosim import loop
 from cosim.errors import SimulationError
 from cosim.parquet_sink import ParquetSink
 from cosim.recorder import Recorder
-from tests.cosim.tiny_world import SteadyDriver, TinyWorld, without_planning
+from tests.cosim.tiny_world import BODY, SteadyDriver, TinyWorld, without_planning
 
-FILES = {
-    "egos.parquet": recording.EGOS,
-    "neighbours.parquet": recording.NEIGHBOURS,
-    "plans.parquet": recording.PLANS,
-    "timing.parquet": recording.TIMING,
-}
+FILES = {table.file: table.schema for table in (EGOS, NEIGHBOURS, PLANS, TIMING)}
 
 
 def record(folder: Path, world: TinyWorld) -> None:
@@ -37,6 +32,22 @@ def test_every_file_has_the_columns_that_the_analysis_expects(tmp_path: Path) ->
     for name, schema in FILES.items():
         assert pq.read_schema(tmp_path / name).equals(schema), name
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*FILES, "map.json"])
+
+
+def test_a_column_that_is_declared_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    front = RecordedColumn("front_m", "number", "m", "rear axle to front bumper", "truth.body.front")
+    egos = RecordedTable(EGOS.name, EGOS.description, (*EGOS.columns, front), EGOS.key)
+    monkeypatch.setattr("cosim.recorder.EGOS", egos)
+    record(tmp_path, TinyWorld())
+    assert set(pq.read_table(tmp_path / egos.file)["front_m"].to_pylist()) == {BODY.front}
+
+
+def test_a_number_that_is_not_finite_is_recorded_as_undefined(tmp_path: Path) -> None:
+    world = TinyWorld()
+    world.speed["ego"] = float("inf")
+    with Recorder(tmp_path) as recorder:
+        recorder.stepped(world.snapshot())
+    assert pq.read_table(tmp_path / EGOS.file)["speed_mps"].to_pylist() == [None]
 
 
 def test_an_ego_has_one_row_per_step_and_the_plan_in_the_steps_that_began_with_one(tmp_path: Path) -> None:
@@ -107,7 +118,7 @@ def test_an_empty_road_leaves_readable_files(tmp_path: Path) -> None:
 
 
 def test_a_sink_writes_in_chunks_and_keeps_the_last_rows(tmp_path: Path) -> None:
-    sink = ParquetSink(tmp_path / "timing.parquet", recording.TIMING, rows_per_chunk=4)
+    sink = ParquetSink(tmp_path / "timing.parquet", TIMING.schema, rows_per_chunk=4)
     for index in range(10):
         sink.add_row((float(index), "ego", 1.0))
     assert not (tmp_path / "timing.parquet").exists()
@@ -119,7 +130,7 @@ def test_a_sink_writes_in_chunks_and_keeps_the_last_rows(tmp_path: Path) -> None
 
 
 def test_a_sink_refuses_rows_of_another_shape(tmp_path: Path) -> None:
-    sink = ParquetSink(tmp_path / "timing.parquet", recording.TIMING)
+    sink = ParquetSink(tmp_path / "timing.parquet", TIMING.schema)
     with pytest.raises(ValueError, match="expected 3 columns, got 2"):
         sink.add_row((0.0, "ego"))
     with pytest.raises(ValueError, match="columns of one length"):

@@ -96,27 +96,27 @@ class TinyWorld:
 
     def snapshot(self) -> Snapshot:
         persons = PersonsTruth(
-            ("ped",),
-            np.array([30.0]),
-            np.array([-5.0 + 1.3 * self.time]),
-            np.array([0.0]),
-            np.array([1.3]),
-            np.array([0.25]),
-            ("walk",),
-            ("",),
-            ("walking",),
-            ("adult",),
+            names=("ped",),
+            x=np.array([30.0]),
+            y=np.array([-5.0 + 1.3 * self.time]),
+            x_speed=np.array([0.0]),
+            y_speed=np.array([1.3]),
+            radius=np.array([0.25]),
+            place=("walk",),
+            crossing=(None,),
+            phase=("walking",),
+            kind=("adult",),
         )
         vehicles = VehiclesTruth(
-            ("leader",),
-            np.array([40.0]),
-            np.array([0.0]),
-            np.array([0.0]),
-            np.array([9.0]),
-            np.array([4.5]),
-            np.array([1.8]),
-            ("e_0",),
-            ("car",),
+            names=("leader",),
+            x=np.array([40.0]),
+            y=np.array([0.0]),
+            heading=np.array([0.0]),
+            speed=np.array([9.0]),
+            length=np.array([4.5]),
+            width=np.array([1.8]),
+            place=("e_0",),
+            kind=("car",),
         )
         return Snapshot(self.time, tuple(self.truth(name) for name in self.names), persons, vehicles)
 
@@ -124,9 +124,24 @@ class TinyWorld:
         front = self.x[name] + BODY.front
         speed = self.speed[name]
         return EgoTruth(
-            name, BODY, front, 0.0, 0.0, speed, 0.0, 0.0, "e", "e_0", self.x[name], 13.9, 0.0, 0.0,
-            front, 0.0, speed, False, False,
-        )  # fmt: skip
+            name=name,
+            body=BODY,
+            x=front,
+            y=0.0,
+            heading=0.0,
+            speed=speed,
+            acceleration=0.0,
+            steering=0.0,
+            edge="e",
+            lane="e_0",
+            route_position=self.x[name],
+            speed_limit=13.9,
+            commanded_acceleration=0.0,
+            commanded_steering=0.0,
+            executed_x=front,
+            executed_y=0.0,
+            executed_speed=speed,
+        )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
         return np.column_stack([self.x[name] + along, across])
@@ -162,6 +177,19 @@ class SteadyDriver:
 def without_planning(world: TinyWorld) -> Snapshot:
     """Return a snapshot of a road without egos, persons and vehicles."""
     snapshot = world.snapshot()
-    persons = PersonsTruth((), NONE, NONE, NONE, NONE, NONE, (), (), (), ())
-    vehicles = VehiclesTruth((), NONE, NONE, NONE, NONE, NONE, NONE, (), ())
+    persons = PersonsTruth(
+        names=(),
+        x=NONE,
+        y=NONE,
+        x_speed=NONE,
+        y_speed=NONE,
+        radius=NONE,
+        place=(),
+        crossing=(),
+        phase=(),
+        kind=(),
+    )
+    vehicles = VehiclesTruth(
+        names=(), x=NONE, y=NONE, heading=NONE, speed=NONE, length=NONE, width=NONE, place=(), kind=()
+    )
     return dataclasses.replace(snapshot, egos=(), persons=persons, vehicles=vehicles)

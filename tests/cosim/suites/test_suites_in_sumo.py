@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.protocols.impact import Impact, Measured, measure
-from analysis.run import RecordedRun, read_run
+from analysis.recording.reading import RecordedRun, read_run
 from cosim.request import RunRequest
 from cosim.run import run
 from cosim.suites import judging

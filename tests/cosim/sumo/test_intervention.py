@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import pytest
 
-from analysis.recording import INTERVENTIONS
+from analysis.recording.columns import INTERVENTIONS
 from cosim.sumo.actuation import Actuation, Executed
 from cosim.sumo.intervention import Cause, cause_of
 

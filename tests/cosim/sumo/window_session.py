@@ -13,8 +13,8 @@ import traci
 
 from controllers.interface import Decision, Perception, Plan
 from cosim import compose, loop
+from cosim.broadcast import Broadcast
 from cosim.loop import ToWorld
-from cosim.records import Records
 from cosim.request import RunRequest
 from cosim.sumo.window import VIEW, line_name
 from cosim.world import Snapshot
@@ -68,7 +68,7 @@ def main(target: Path) -> None:
     try:
         assert composition.window is not None
         # The window first: the onlooker sees what it has done in the same step.
-        loop.run(composition.world, composition.drivers, Records(composition.window, onlooker))
+        loop.run(composition.world, composition.drivers, Broadcast(composition.window, onlooker))
     finally:
         composition.close()
     seen = {

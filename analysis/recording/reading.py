@@ -14,28 +14,20 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from analysis import recording
 from analysis.errors import RecordingError
 from analysis.geometry import BoolArray, FloatArray
+from analysis.recording.columns import (
+    EGOS,
+    NEIGHBOURS,
+    SCHEMA_VERSION,
+    SENSING,
+    TIMING,
+    RecordedTable,
+)
 
 IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
-_EGO_NUMBERS = (
-    "time_s",
-    "length_m",
-    "width_m",
-    "front_x_m",
-    "front_y_m",
-    "heading_rad",
-    "speed_mps",
-    "acceleration_mps2",
-)
-_EGO_OPTIONAL = ("speed_limit_mps", "route_position_m", "lane_number", "gap_ahead_m", "slack_m")
-_EGO_FLAGS = ("intervention", "handed_back", "planned", "solved")
-_EGO_TEXTS = ("ego_id", "lane", "rule", "plan_status", "passing", "intervention_cause")
-_OBJECT_NUMBERS = ("time_s", "x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m")
-_OBJECT_TEXTS = ("object_id", "object_kind", "object_type", "edge_or_lane", "crossing_id", "phase")
 _PERFECT = "perfect"
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
@@ -117,10 +109,10 @@ def read_run(folder: Path) -> RecordedRun:
         raise RecordingError(f"{folder}: no such run folder")
     meta = _read_json(folder / "run.json")
     version = meta.get("recording_schema_version")
-    if str(version) != recording.SCHEMA_VERSION:
+    if str(version) != SCHEMA_VERSION:
         raise RecordingError(
             f"{folder / 'run.json'}: recording_schema_version is {version!r}, "
-            f"this version reads {recording.SCHEMA_VERSION!r}"
+            f"this version reads {SCHEMA_VERSION!r}"
         )
     for key in _NEEDED_META:
         if meta.get(key) is None:
@@ -128,36 +120,16 @@ def read_run(folder: Path) -> RecordedRun:
     step_s = meta["step_s"]
     if not isinstance(step_s, int | float) or not math.isfinite(step_s) or step_s <= 0.0:
         raise RecordingError(f"{folder / 'run.json'}: step_s must be a positive number, is {step_s!r}")
-    egos = _read_table(
-        folder / "egos.parquet", recording.EGOS, _EGO_NUMBERS, _EGO_OPTIONAL, _EGO_FLAGS, _EGO_TEXTS, "ego_id"
-    )
+    egos = _read_table(folder, EGOS)
     if len(egos) == 0:
-        raise RecordingError(f"{folder / 'egos.parquet'}: no rows")
-    neighbours = _read_table(
-        folder / "neighbours.parquet",
-        recording.NEIGHBOURS,
-        _OBJECT_NUMBERS,
-        ("heading_rad",),
-        (),
-        _OBJECT_TEXTS,
-        "object_kind",  # SUMO lets a vehicle and a person share an id
-        "object_id",
-    )
-    timing = _read_table(
-        folder / "timing.parquet", recording.TIMING, ("time_s", "compute_ms"), (), (), ("ego_id",), "ego_id"
-    )
+        raise RecordingError(f"{folder / EGOS.file}: no rows")
+    neighbours = _read_table(folder, NEIGHBOURS)
+    timing = _read_table(folder, TIMING)
     times = np.unique(np.round(np.concatenate([egos.numbers["time_s"], neighbours.numbers["time_s"]]), 6))
     areas = _read_areas(folder / "map.json")
-    sensing = _read_sensing(folder / "sensing.parquet", str(meta.get("sensing") or _PERFECT))
+    perfect = str(meta.get("sensing") or _PERFECT) == _PERFECT
+    sensing = None if perfect else _read_table(folder, SENSING)
     return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, sensing)
-
-
-def _read_sensing(path: Path, model: str) -> Columns | None:
-    if model == _PERFECT:
-        return None
-    return _read_table(
-        path, recording.SENSING, ("time_s",), (), ("told",), ("ego_id", "object_id"), "ego_id", "object_id"
-    )
 
 
 def _read_json(path: Path) -> dict[str, Any]:
@@ -176,28 +148,27 @@ def _read_json(path: Path) -> dict[str, Any]:
     return content
 
 
-def _read_table(
-    path: Path,
-    schema: pa.Schema,
-    numbers: tuple[str, ...],
-    optional: tuple[str, ...],
-    flags: tuple[str, ...],
-    texts: tuple[str, ...],
-    *keys: str,
-) -> Columns:
-    """Return the rows of a table; there is one for each time and value of the key columns."""
-    table = _load(path, schema)
-    found = {name: _numbers(path, table, name, needed=name in numbers) for name in (*numbers, *optional)}
-    coded = {name: _texts(table, name) for name in texts}
-    _require_forward_time(path, found["time_s"], *(coded[key] for key in keys))
-    return Columns(
-        numbers=found,
-        flags={name: table[name].fill_null(False).to_numpy().astype(np.bool_) for name in flags},
-        texts=coded,
-    )
+def _read_table(folder: Path, declared: RecordedTable) -> Columns:
+    """Return the judged columns; there is one row for each time and value of the key columns."""
+    path = folder / declared.file
+    table = _load(path, declared)
+    judged = [column for column in declared.columns if column.judged]
+    numbers = {
+        column.name: _numbers(path, table, column.name, column.required)
+        for column in judged
+        if column.kind in ("number", "integer")
+    }
+    texts = {column.name: _texts(table, column.name) for column in judged if column.kind == "string"}
+    flags = {
+        column.name: table[column.name].fill_null(False).to_numpy().astype(np.bool_)
+        for column in judged
+        if column.kind == "boolean"
+    }
+    _require_forward_time(path, numbers["time_s"], *(texts[key] for key in declared.key))
+    return Columns(numbers, flags, texts)
 
 
-def _load(path: Path, schema: pa.Schema) -> pa.Table:
+def _load(path: Path, declared: RecordedTable) -> pa.Table:
     if not path.is_file():
         cut = path.with_name(path.name + ".part")
         hint = f" (the run was cut off: {cut.name} is there)" if cut.exists() else ""
@@ -205,21 +176,23 @@ def _load(path: Path, schema: pa.Schema) -> pa.Table:
     try:
         with pq.ParquetFile(path) as file:
             present = file.schema_arrow
-            for field in schema:
-                if field.name in recording.ADDED - set(present.names):
-                    continue
-                if field.name not in present.names:
-                    raise RecordingError(f"{path}: no column {field.name!r}")
-                kind = present.field(field.name).type
-                if kind != field.type:
-                    raise RecordingError(f"{path}: column {field.name!r} is {kind}, expected {field.type}")
+            for column in declared.columns:
+                if column.name not in present.names:
+                    if column.added:
+                        continue
+                    raise RecordingError(f"{path}: no column {column.name!r}")
+                found = present.field(column.name).type
+                if found != column.dtype:
+                    raise RecordingError(
+                        f"{path}: column {column.name!r} is {found}, expected {column.dtype}"
+                    )
             table = file.read()
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise RecordingError(f"{path}: truncated or not Parquet ({reason})") from None
-    for field in schema:
-        if field.name not in table.column_names:
-            table = table.append_column(field, pa.nulls(len(table), field.type))
+    for column in declared.columns:
+        if column.name not in table.column_names:
+            table = table.append_column(column.name, pa.nulls(len(table), column.dtype))
     return table
 
 

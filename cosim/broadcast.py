@@ -1,4 +1,4 @@
-"""Several who take note of the same step."""
+"""The step told to several who take note of it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cosim.loop import Record, ToWorld
 from cosim.world import Snapshot
 
 
-class Records:
+class Broadcast:
     """Tells each of several records the same, in their order."""
 
     def __init__(self, *records: Record) -> None:

@@ -1,0 +1,1 @@
+"""What a run has recorded: its columns, and how they are read."""

@@ -1,0 +1,102 @@
+"""A column, declared once: name, type, unit, meaning, and where its values come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column of a table."""
+
+    name: str
+    kind: str
+    """``string``, ``integer``, ``number``, ``boolean`` (0 or 1 in a CSV file) or ``numbers`` (a list)."""
+    unit: str
+    """Empty for texts and names."""
+    description: str
+    source: str = ""
+    """Attributes or keys, joined by dots, that lead from what a row is made of to its value; empty where
+    the values are given by name, as metrics do."""
+    choices: tuple[str, ...] = ()
+    minimum: float | None = None
+    required: bool = False
+    """The value must not be undefined."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """One CSV file."""
+
+    name: str
+    description: str
+    columns: tuple[Column, ...]
+    key: tuple[str, ...]
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return f"{self.name}.csv"
+
+    def names(self) -> tuple[str, ...]:
+        """Return the columns in order."""
+        return tuple(column.name for column in self.columns)
+
+
+def text(name: str, description: str, *choices: str, source: str = "", required: bool = False) -> Column:
+    """Declare a column of texts; with choices, no others occur."""
+    return Column(name, "string", "", description, source, choices, required=required)
+
+
+def count(
+    name: str, description: str, *, source: str = "", required: bool = False, lowest: float | None = 0.0
+) -> Column:
+    """Declare a column of whole numbers, which begin at 0 unless told."""
+    return Column(name, "integer", "1", description, source, minimum=lowest, required=required)
+
+
+def flag(name: str, description: str, *, source: str = "", required: bool = False) -> Column:
+    """Declare a column of yes or no."""
+    return Column(name, "boolean", "1", description, source, required=required)
+
+
+def at_least_0(name: str, unit: str, description: str, *, source: str = "", required: bool = False) -> Column:
+    """Declare a column of numbers that cannot be negative."""
+    return Column(name, "number", unit, description, source, minimum=0.0, required=required)
+
+
+def number(name: str, unit: str, description: str, *, source: str = "", required: bool = False) -> Column:
+    """Declare a column of numbers of either sign."""
+    return Column(name, "number", unit, description, source, required=required)
+
+
+def follow(source: str) -> Callable[[Any], Any]:
+    """Return a function from what a row is made of to the value that a column's source names.
+
+    ``None`` on the way, or a key that is not there, makes the value ``None``.
+
+    Examples
+    --------
+    >>> follow("meta.seed")({"meta": {"seed": 7}})
+    7
+    >>> follow("plan.status")({"plan": None}) is None
+    True
+    """
+    names = source.split(".")
+
+    def value_of(made_of: Any) -> Any:
+        value = made_of
+        for name in names:
+            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+            if value is None:
+                return None
+        return value
+
+    return value_of
+
+
+def row_of(columns: tuple[Column, ...], made_of: Any) -> dict[str, Any]:
+    """Return the values of the columns that have a source, by name."""
+    return {column.name: follow(column.source)(made_of) for column in columns if column.source}
