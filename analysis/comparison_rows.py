@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from analysis.configuration_rows import describe, parts
-from analysis.measures import Measure, run_measures
-from analysis.rows import Row
-from analysis.schema import SCHEMA_VERSION
+from analysis.results.measures import Measure, run_measures
+from analysis.results.origin import SCHEMA_VERSION
 from analysis.statistics.paired import Comparison, compare_values, compare_yes_no, holm
 from analysis.statistics.ratios import contributions
 from analysis.study_design import Condition, Study
 from analysis.study_runs import StudyRun
+from analysis.tables.cells import Row
 
 SIGNIFICANT = 0.05
 ALL = "all"

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.measures import Measure, encounter_measures, run_measures
-from analysis.rows import Row
-from analysis.schema import SCHEMA_VERSION
+from analysis.results.measures import Measure, encounter_measures, run_measures
+from analysis.results.origin import SCHEMA_VERSION
 from analysis.statistics.intervals import (
     FloatArray,
     Interval,
@@ -25,6 +24,7 @@ from analysis.statistics.ratios import contributions
 from analysis.statistics.replications import replications_needed
 from analysis.study_design import Study
 from analysis.study_runs import StudyRun
+from analysis.tables.cells import Row
 
 _TAIL = {"lower": ("p05", 5.0), "higher": ("p95", 95.0)}
 

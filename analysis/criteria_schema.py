@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from analysis.schema import Column, Table
+from analysis.tables.column import Column, Table
 
 STATUSES = ("pass", "fail", "undefined", "invalid")
 
 
 def _text(name: str, description: str, *choices: str, required: bool = False) -> Column:
-    return Column(name, "string", "", description, choices, required=required)
+    return Column(name, "string", "", description, choices=choices, required=required)
 
 
 CRITERIA = Table(

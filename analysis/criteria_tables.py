@@ -9,8 +9,9 @@ from typing import Any
 
 from analysis.criteria import OPERATORS, SCOPES, STATISTICS, Criterion
 from analysis.errors import AnalysisError
-from analysis.measures import Measure, encounter_measures, run_measures
-from analysis.schema import ENCOUNTERS, RUNS, Column, Table
+from analysis.results.measures import Measure, encounter_measures, run_measures
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.tables.column import Column, Table
 
 EXAMPLE = (
     '[[criteria]] scope = "run", metric = "n_collisions", operator = "==", threshold = 0 '

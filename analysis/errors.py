@@ -17,3 +17,7 @@ class ThresholdError(AnalysisError):
 
 class StudyError(AnalysisError):
     """Runs that cannot be summed up or compared together; names what exists."""
+
+
+class MetricError(AnalysisError):
+    """A metric whose file is not complete, or that returns what it does not declare."""

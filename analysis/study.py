@@ -8,14 +8,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from analysis import schema, study_schema
+from analysis import study_schema
 from analysis.comparison_rows import comparison_rows
 from analysis.configuration_rows import configuration_rows
-from analysis.datapackage import describe
 from analysis.errors import StudyError
-from analysis.rows import Row, cells
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study_design import read_study
 from analysis.study_runs import StudyRun
+from analysis.tables.cells import Row, cells
+from analysis.tables.column import Table
+from analysis.tables.datapackage import describe
 
 PACKAGE = "datapackage.json"
 
@@ -46,8 +49,8 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> No
     study = read_study(folders)
     out.mkdir(parents=True, exist_ok=True)
     content = {
-        schema.RUNS.file: _table(schema.RUNS.names(), (run.cells for run in study.runs if run.cells)),
-        schema.ENCOUNTERS.file: _encounters(study.runs),
+        RUNS.file: _table(RUNS.names(), (run.cells for run in study.runs if run.cells)),
+        ENCOUNTERS.file: _encounters(study.runs),
         study_schema.CONFIGS.file: _rows(study_schema.CONFIGS, configuration_rows(study)),
         study_schema.COMPARISONS.file: _rows(study_schema.COMPARISONS, comparison_rows(study, baseline)),
         PACKAGE: iter([_package(out)]),
@@ -87,7 +90,7 @@ def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]
     yield from (str(writer.writerow(row)) for row in (names, *rows))
 
 
-def _rows(table: schema.Table, rows: Iterable[Row]) -> Iterator[str]:
+def _rows(table: Table, rows: Iterable[Row]) -> Iterator[str]:
     # Six significant digits: p values and rates of rare events are small, and the last digits of a sum
     # are not the same on every processor.
     yield from _table(table.names(), cells(table, list(rows), number="{:.6g}".format))
@@ -95,16 +98,16 @@ def _rows(table: schema.Table, rows: Iterable[Row]) -> Iterator[str]:
 
 def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
     """Return the lines of all encounters.csv files, run after run, without holding more than one."""
-    header = ",".join(schema.ENCOUNTERS.names()) + "\n"
+    header = ",".join(ENCOUNTERS.names()) + "\n"
     yield header
     for run in runs:
-        path = run.folder / schema.ENCOUNTERS.file
+        path = run.folder / ENCOUNTERS.file
         if not run.cells:
             continue
         with path.open(encoding="utf-8", newline="") as file:
             if file.readline() != header:
                 raise StudyError(
-                    f"{path}: expected the columns of schema {schema.SCHEMA_VERSION}; "
+                    f"{path}: expected the columns of schema {SCHEMA_VERSION}; "
                     "cosim analyse makes it again"
                 )
             yield from file

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from analysis.comparison_rows import compare_labels
-from analysis.measures import Measure
+from analysis.results.measures import Measure
 from analysis.statistics.paired import holm
 from analysis.study_design import Condition, Study
 from analysis.study_runs import StudyRun

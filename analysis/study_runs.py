@@ -15,10 +15,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 
-from analysis import schema
 from analysis.errors import StudyError
-from analysis.measures import encounter_measures, is_wall_clock
+from analysis.results.measures import encounter_measures, is_wall_clock
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.statistics.intervals import FloatArray
+from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 _NEEDED = ("run_id", "config_id", "scenario_id", "controller", "seed", "valid")
 _DRAC_BEYOND = ("unbounded", "collision")
@@ -99,12 +101,12 @@ def _read(folder: Path) -> StudyRun:
     for key in _NEEDED:
         if not isinstance(meta, dict) or meta.get(key) is None:
             raise StudyError(f"{path}: no value for {key!r}")
-    cells = _cells(folder / schema.RUNS.file)
+    cells = _cells(folder / RUNS.file)
     if meta["valid"] and not cells:
-        raise StudyError(f"{folder} was not analysed: no {schema.RUNS.file}; cosim analyse makes it")
+        raise StudyError(f"{folder} was not analysed: no {RUNS.file}; cosim analyse makes it")
     numbers, samples = _numbers(cells), dict[str, FloatArray]()
     if meta["valid"]:
-        tallies, samples = _read_encounters(folder / schema.ENCOUNTERS.file)
+        tallies, samples = _read_encounters(folder / ENCOUNTERS.file)
         numbers |= tallies
     setting = _setting(meta)
     return StudyRun(
@@ -161,9 +163,9 @@ def _cells(path: Path) -> tuple[str, ...]:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise StudyError(f"{path}: cannot be read ({error})") from None
-    if len(rows) != 2 or tuple(rows[0]) != schema.RUNS.names() or len(rows[1]) != len(rows[0]):
+    if len(rows) != 2 or tuple(rows[0]) != RUNS.names() or len(rows[1]) != len(rows[0]):
         raise StudyError(
-            f"{path}: expected one row with the columns of schema {schema.SCHEMA_VERSION}; "
+            f"{path}: expected one row with the columns of schema {SCHEMA_VERSION}; "
             "cosim analyse makes it again"
         )
     return tuple(rows[1])
@@ -174,7 +176,7 @@ def _numbers(cells: Sequence[str]) -> dict[str, float]:
         return {}
     return {
         column.name: float(cell)
-        for column, cell in zip(schema.RUNS.columns, cells, strict=True)
+        for column, cell in zip(RUNS.columns, cells, strict=True)
         if column.kind in ("integer", "number") and cell
     }
 
@@ -198,12 +200,12 @@ def _read_encounters(path: Path) -> tuple[dict[str, float], dict[str, FloatArray
     values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
     drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
     met = (values["entered"] == 1.0) | (values["collision"] == 1.0)
-    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > 3.4)
+    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
     tallies = {
         "met": met,
         "met_collision": met & (values["collision"] == 1.0),
-        "met_ttc_lt_1p5": met & (values["min_ttc_s"] < 1.5),
-        "met_pet_lt_1p5": met & (values["pet_area_s"] < 1.5),
+        "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
+        "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),
         "met_drac_gt_3p4": met & beyond,
         "met_conflict": met & np.isin(severity, _CONFLICTS),
     }
@@ -245,6 +247,6 @@ def _once(runs: Sequence[StudyRun]) -> list[StudyRun]:
 
 def _same(one: StudyRun, other: StudyRun) -> bool:
     """Return whether two runs have the same numbers, wall-clock times aside."""
-    free = {i for i, name in enumerate(schema.RUNS.names()) if is_wall_clock(name) or name == "git_sha"}
+    free = {i for i, name in enumerate(RUNS.names()) if is_wall_clock(name) or name == "git_sha"}
     cells = [[cell for i, cell in enumerate(run.cells) if i not in free] for run in (one, other)]
     return cells[0] == cells[1] and one.run_id == other.run_id

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analysis.schema import ENCOUNTERS, RUNS, Column, Table
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.tables.column import Column, Table
 
 _KINDS = ("mean", "count", "yes_no", "share", "rate", "encounter")
 _GROUPS = ("safety", "comfort", "pedestrians", "efficiency", "other")
@@ -10,7 +11,7 @@ _WORSE = ("higher", "lower", "neither")
 
 
 def _text(name: str, description: str, *choices: str, required: bool = True) -> Column:
-    return Column(name, "string", "", description, choices, required=required)
+    return Column(name, "string", "", description, choices=choices, required=required)
 
 
 def _count(name: str, description: str, required: bool = True) -> Column:

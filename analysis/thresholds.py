@@ -9,13 +9,29 @@ from dataclasses import asdict, dataclass, fields, replace
 
 from analysis.errors import ThresholdError
 
+# Limits that are part of a column's name: fixed, whatever the thresholds below are set to.
+TTC_LIMITS_S = (1.0, 1.5, 3.0)
+PET_LIMITS_S = (1.0, 1.5, 3.0, 5.0)
+LOW_TTC_S = 1.5
+"""Below it a TTC is called low, and compared over many runs."""
+LOW_PET_S = 1.5
+TTC_EXPOSURE_LIMITS_S = (1.5, 3.0)
+"""TET and TIT are taken below these."""
+DRAC_LIMIT_MPS2 = 3.4
+
+
+def in_name(limit: float) -> str:
+    """Return a limit as it stands in the name of a column.
+
+    >>> in_name(1.5)
+    '1p5'
+    """
+    return f"{limit:.1f}".replace(".", "p")
+
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """What the numbers of a report depend on besides the recording.
-
-    Thresholds that are part of a column's name (1.0, 1.5, 3.0, 5.0 s; 3.4 m/s^2) are not among them.
-    """
+    """What the numbers of a report depend on besides the recording; can be set."""
 
     encounter_range_m: float = 45.0
     """Both users are within this distance of their conflict area, or of each other."""

@@ -15,7 +15,7 @@ from time import process_time
 
 from analysis.case import prepare
 from analysis.recording.reading import read_run
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Motion, Person, Vehicle, line, write_run
 
 REPEATS = 5

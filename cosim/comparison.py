@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from analysis.comparison_rows import Pairs
-from analysis.measures import DELAY, Measure
+from analysis.results.measures import DELAY, Measure
 from analysis.statistics.intervals import share_upper_bound
 from analysis.study_runs import StudyRun
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import AnalysisError
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from cosim.errors import SimulationError
 from cosim.request import RunRequest
 from cosim.run import Progress, RunResult, keep_recorded, run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis import metric_catalog
+from analysis.results import metric_catalog
 from controllers import catalog
 from cosim.sensing import catalog as sensing_catalog
 from sumo_scenarios import library

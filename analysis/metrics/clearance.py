@@ -13,13 +13,22 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.contacts import closest_approaches
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "own definition"
-COLUMNS = ("clearance_min_m",)
-RUN_COLUMNS = ("n_clearance_defined", "clearance_min_m", "clearance_p01_m", "clearance_p05_m")
+COLUMNS = (
+    column.at_least_0(
+        "clearance_min_m", "m", "smallest distance with the ego moving and the pedestrian on the road"
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_clearance_defined", "encounters with a clearance", required=True),
+    column.at_least_0("clearance_min_m", "m", "smallest clearance"),
+    column.at_least_0("clearance_p01_m", "m", "1st percentile of the encounters' clearance"),
+    column.at_least_0("clearance_p05_m", "m", "5th percentile of the encounters' clearance"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("close_pass_speed_mps",)
-RUN_COLUMNS = ("n_close_passes",)
+COLUMNS = (
+    column.at_least_0(
+        "close_pass_speed_mps", "m/s", "highest speed of the ego while nearer than close_pass_m"
+    ),
+)
+RUN_COLUMNS = (column.count("n_close_passes", "encounters passed too close and too fast", required=True),)
 
 
 def compute(case: Case) -> Values:

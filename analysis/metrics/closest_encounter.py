@@ -13,13 +13,15 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.geometry import closest_approach
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "[CriticalityMetrics]"
-COLUMNS = ("dce_m", "ttce_s")
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("dce_m", "m", "smallest predicted distance of closest encounter"),
+    column.at_least_0("ttce_s", "s", "predicted time to it"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -13,13 +13,22 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition; exact geometry in analysis/geometry.py"
-COLUMNS = ("collision", "n_collisions", "t_collision_s", "impact_side", "contact_standing")
-RUN_COLUMNS = ("n_collisions", "n_contacts_standing")
+COLUMNS = (
+    column.flag("collision", "contact with the ego moving", required=True),
+    column.count("n_collisions", "such contacts, those of one pair within 2 s being one", required=True),
+    column.number("t_collision_s", "s", "first contact"),
+    column.text("impact_side", "side of the ego that was touched", "front", "rear", "left", "right"),
+    column.flag("contact_standing", "the pedestrian touched the standing ego", required=True),
+)
+RUN_COLUMNS = (
+    column.count("n_collisions", "contacts with a moving ego", required=True),
+    column.count("n_contacts_standing", "encounters with a contact with the standing ego", required=True),
+)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,16 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "ms"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("compute_p50_ms", "compute_p95_ms", "compute_p99_ms")
+RUN_COLUMNS = (
+    column.at_least_0("compute_p50_ms", "ms", "median wall-clock time of a control step"),
+    column.at_least_0("compute_p95_ms", "ms", "95th percentile of it"),
+    column.at_least_0("compute_p99_ms", "ms", "99th percentile of it"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from analysis.case import Case, Values
 from analysis.severity_scale import severity_levels
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1/km"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("n_conflicts", "conflicts_per_veh_km", "conflicts_per_1000_ped")
+RUN_COLUMNS = (
+    column.count("n_conflicts", "encounters of severity serious or worse", required=True),
+    column.at_least_0("conflicts_per_veh_km", "1/km", "those per way of the egos"),
+    column.at_least_0("conflicts_per_1000_ped", "1", "those per 1000 pedestrians"),
+)
 
 
 def compute(case: Case) -> Values:

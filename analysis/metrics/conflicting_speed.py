@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from analysis.case import Case, Values
 from analysis.moments import evasions
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SwedishTCT2018]"
-COLUMNS = ("conflicting_speed_mps",)
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("conflicting_speed_mps", "m/s", "speed of the ego when its evasive action begins"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -28,27 +28,78 @@ from analysis.case import Case, Values
 from analysis.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
 from analysis.contact_places import PLACES, place_of, places_of
 from analysis.contacts import Contact
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ("contact_place", "contact_moved_by", "contact_class", "contact_risk_seen_s")
+COLUMNS = (
+    column.text(
+        "contact_place",
+        "where the pedestrian was touched; empty without a contact",
+        "crossing",
+        "carriageway",
+        "walking_area_or_kerb",
+    ),
+    column.text(
+        "contact_moved_by",
+        "whose motion closed the last gap; empty without a contact, or without a gap before it",
+        "ego",
+        "pedestrian",
+        "both",
+    ),
+    column.text(
+        "contact_class",
+        "kind of contact; empty without one",
+        "ego",
+        "rolled_off",
+        "walked_in",
+        "appeared",
+        "touching_at_start",
+    ),
+    column.at_least_0(
+        "contact_risk_seen_s",
+        "s",
+        "time from when a careful driver could see the risk to the contact; empty where he could not",
+    ),
+)
 RUN_COLUMNS = (
-    *(f"n_collisions_{place}" for place in PLACES),
-    *(f"n_collisions_moved_by_{mover}" for mover in MOVERS),
-    *(f"n_collisions_class_{name}" for name in CLASSES if name != "walked_in"),
+    column.count("n_collisions_crossing", "those on a crossing", required=True),
+    column.count("n_collisions_carriageway", "those on the carriageway", required=True),
+    column.count(
+        "n_collisions_walking_area_or_kerb", "those on a walking area or at the kerb", required=True
+    ),
+    column.count("n_collisions_moved_by_ego", "those in which the ego closed the last gap", required=True),
+    column.count(
+        "n_collisions_moved_by_pedestrian", "those in which the pedestrian closed it", required=True
+    ),
+    column.count("n_collisions_moved_by_both", "those in which both closed it", required=True),
+    column.count("n_collisions_class_ego", "collisions of no other class", required=True),
+    column.count(
+        "n_collisions_class_rolled_off",
+        "those in which the ego began to move while a pedestrian touched it",
+        required=True,
+    ),
+    column.count(
+        "n_collisions_class_appeared",
+        "those with a pedestrian who appeared in view inside the stopping distance",
+        required=True,
+    ),
+    column.count(
+        "n_collisions_class_touching_at_start", "those there from the first sample on", required=True
+    ),
 )
 
 
 def compute(case: Case) -> Values:
     """Return place, mover, class and time of each encounter's contact."""
-    found: dict[str, list[str | None]] = {name: [None] * len(case) for name in COLUMNS[:3]}
+    names = ("contact_place", "contact_moved_by", "contact_class")
+    found: dict[str, list[str | None]] = {name: [None] * len(case) for name in names}
     seen = np.full(len(case), np.nan)
     for i, contact in enumerate(case.first_contact()):
         if contact is None:
             continue
-        for name, value in zip(COLUMNS, _kind(case, contact), strict=False):
+        for name, value in zip(names, _kind(case, contact), strict=True):
             found[name][i] = value
         seen[i] = contact.time - case.replays[contact].onset
     return {**found, "contact_risk_seen_s": seen}

@@ -13,13 +13,12 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.ego_steps import standing_stretches
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("deadlock",)
+RUN_COLUMNS = (column.count("deadlock", "egos that stood for too long with a free road", required=True),)
 
 
 def compute(case: Case) -> Values:

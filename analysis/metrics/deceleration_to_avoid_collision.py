@@ -16,13 +16,27 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.required import drac
+from analysis.tables import column
+from analysis.thresholds import DRAC_LIMIT_MPS2
 
-SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM] for the middle branch; the others: own derivation, checked by brute force"
-COLUMNS = ("drac_max_mps2", "drac_status")
-RUN_COLUMNS = ("n_drac_gt_3p4",)
+COLUMNS = (
+    column.at_least_0("drac_max_mps2", "m/s^2", "largest deceleration needed to avoid the collision"),
+    column.text(
+        "drac_status",
+        "why drac_max_mps2 has its value or has none",
+        "ok",
+        "unbounded",
+        "not_entered",
+        "collision",
+        required=True,
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_drac_gt_3p4", "encounters with DRAC above 3.4 m/s^2 or unbounded", required=True),
+)
 
 
 def compute(case: Case) -> Values:
@@ -38,4 +52,4 @@ def summarise(case: Case, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unbounded ones and collisions included."""
     status = np.asarray(columns["drac_status"])
     beyond = np.isin(status, ("unbounded", "collision"))
-    return {"n_drac_gt_3p4": int((beyond | (np.asarray(columns["drac_max_mps2"]) > 3.4)).sum())}
+    return {"n_drac_gt_3p4": int((beyond | (np.asarray(columns["drac_max_mps2"]) > DRAC_LIMIT_MPS2)).sum())}

@@ -10,13 +10,21 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "Eqs. (26)-(31) of [VOMPC2019]"
-COLUMNS = ("n_straight", "n_lane_change", "n_autonomous")
-RUN_COLUMNS = ("n_straight", "n_lane_change", "n_autonomous")
+COLUMNS = (
+    column.count("n_straight", "plans under the rule STRAIGHT", required=True),
+    column.count("n_lane_change", "plans under the rule LANE CHANGE", required=True),
+    column.count("n_autonomous", "plans under the rule AUTONOMOUS", required=True),
+)
+RUN_COLUMNS = (
+    column.count("n_straight", "plans under the rule STRAIGHT", required=True),
+    column.count("n_lane_change", "plans under the rule LANE CHANGE", required=True),
+    column.count("n_autonomous", "plans under the rule AUTONOMOUS", required=True),
+)
 
 _RULES = ("straight", "lane_change", "autonomous")
 

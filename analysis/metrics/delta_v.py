@@ -11,13 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008], with masses in place of areas"
-COLUMNS = ("delta_v_ped_mps",)
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("delta_v_ped_mps", "m/s", "change of the pedestrian's speed in an inelastic collision"),
+)
 
 
 def compute(case: Case) -> Values:

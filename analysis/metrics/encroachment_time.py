@@ -8,13 +8,15 @@ Undefined: empty without a conflict area, and for a user still inside when the r
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "neither"
 SOURCE = "[SSAM2003], chapter 7"
-COLUMNS = ("et_ego_s", "et_ped_s")
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("et_ego_s", "s", "time of the ego in the conflict area"),
+    column.at_least_0("et_ped_s", "s", "time of the pedestrian in the conflict area"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -10,20 +10,19 @@ Undefined: never.
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ()
 RUN_COLUMNS = (
-    "ego_count",
-    "ego_dist_km",
-    "ego_time_h",
-    "ped_count",
-    "n_encounters",
-    "n_entered",
-    "n_passages",
+    column.count("ego_count", "egos", required=True),
+    column.at_least_0("ego_dist_km", "km", "way of all egos", required=True),
+    column.at_least_0("ego_time_h", "h", "time of all egos", required=True),
+    column.count("ped_count", "pedestrians in some encounter", required=True),
+    column.count("n_encounters", "encounters", required=True),
+    column.count("n_entered", "encounters in which the pedestrian entered", required=True),
+    column.count("n_passages", "passages of an ego over a crossing with an encounter", required=True),
 )
 
 

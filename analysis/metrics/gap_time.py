@@ -13,13 +13,14 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import ride_of
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Allen1978] after [SSAM2003], chapter 7"
-COLUMNS = ("gap_time_s",)
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("gap_time_s", "s", "predicted arrival of the second user when the first one leaves"),
+)
 
 
 def compute(case: Case) -> Values:

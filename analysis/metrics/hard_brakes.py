@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("n_hard_brake",)
+RUN_COLUMNS = (column.count("n_hard_brake", "hard braking manoeuvres", required=True),)
 
 
 def compute(case: Case) -> Values:

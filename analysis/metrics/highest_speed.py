@@ -8,13 +8,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008]"
-COLUMNS = ("max_speed_mps",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("max_speed_mps", "m/s", "highest speed of either while TTC is low"),)
 
 
 def compute(case: Case) -> Values:

@@ -8,13 +8,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "km/h"
 WORSE = "higher"
 SOURCE = "[R152], after a transcription"
-COLUMNS = ("impact_speed_kmh",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("impact_speed_kmh", "km/h", "speed of the ego at first contact"),)
 
 
 def compute(case: Case) -> Values:

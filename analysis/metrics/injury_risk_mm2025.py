@@ -12,13 +12,16 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "[MonfortMueller2025], coefficients after code that cites its Table 4"
-COLUMNS = ("p_mais3_mm2025",)
-RUN_COLUMNS = ()
+CURVE = (
+    "P = 1 / (1 + exp(-eta)), eta = -0.460 + 0.091 (v - 42.79) + 0.039 (h - 85.25) "
+    "+ 0.002 (v - 42.79) (h - 85.25), v in km/h, h = hood_leading_edge_cm"
+)
+COLUMNS = (column.at_least_0("p_mais3_mm2025", "1", "risk of MAIS3+ or death at the impact speed"),)
 
 
 def risk(speed_kmh: float, leading_edge_cm: float) -> float:

@@ -11,13 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "[RosenSander2009], coefficients as restated in later work"
-COLUMNS = ("p_fatal_rosen2009",)
-RUN_COLUMNS = ("sum_p_fatal_rosen2009",)
+CURVE = "P = 1 / (1 + exp(6.9 - 0.090 v)), v in km/h"
+COLUMNS = (column.at_least_0("p_fatal_rosen2009", "1", "risk of death at the impact speed"),)
+RUN_COLUMNS = (column.at_least_0("sum_p_fatal_rosen2009", "1", "sum of the risks of death", required=True),)
 
 
 def risk(speed_kmh: float) -> float:

@@ -14,13 +14,19 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.recording.columns import INTERVENTIONS
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("n_interventions",)
-RUN_COLUMNS = ("n_interventions", *(f"n_interventions_{cause}" for cause in INTERVENTIONS))
+COLUMNS = (column.count("n_interventions", "steps at which SUMO did something else", required=True),)
+RUN_COLUMNS = (
+    column.count("n_interventions", "steps at which SUMO did something else", required=True),
+    *(
+        column.count(f"n_interventions_{cause}", f"those in which {said}")
+        for cause, said in INTERVENTIONS.items()
+    ),
+)
 
 
 def compute(case: Case) -> Values:

@@ -12,13 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s^3"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("ego_max_abs_jerk_mps3",)
-RUN_COLUMNS = ("p95_abs_jerk_mps3",)
+COLUMNS = (column.at_least_0("ego_max_abs_jerk_mps3", "m/s^3", "largest jerk of the ego"),)
+RUN_COLUMNS = (column.at_least_0("p95_abs_jerk_mps3", "m/s^3", "95th percentile of the jerk over all steps"),)
 
 
 def compute(case: Case) -> Values:

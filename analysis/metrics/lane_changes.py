@@ -11,13 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("n_lane_changes",)
+RUN_COLUMNS = (column.count("n_lane_changes", "completed lane changes", required=True),)
 
 
 def compute(case: Case) -> Values:

@@ -12,13 +12,15 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import entries
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ("late_entry",)
-RUN_COLUMNS = ("n_late_entries",)
+COLUMNS = (
+    column.flag("late_entry", "he entered inside the ego's comfort stopping distance; empty where undefined"),
+)
+RUN_COLUMNS = (column.count("n_late_entries", "encounters with a late entry", required=True),)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("ego_max_lat_accel_mps2",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("ego_max_lat_accel_mps2", "m/s^2", "largest lateral acceleration of the ego"),)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SSAM2008] (MaxD)"
-COLUMNS = ("ego_max_decel_mps2",)
-RUN_COLUMNS = ("max_decel_mps2",)
+COLUMNS = (
+    column.at_least_0("ego_max_decel_mps2", "m/s^2", "largest deceleration of the ego", required=True),
+)
+RUN_COLUMNS = (
+    column.at_least_0("max_decel_mps2", "m/s^2", "largest deceleration of any step", required=True),
+)
 
 
 def compute(case: Case) -> Values:

@@ -6,13 +6,12 @@ Undefined: empty when every ego was recorded for a single instant.
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "m/s"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("ego_mean_speed_mps",)
+RUN_COLUMNS = (column.at_least_0("ego_mean_speed_mps", "m/s", "mean speed of the egos"),)
 
 
 def compute(case: Case) -> Values:

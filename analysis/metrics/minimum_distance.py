@@ -12,13 +12,16 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m"
 WORSE = "lower"
 SOURCE = "own definition; exact geometry in analysis/geometry.py"
-COLUMNS = ("min_dist_m", "t_min_dist_s")
-RUN_COLUMNS = ("min_dist_m",)
+COLUMNS = (
+    column.at_least_0("min_dist_m", "m", "smallest distance between the surfaces", required=True),
+    column.number("t_min_dist_s", "s", "when it was", required=True),
+)
+RUN_COLUMNS = (column.at_least_0("min_dist_m", "m", "smallest distance"),)
 
 
 def compute(case: Case) -> Values:

@@ -13,13 +13,28 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.required import drac
+from analysis.tables import column
+from analysis.thresholds import DRAC_LIMIT_MPS2
 
-SCOPE = "encounter"
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM]"
-COLUMNS = ("mdrac_max_mps2", "mdrac_prt_s", "mdrac_status")
-RUN_COLUMNS = ("n_mdrac_gt_3p4",)
+COLUMNS = (
+    column.at_least_0("mdrac_max_mps2", "m/s^2", "the same after a reaction time"),
+    column.at_least_0("mdrac_prt_s", "s", "that reaction time", required=True),
+    column.text(
+        "mdrac_status",
+        "why mdrac_max_mps2 has its value or has none",
+        "ok",
+        "unavoidable_at_PRT",
+        "not_entered",
+        "collision",
+        required=True,
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_mdrac_gt_3p4", "encounters with MDRAC above 3.4 m/s^2 or unavoidable", required=True),
+)
 
 
 def compute(case: Case) -> Values:
@@ -41,4 +56,4 @@ def summarise(case: Case, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unavoidable ones and collisions included."""
     status = np.asarray(columns["mdrac_status"])
     beyond = np.isin(status, ("unavoidable_at_PRT", "collision"))
-    return {"n_mdrac_gt_3p4": int((beyond | (np.asarray(columns["mdrac_max_mps2"]) > 3.4)).sum())}
+    return {"n_mdrac_gt_3p4": int((beyond | (np.asarray(columns["mdrac_max_mps2"]) > DRAC_LIMIT_MPS2)).sum())}

@@ -15,13 +15,18 @@ import numpy as np
 from analysis.case import Case, Values
 from analysis.hcm import level_of_service
 from analysis.moments import crossing_stay, phase_samples
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[HCM2010]; measured, not its formula"
-COLUMNS = ("ped_delay_s",)
-RUN_COLUMNS = ("n_ped_delay_defined", "ped_delay_mean_s", "ped_delay_p95_s", "ped_los_hcm2010")
+COLUMNS = (column.at_least_0("ped_delay_s", "s", "delay of the pedestrian"),)
+RUN_COLUMNS = (
+    column.count("n_ped_delay_defined", "pedestrians and crossings with a delay", required=True),
+    column.at_least_0("ped_delay_mean_s", "s", "mean delay of pedestrians"),
+    column.at_least_0("ped_delay_p95_s", "s", "95th percentile of it"),
+    column.text("ped_los_hcm2010", "level of service by mean delay", "A", "B", "C", "D", "E", "F"),
+)
 
 
 def compute(case: Case) -> Values:

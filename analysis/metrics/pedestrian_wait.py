@@ -13,13 +13,12 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import crossing_stay, phase_samples
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[HCM2010], waiting part of the delay"
-COLUMNS = ("ped_wait_s",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("ped_wait_s", "s", "time the pedestrian stood at the kerb"),)
 
 
 def compute(case: Case) -> Values:

@@ -14,13 +14,33 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
+from analysis.thresholds import PET_LIMITS_S, in_name
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Allen1978]; conflict area as in [SUMO-SSM]"
-COLUMNS = ("pet_area_s", "pet_status")
-RUN_COLUMNS = ("n_pet_defined", "n_pet_lt_1p0", "n_pet_lt_1p5", "n_pet_lt_3p0", "n_pet_lt_5p0", "min_pet_s")
+COLUMNS = (
+    column.at_least_0("pet_area_s", "s", "post-encroachment time over the conflict area"),
+    column.text(
+        "pet_status",
+        "why pet_area_s has its value or has none",
+        "ok",
+        "no_crossing",
+        "interleaved",
+        "censored",
+        "collision",
+        required=True,
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_pet_defined", "encounters with a PET", required=True),
+    *(
+        column.count(f"n_pet_lt_{in_name(limit)}", f"encounters with PET below {limit:.1f} s", required=True)
+        for limit in PET_LIMITS_S
+    ),
+    column.at_least_0("min_pet_s", "s", "smallest PET"),
+)
 
 
 def compute(case: Case) -> Values:
@@ -45,12 +65,8 @@ def summarise(case: Case, columns: Values) -> Values:
     """Count encounters below the limits."""
     pet = np.asarray(columns["pet_area_s"])
     known = pet[np.isfinite(pet)]
-    counts = {
-        f"n_pet_lt_{text}": int((known < limit).sum())
-        for text, limit in (("1p0", 1.0), ("1p5", 1.5), ("3p0", 3.0), ("5p0", 5.0))
-    }
     return {
         "n_pet_defined": len(known),
-        **counts,
+        **{f"n_pet_lt_{in_name(limit)}": int((known < limit).sum()) for limit in PET_LIMITS_S},
         "min_pet_s": known.min() if len(known) else None,
     }

@@ -25,13 +25,21 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import entries, stopping_distance
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "[R157], reference driver, after a transcription; the replay is our own definition"
-COLUMNS = ("preventable_r157",)
-RUN_COLUMNS = ("n_collisions_preventable",)
+COLUMNS = (
+    column.flag(
+        "preventable_r157",
+        "a careful driver would have prevented the contact, without one: could have stopped; "
+        "empty where undefined",
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_collisions_preventable", "those that a careful driver prevents", required=True),
+)
 
 
 def compute(case: Case) -> Values:

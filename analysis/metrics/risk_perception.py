@@ -13,13 +13,13 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import ride_of
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "Eq. (32) of [VOMPC2019]"
-COLUMNS = ("k_mean_s",)
-RUN_COLUMNS = ("k_mean_s",)
+COLUMNS = (column.at_least_0("k_mean_s", "s", "mean risk-perception coefficient of the approach"),)
+RUN_COLUMNS = (column.at_least_0("k_mean_s", "s", "mean risk-perception coefficient"),)
 
 
 def compute(case: Case) -> Values:

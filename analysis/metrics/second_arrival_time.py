@@ -11,13 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Laureshyn2010]; the formula is our reading of its text"
-COLUMNS = ("t2_min_s",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("t2_min_s", "s", "smallest predicted time until the second user arrives"),)
 
 
 def compute(case: Case) -> Values:

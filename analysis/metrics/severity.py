@@ -12,13 +12,29 @@ from __future__ import annotations
 
 from analysis.case import Case, Values
 from analysis.severity_scale import LEVELS, severity_levels
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "limits after [Hayward1972], [SSAM2008] and the review [CriticalityMetrics]"
-COLUMNS = ("severity",)
-RUN_COLUMNS = ("n_severity_none", "n_severity_slight", "n_severity_serious", "n_severity_severe")
+COLUMNS = (
+    column.text(
+        "severity",
+        "level of the encounter",
+        "collision",
+        "severe",
+        "serious",
+        "slight",
+        "none",
+        required=True,
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_severity_none", "encounters without severity", required=True, worse="neither"),
+    column.count("n_severity_slight", "slight encounters", required=True, worse="neither"),
+    column.count("n_severity_serious", "serious encounters", required=True),
+    column.count("n_severity_severe", "severe encounters", required=True),
+)
 
 
 def compute(case: Case) -> Values:

@@ -9,13 +9,12 @@ Undefined: never; 0 for controllers without such a check.
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("n_shielded",)
+RUN_COLUMNS = (column.count("n_shielded", "plans that the last check replaced by braking", required=True),)
 
 
 def compute(case: Case) -> Values:

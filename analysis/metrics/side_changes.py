@@ -11,13 +11,13 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("side_changes",)
-RUN_COLUMNS = ("side_changes",)
+COLUMNS = (column.count("side_changes", "changes of the passing class", required=True),)
+RUN_COLUMNS = (column.count("side_changes", "changes of the passing class", required=True),)
 
 
 def compute(case: Case) -> Values:

@@ -8,13 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("slack_share",)
-RUN_COLUMNS = ("slack_share",)
+COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
+RUN_COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
 
 
 def compute(case: Case) -> Values:

@@ -9,13 +9,20 @@ Undefined: never; 0 for controllers that solve nothing.
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ("controller_status",)
-RUN_COLUMNS = ("n_plans", "n_solver_fail")
+COLUMNS = (
+    column.text(
+        "controller_status", "whether every plan was solved", "ok", "infeasible", "timeout", required=True
+    ),
+)
+RUN_COLUMNS = (
+    column.count("n_plans", "plans made", required=True, worse="neither"),
+    column.count("n_solver_fail", "plans that were not solved", required=True),
+)
 
 
 def compute(case: Case) -> Values:

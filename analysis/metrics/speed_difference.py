@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "m/s"
 WORSE = "higher"
 SOURCE = "[SSAM2008]"
-COLUMNS = ("delta_s_mps",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("delta_s_mps", "m/s", "relative speed at the smallest TTC"),)
 
 
 def compute(case: Case) -> Values:

@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
-COLUMNS = ("ego_stopped",)
-RUN_COLUMNS = ()
+COLUMNS = (column.flag("ego_stopped", "the ego stood during the encounter", required=True),)
 
 
 def compute(case: Case) -> Values:

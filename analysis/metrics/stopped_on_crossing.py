@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from analysis.case import Case, Values
 from analysis.ego_steps import standing_stretches
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-COLUMNS = ()
-RUN_COLUMNS = ("n_stopped_on_crossing",)
+RUN_COLUMNS = (column.count("n_stopped_on_crossing", "stops with the body over a crossing", required=True),)
 
 
 def compute(case: Case) -> Values:

@@ -13,13 +13,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Laureshyn2010], with the conflict area in place of the point"
-COLUMNS = ("tadv_min_s",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("tadv_min_s", "s", "smallest predicted time advantage"),)
 
 
 def compute(case: Case) -> Values:

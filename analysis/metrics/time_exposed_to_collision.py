@@ -11,21 +11,25 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
+from analysis.thresholds import TTC_EXPOSURE_LIMITS_S, in_name
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "[MinderhoudBovy2001]"
-COLUMNS = ("tet_1p5_s", "tet_3p0_s")
-RUN_COLUMNS = ("tet_1p5_s",)
+COLUMNS = (
+    column.at_least_0("tet_1p5_s", "s", "time with TTC of at most 1.5 s", required=True),
+    column.at_least_0("tet_3p0_s", "s", "time with TTC of at most 3.0 s", required=True),
+)
+RUN_COLUMNS = (column.at_least_0("tet_1p5_s", "s", "time with TTC of at most 1.5 s", required=True),)
 
 
 def compute(case: Case) -> Values:
     """Return the time below both limits."""
     samples = case.samples
     return {
-        name: samples.total(np.where(samples.ttc <= limit, samples.duration, 0.0))
-        for name, limit in (("tet_1p5_s", 1.5), ("tet_3p0_s", 3.0))
+        f"tet_{in_name(limit)}_s": samples.total(np.where(samples.ttc <= limit, samples.duration, 0.0))
+        for limit in TTC_EXPOSURE_LIMITS_S
     }
 
 

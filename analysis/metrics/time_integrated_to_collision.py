@@ -11,21 +11,27 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
+from analysis.thresholds import TTC_EXPOSURE_LIMITS_S, in_name
 
-SCOPE = "encounter"
 UNIT = "s^2"
 WORSE = "higher"
 SOURCE = "[MinderhoudBovy2001]"
-COLUMNS = ("tit_1p5_s2", "tit_3p0_s2")
-RUN_COLUMNS = ("tit_1p5_s2",)
+COLUMNS = (
+    column.at_least_0("tit_1p5_s2", "s^2", "integral of 1.5 s − TTC", required=True),
+    column.at_least_0("tit_3p0_s2", "s^2", "integral of 3.0 s − TTC", required=True),
+)
+RUN_COLUMNS = (column.at_least_0("tit_1p5_s2", "s^2", "integral of 1.5 s − TTC", required=True),)
 
 
 def compute(case: Case) -> Values:
     """Return the integrals for both limits."""
     samples = case.samples
     return {
-        name: samples.total(np.where(samples.ttc <= limit, limit - samples.ttc, 0.0) * samples.duration)
-        for name, limit in (("tit_1p5_s2", 1.5), ("tit_3p0_s2", 3.0))
+        f"tit_{in_name(limit)}_s2": samples.total(
+            np.where(samples.ttc <= limit, limit - samples.ttc, 0.0) * samples.duration
+        )
+        for limit in TTC_EXPOSURE_LIMITS_S
     }
 
 

@@ -12,13 +12,15 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "s"
 WORSE = "higher"
 SOURCE = "as SUMO's timeLoss, with speed factor 1"
-COLUMNS = ()
-RUN_COLUMNS = ("ego_time_loss_s", "ego_delay_mean_s")
+RUN_COLUMNS = (
+    column.number("ego_time_loss_s", "s", "delay of all egos against free flow"),
+    column.number("ego_delay_mean_s", "s", "the same for an ego"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -13,13 +13,16 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.moments import evasions
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[SwedishTCT2018]; its severity curve is not used"
-COLUMNS = ("time_to_accident_s", "evasive_t_s", "evasive_status")
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0("time_to_accident_s", "s", "TTC when the ego's evasive action begins"),
+    column.number("evasive_t_s", "s", "beginning of the ego's evasive action"),
+    column.text("evasive_status", "whether there was one", "braked", "none", required=True),
+)
 
 
 def compute(case: Case) -> Values:

@@ -14,13 +14,36 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
+from analysis.thresholds import TTC_LIMITS_S, in_name
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Hayward1972]; closed form for rectangle and disc: own derivation, see analysis/geometry.py"
-COLUMNS = ("min_ttc_s", "t_min_ttc_s", "ttc_status", "ego_speed_at_min_ttc_mps", "ped_speed_at_min_ttc_mps")
-RUN_COLUMNS = ("n_ttc_defined", "n_ttc_lt_1p0", "n_ttc_lt_1p5", "n_ttc_lt_3p0", "min_ttc_s", "p05_min_ttc_s")
+COLUMNS = (
+    column.at_least_0("min_ttc_s", "s", "smallest exact two-dimensional time to collision"),
+    column.number("t_min_ttc_s", "s", "when it was"),
+    column.text(
+        "ttc_status",
+        "why min_ttc_s has its value or has none",
+        "ok",
+        "no_collision_course",
+        "not_entered",
+        "collision",
+        required=True,
+    ),
+    column.at_least_0("ego_speed_at_min_ttc_mps", "m/s", "speed of the ego at the smallest TTC"),
+    column.at_least_0("ped_speed_at_min_ttc_mps", "m/s", "speed of the pedestrian at the smallest TTC"),
+)
+RUN_COLUMNS = (
+    column.count("n_ttc_defined", "encounters with a TTC", required=True),
+    *(
+        column.count(f"n_ttc_lt_{in_name(limit)}", f"encounters with TTC below {limit:.1f} s", required=True)
+        for limit in TTC_LIMITS_S
+    ),
+    column.at_least_0("min_ttc_s", "s", "smallest TTC"),
+    column.at_least_0("p05_min_ttc_s", "s", "5th percentile of the encounters' defined smallest TTC"),
+)
 
 
 def compute(case: Case) -> Values:
@@ -52,9 +75,7 @@ def summarise(case: Case, columns: Values) -> Values:
     known = ttc[np.isfinite(ttc)]
     return {
         "n_ttc_defined": len(known),
-        "n_ttc_lt_1p0": int((ttc < 1.0).sum()),
-        "n_ttc_lt_1p5": int((ttc < 1.5).sum()),
-        "n_ttc_lt_3p0": int((ttc < 3.0).sum()),
+        **{f"n_ttc_lt_{in_name(limit)}": int((ttc < limit).sum()) for limit in TTC_LIMITS_S},
         "min_ttc_s": known.min() if len(known) else None,
         "p05_min_ttc_s": np.percentile(known, 5.0) if len(known) else None,
     }

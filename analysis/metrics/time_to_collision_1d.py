@@ -11,13 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "[Hayward1972]; [SUMO-SSM]"
-COLUMNS = ("min_ttc_1d_s",)
-RUN_COLUMNS = ()
+COLUMNS = (column.at_least_0("min_ttc_1d_s", "s", "smallest time to collision along the ego's direction"),)
 
 
 def compute(case: Case) -> Values:

@@ -11,13 +11,15 @@ artefact of the heading.
 from __future__ import annotations
 
 from analysis.case import Case, Values
+from analysis.tables import column
 
-SCOPE = "run"
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition; separating-axis theorem"
-COLUMNS = ()
-RUN_COLUMNS = ("n_vehicle_overlaps", "n_vehicle_overlaps_ego_closed")
+RUN_COLUMNS = (
+    column.count("n_vehicle_overlaps", "overlaps with other vehicles", required=True),
+    column.count("n_vehicle_overlaps_ego_closed", "those that the ego closed", required=True),
+)
 
 
 def compute(case: Case) -> Values:

@@ -14,13 +14,18 @@ import numpy as np
 
 from analysis.case import Case, Values
 from analysis.knowledge import NOTHING
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "own definition"
-COLUMNS = ("visible_before_conflict_s",)
-RUN_COLUMNS = ()
+COLUMNS = (
+    column.at_least_0(
+        "visible_before_conflict_s",
+        "s",
+        "time for which the ego had been told of him; empty where it knew",
+    ),
+)
 
 
 def compute(case: Case) -> Values:

@@ -16,13 +16,19 @@ import numpy as np
 from analysis.case import Case, Values
 from analysis.encounters import Encounter
 from analysis.moments import crossing_stay, phase_samples, ride_of
+from analysis.tables import column
 
-SCOPE = "encounter"
 UNIT = "1"
 WORSE = "lower"
 SOURCE = "[NCHRP562]; the reaction time and deceleration are assumed"
-COLUMNS = ("yielded",)
-RUN_COLUMNS = ("yields", "yieldable", "yield_rate")
+COLUMNS = (column.flag("yielded", "the ego let him go first; empty where it could not have"),)
+RUN_COLUMNS = (
+    column.count("yields", "egos that let a pedestrian go first", required=True),
+    column.count(
+        "yieldable", "encounters in which the ego could have yielded", required=True, worse="neither"
+    ),
+    column.at_least_0("yield_rate", "1", "yields over yieldable"),
+)
 
 
 def compute(case: Case) -> Values:

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from analysis.geometry import FloatArray
 from analysis.page.encounters import Encounters
 from analysis.study_design import Study
+from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 POINTS = 200
 """A curve of more values is drawn through this many of its percentiles."""
@@ -45,10 +46,10 @@ class Panel:
 
 
 PANELS = (
-    Panel("min_ttc_s", "Smallest TTC", "s", 1.5, 8.0),
-    Panel("pet_area_s", "PET", "s", 1.5, 8.0),
+    Panel("min_ttc_s", "Smallest TTC", "s", LOW_TTC_S, 8.0),
+    Panel("pet_area_s", "PET", "s", LOW_PET_S, 8.0),
     Panel("min_dist_m", "Smallest distance", "m", None, 20.0),
-    Panel("ego_max_decel_mps2", "Largest deceleration of the ego", "m/s²", 3.4),
+    Panel("ego_max_decel_mps2", "Largest deceleration of the ego", "m/s²", DRAC_LIMIT_MPS2),
     Panel("ego_delay_mean_s", "Mean delay of the egos of a run", "s", file="runs.csv"),
     Panel("ped_delay_s", "Delay of the pedestrian", "s"),
 )

@@ -11,9 +11,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 
-from analysis import schema
 from analysis.errors import StudyError
 from analysis.geometry import FloatArray
+from analysis.results.run_tables import ENCOUNTERS
 from analysis.study_design import Study
 from analysis.study_runs import StudyRun
 
@@ -103,7 +103,7 @@ def read_encounters(study: Study) -> Encounters:
         For a file that cannot be read.
     """
     runs = [run for run in study.runs if run.valid]
-    tables = [_read(run.folder / schema.ENCOUNTERS.file) for run in runs]
+    tables = [_read(run.folder / ENCOUNTERS.file) for run in runs]
     owner = np.repeat(np.arange(len(runs)), [len(table) for table in tables])
     whole = pa.concat_tables(tables) if tables else None
     if whole is None:

@@ -12,11 +12,11 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.errors import RecordingError, StudyError
-from analysis.measures import Measure, run_measures
 from analysis.page import origin, tables
 from analysis.page.distributions import distributions
 from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
 from analysis.page.replay import has_recording, read_recording, write_replays
+from analysis.results.measures import Measure, run_measures
 from analysis.study_design import Study, read_study
 from analysis.study_runs import find_run_folders
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis import schema, study_schema
+from analysis import study_schema
 from analysis.errors import StudyError
-from analysis.measures import Measure, encounter_measures, run_measures
+from analysis.results.measures import Measure, encounter_measures, run_measures
+from analysis.results.run_tables import RUNS
 from analysis.study import write_tables
 from analysis.study_design import Study
+from analysis.tables.column import Column, Table
 
 Row = Mapping[str, Any]
 
@@ -69,7 +71,7 @@ def study_tables(
 
 
 def _is_current(root: Path, study: Study) -> bool:
-    files = [root / table.file for table in (schema.RUNS, study_schema.CONFIGS, study_schema.COMPARISONS)]
+    files = [root / table.file for table in (RUNS, study_schema.CONFIGS, study_schema.COMPARISONS)]
     if not all(path.is_file() for path in files):
         return False
     with files[0].open(encoding="utf-8", newline="") as file:
@@ -77,7 +79,7 @@ def _is_current(root: Path, study: Study) -> bool:
     return sorted(lines[1:]) == sorted(run.cells for run in study.runs if run.cells)
 
 
-def read_rows(path: Path, table: schema.Table) -> list[dict[str, Any]]:
+def read_rows(path: Path, table: Table) -> list[dict[str, Any]]:
     """Return the rows of a CSV file with their types; an empty cell is ``None``.
 
     Raises
@@ -96,7 +98,7 @@ def read_rows(path: Path, table: schema.Table) -> list[dict[str, Any]]:
         raise StudyError(f"{path}: not a table of this version ({error})") from None
 
 
-def _typed(column: schema.Column, text: str) -> Any:
+def _typed(column: Column, text: str) -> Any:
     if text == "":
         return None
     if column.kind == "string":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 
@@ -24,6 +25,8 @@ class Column:
     minimum: float | None = None
     required: bool = False
     """The value must not be undefined."""
+    worse: str = ""
+    """Of a metric's column in runs.csv: which direction is worse, if not the metric's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +54,10 @@ def text(name: str, description: str, *choices: str, source: str = "", required:
 
 
 def count(
-    name: str, description: str, *, source: str = "", required: bool = False, lowest: float | None = 0.0
+    name: str, description: str, *, source: str = "", required: bool = False, worse: str = ""
 ) -> Column:
-    """Declare a column of whole numbers, which begin at 0 unless told."""
-    return Column(name, "integer", "1", description, source, minimum=lowest, required=required)
+    """Declare a column of counts."""
+    return Column(name, "integer", "1", description, source, minimum=0.0, required=required, worse=worse)
 
 
 def flag(name: str, description: str, *, source: str = "", required: bool = False) -> Column:
@@ -72,6 +75,7 @@ def number(name: str, unit: str, description: str, *, source: str = "", required
     return Column(name, "number", unit, description, source, required=required)
 
 
+@cache
 def follow(source: str) -> Callable[[Any], Any]:
     """Return a function from what a row is made of to the value that a column's source names.
 

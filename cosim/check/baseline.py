@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import AnalysisError
-from analysis.measures import run_measures
+from analysis.results.measures import run_measures
 from analysis.study_regression import Pairing, regression_rows
 from analysis.study_runs import StudyRun, find_run_folders, read_runs
 from cosim.batch.batch import Batch

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from analysis.criteria_schema import CRITERIA
 from analysis.criteria_tables import EXAMPLE
-from analysis.datapackage import describe
-from analysis.rows import cells
+from analysis.tables.cells import cells
+from analysis.tables.datapackage import describe
 from cosim import output
 from cosim.batch import batch as batches
 from cosim.batch.batch import Batch, BatchRequest, Shown

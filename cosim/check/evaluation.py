@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.criteria import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
-from analysis.schema import ENCOUNTERS, RUNS
+from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study_schema import CONFIGS
 from cosim.batch.batch import Batch
 from cosim.batch.job import Configuration, Job

@@ -11,7 +11,7 @@ from cosim.commands import terminal
 from cosim.commands.options import Debug
 
 if TYPE_CHECKING:
-    from analysis.measures import Measure
+    from analysis.results.measures import Measure
     from analysis.study_design import Condition, Study
 
 
@@ -128,7 +128,7 @@ def _all(study: Study) -> str:
 def _measures(names: list[str]) -> list[Measure]:
     import difflib
 
-    from analysis.measures import run_measures
+    from analysis.results.measures import run_measures
     from cosim.errors import InputError
 
     known = {measure.name: measure for measure in run_measures()}

@@ -8,13 +8,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from analysis import schema
-from analysis.rows import cells
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.tables.cells import cells
+from analysis.tables.column import Column, Table
 
 Row = Mapping[str, Any]
 
 _DEFAULTS: dict[str, Any] = {
-    "schema_version": schema.SCHEMA_VERSION,
+    "schema_version": SCHEMA_VERSION,
     "actuation": "hybrid",
     "sensing": "perfect",
     "valid": True,
@@ -90,13 +92,13 @@ def write_study_run(
         "n_encounters": len(rows),
         **(numbers or {}),
     }
-    _write(folder, schema.RUNS, [run])
-    _write(folder, schema.ENCOUNTERS, rows)
+    _write(folder, RUNS, [run])
+    _write(folder, ENCOUNTERS, rows)
     (folder / "config.json").write_text(json.dumps({"thresholds": thresholds or {"hard_brake_mps2": 4.0}}))
     return folder
 
 
-def _write(folder: Path, table: schema.Table, rows: Sequence[Row]) -> None:
+def _write(folder: Path, table: Table, rows: Sequence[Row]) -> None:
     full = [{column.name: _default(column) for column in table.columns} | dict(row) for row in rows]
     with (folder / table.file).open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -104,7 +106,7 @@ def _write(folder: Path, table: schema.Table, rows: Sequence[Row]) -> None:
         writer.writerows(cells(table, full))
 
 
-def _default(column: schema.Column) -> Any:
+def _default(column: Column) -> Any:
     if column.name in _DEFAULTS:
         return _DEFAULTS[column.name]
     if not column.required:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from analysis.thresholds import Thresholds
 from tests.analysis.recorded import Ego, Motion, Person, Vehicle, line, write_run
 

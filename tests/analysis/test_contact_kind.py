@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from analysis.report import RunReport, analyse_run
+from analysis.results.analyse import RunReport, analyse_run
 from tests.analysis.recorded import Ego, Motion, Person, Vehicle, line, write_run
 
 LANE = {

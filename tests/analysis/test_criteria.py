@@ -21,7 +21,7 @@ from analysis.criteria import (
 )
 from analysis.criteria_schema import CRITERIA
 from analysis.criteria_tables import CriterionError, read_criteria
-from analysis.measures import encounter_measures, run_measures
+from analysis.results.measures import encounter_measures, run_measures
 from analysis.study_schema import CONFIGS
 
 RUN = {"scope": "run", "metric": "n_collisions", "operator": "==", "threshold": 0}

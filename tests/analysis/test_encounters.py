@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from analysis.report import RunReport, analyse_run
+from analysis.results.analyse import RunReport, analyse_run
 from analysis.thresholds import Thresholds
 from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
 

@@ -16,7 +16,7 @@ from analysis.plots.scene import SceneError, choose
 from analysis.plots.space_time import draw_space_time
 from analysis.plots.traces import draw_traces
 from analysis.recording.reading import read_run
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 

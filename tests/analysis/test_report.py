@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from analysis import metrics_page, schema
 from analysis.errors import ThresholdError
-from analysis.metric_catalog import Metric, find_metrics
-from analysis.report import RunReport, analyse_run
+from analysis.results import metrics_page
+from analysis.results.analyse import RunReport, analyse_run
+from analysis.results.metric_catalog import Metric, find_metrics
+from analysis.results.run_tables import ENCOUNTERS, RUN_TABLES, RUNS
+from analysis.tables.column import Table
 from analysis.thresholds import Thresholds, names, with_settings
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 
@@ -43,15 +45,15 @@ def read(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("table", schema.TABLES, ids=lambda table: table.name)
-def test_a_file_has_the_columns_of_the_schema_in_order(report: RunReport, table: schema.Table) -> None:
+@pytest.mark.parametrize("table", RUN_TABLES, ids=lambda table: table.name)
+def test_a_file_has_the_columns_of_the_schema_in_order(report: RunReport, table: Table) -> None:
     with (report.folder / table.file).open(encoding="utf-8", newline="") as file:
         assert tuple(next(csv.reader(file))) == table.names()
     assert read(report.folder / table.file)
 
 
 def test_undefined_values_are_empty_cells_and_booleans_are_0_or_1(report: RunReport) -> None:
-    for table in schema.TABLES:
+    for table in RUN_TABLES:
         for row in read(report.folder / table.file):
             for column in table.columns:
                 assert row[column.name] not in ("nan", "inf", "-inf", "None", "True", "False")
@@ -140,26 +142,20 @@ def test_a_wrong_threshold_is_refused_with_one_line(text: str, says: str) -> Non
 def test_a_metric_says_what_it_is_and_fills_the_columns_it_names(
     metric: Metric, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    assert metric.scope in ("encounter", "run")
     assert metric.worse in ("higher", "lower", "neither")
     title, blank, *rest = metric.text.splitlines()
     assert title.endswith(".") or not blank
     assert any(line.startswith("Undefined: ") for line in rest), "the rule for undefined is missing"
-    assert set(metric.columns) <= set(schema.ENCOUNTERS.names())
-    assert set(metric.run_columns) <= set(schema.RUNS.names())
-    assert bool(metric.columns) == (metric.scope == "encounter")
-    units = {column.name: column.unit for column in (*schema.RUNS.columns, *schema.ENCOUNTERS.columns)}
-    assert metric.unit in {units[name] or "1" for name in (*metric.columns, *metric.run_columns)}
+    assert metric.unit in {column.unit or "1" for column in (*metric.columns, *metric.run_columns)}
 
 
 def test_every_column_that_is_no_description_comes_from_exactly_one_metric(report: RunReport) -> None:
-    columns = [name for metric in find_metrics() for name in metric.columns]
-    run_columns = [name for metric in find_metrics() for name in metric.run_columns]
-    assert len(columns) == len(set(columns))
-    assert len(run_columns) == len(set(run_columns))
-    assert set(report.encounters[0]) == set(schema.ENCOUNTERS.names())
-    assert set(report.run) <= set(schema.RUNS.names())
-    assert set(schema.RUNS.names()) - set(report.run) <= set(run_columns), "no value and no metric"
+    run_columns = [column.name for metric in find_metrics() for column in metric.run_columns]
+    for table in RUN_TABLES:
+        assert len(table.names()) == len(set(table.names()))
+    assert set(report.encounters[0]) == set(ENCOUNTERS.names())
+    assert set(report.run) <= set(RUNS.names())
+    assert set(RUNS.names()) - set(report.run) <= set(run_columns), "no value and no metric"
 
 
 def test_every_source_that_a_metric_names_is_in_the_references() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from analysis.errors import RecordingError
 from analysis.recording.reading import read_run
-from analysis.report import analyse_many, analyse_run
+from analysis.results.analyse import analyse_many, analyse_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 

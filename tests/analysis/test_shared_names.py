@@ -16,7 +16,7 @@ from analysis.page.replay import read_recording, replay_of
 from analysis.plots.scene import choose
 from analysis.recording.columns import SENSING
 from analysis.recording.reading import read_run
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from analysis.ssam import export_ssam, read_trajectories
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from analysis.errors import StudyError
-from analysis.measures import TALLIES, encounter_measures, run_measures
-from analysis.metric_catalog import find_metrics
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
+from analysis.results.measures import TALLIES, encounter_measures, run_measures
+from analysis.results.metric_catalog import find_metrics
 from analysis.study import write_tables
 from analysis.study_design import read_study
 from analysis.study_runs import find_run_folders, read_runs
@@ -560,14 +560,14 @@ def test_run_folders_are_found_at_any_depth_but_not_in_unfinished_ones(tmp_path:
 def test_every_number_of_a_run_is_a_measure_but_wall_clock_times() -> None:
     known = {measure.name for measure in run_measures()}
     for metric in find_metrics():
-        for name in metric.run_columns:
+        for name in (column.name for column in metric.run_columns):
             assert (name in known) != (name.startswith("compute_") or name == "ped_los_hcm2010"), name
 
 
 def test_every_measure_is_made_of_columns_and_tallies_that_exist() -> None:
-    from analysis import schema
+    from analysis.results.run_tables import RUNS
 
-    known = {*schema.RUNS.names(), *TALLIES}
+    known = {*RUNS.names(), *TALLIES}
     for measure in run_measures():
         assert measure.numerator in known
         assert not measure.denominator or measure.denominator in known

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.measures import Measure, run_measures
+from analysis.results.measures import Measure, run_measures
 from analysis.study_regression import Pairing, regression_rows
 from analysis.study_runs import StudyRun, read_runs
 from tests.analysis.study_folders import write_study_run

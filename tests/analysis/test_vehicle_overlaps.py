@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from analysis.report import analyse_run
+from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Vehicle, line, write_run
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from analysis.criteria_schema import CRITERIA
 from analysis.errors import StudyError
-from analysis.measures import Measure
 from analysis.page.report import Written, write_report
-from analysis.rows import cells
+from analysis.results.measures import Measure
+from analysis.tables.cells import cells
 from cosim.cli import main
 from cosim.comparison import sentence
 from tests.analysis.page.markup import Markup

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from analysis import schema
-from analysis.metric_catalog import Metric, find_metrics
+from analysis.results.metric_catalog import Metric, find_metrics
+from analysis.tables.column import Column
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,19 +128,16 @@ _PLACES = {
 """Group, key and text of measures that come from a metric by themselves."""
 DELAY = "ego_delay_mean_s"
 """What *slower* means."""
-_BOOKKEEPING = ("n_plans", "n_severity_none", "n_severity_slight", "yieldable")
-"""Columns that are no better high than low, whatever their metric says."""
 
 
 @cache
 def run_measures() -> tuple[Measure, ...]:
     """Return the measures with numbers for each run: those named here first, then all others by name."""
     named = {measure.name for measure in POOLED}
-    columns = {column.name: column for column in schema.RUNS.columns}
     found = []
     for metric in find_metrics():
-        for name in metric.run_columns:
-            column = columns[name]
+        for column in metric.run_columns:
+            name = column.name
             if name in named or column.kind not in ("integer", "number") or is_wall_clock(name):
                 continue
             group, key, text = _PLACES.get(name, ("other", False, column.description))
@@ -165,12 +162,11 @@ def run_measures() -> tuple[Measure, ...]:
 @cache
 def encounter_measures() -> tuple[Measure, ...]:
     """Return the measures with a value for each encounter: the first number of each encounter metric."""
-    columns = {column.name: column for column in schema.ENCOUNTERS.columns}
     found = []
     for metric in find_metrics():
         if metric.scope != "encounter" or metric.worse == "neither":
             continue
-        column = columns[metric.columns[0]]
+        column = metric.columns[0]
         if column.kind == "number" and column.unit == metric.unit:
             found.append(
                 Measure(
@@ -192,9 +188,11 @@ def is_wall_clock(column: str) -> bool:
     return column.startswith(("wall_", "compute_"))
 
 
-def _worse(metric: Metric, column: schema.Column) -> str:
+def _worse(metric: Metric, column: Column) -> str:
     """Return the direction of a run column; a count of events of a metric is worse when higher."""
-    if column.name in _BOOKKEEPING or column.name.endswith("_defined"):
+    if column.worse:
+        return column.worse
+    if column.name.endswith("_defined"):
         return "neither"
     if metric.worse == "lower" and column.unit != metric.unit:
         return "higher"

@@ -10,23 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis import schema
 from analysis.case import Case, prepare
-from analysis.datapackage import describe
 from analysis.errors import RecordingError
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run
-from analysis.rows import Row, cells, encounter_and_run_rows, overlap_rows
-from analysis.thresholds import Thresholds
-
-CURVES = {
-    "p_fatal_rosen2009": "P = 1 / (1 + exp(6.9 - 0.090 v)), v in km/h",
-    "p_mais3_mm2025": (
-        "P = 1 / (1 + exp(-eta)), eta = -0.460 + 0.091 (v - 42.79) + 0.039 (h - 85.25) "
-        "+ 0.002 (v - 42.79) (h - 85.25), v in km/h, h = hood_leading_edge_cm"
-    ),
-}
-"""Injury curves, echoed in config.json."""
+from analysis.results.metric_catalog import find_metrics
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.overlap_rows import VEHICLE_OVERLAPS
+from analysis.results.rows import encounter_and_run_rows, overlap_rows
+from analysis.results.run_tables import ENCOUNTERS, RUN_TABLES, RUNS
+from analysis.tables.cells import Row, cells
+from analysis.tables.column import Table
+from analysis.tables.datapackage import describe
+from analysis.thresholds import DRAC_LIMIT_MPS2, PET_LIMITS_S, TTC_LIMITS_S, Thresholds
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +57,11 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     encounters, run = encounter_and_run_rows(case)
     overlaps = overlap_rows(case)
     content = {
-        schema.ENCOUNTERS.file: _csv(schema.ENCOUNTERS, encounters),
-        schema.RUNS.file: _csv(schema.RUNS, [run]),
-        schema.VEHICLE_OVERLAPS.file: _csv(schema.VEHICLE_OVERLAPS, overlaps),
+        ENCOUNTERS.file: _csv(ENCOUNTERS, encounters),
+        RUNS.file: _csv(RUNS, [run]),
+        VEHICLE_OVERLAPS.file: _csv(VEHICLE_OVERLAPS, overlaps),
         "config.json": _json(_config(case)),
-        "datapackage.json": _json(describe(schema.TABLES, "one recorded run")),
+        "datapackage.json": _json(describe(RUN_TABLES, "one recorded run")),
     }
     files = [_write(folder / name, text) for name, text in content.items()]
     return RunReport(folder, run, encounters, overlaps, files)
@@ -88,7 +84,7 @@ def analyse_many(
 def _config(case: Case) -> dict[str, Any]:
     meta = case.run.meta
     return {
-        "schema_version": schema.SCHEMA_VERSION,
+        "schema_version": SCHEMA_VERSION,
         "recording_schema_version": RECORDING_VERSION,
         "run_id": meta["run_id"],
         "config_id": meta["config_id"],
@@ -99,18 +95,20 @@ def _config(case: Case) -> dict[str, Any]:
         "sumo_version": meta.get("sumo_version"),
         "thresholds": case.thresholds.as_dict(),
         "thresholds_in_column_names": {
-            "ttc_s": [1.0, 1.5, 3.0],
-            "pet_s": [1.0, 1.5, 3.0, 5.0],
-            "drac_mps2": [3.4],
+            "ttc_s": TTC_LIMITS_S,
+            "pet_s": PET_LIMITS_S,
+            "drac_mps2": [DRAC_LIMIT_MPS2],
         },
-        "injury_curves": CURVES,
+        "injury_curves": dict(
+            sorted((metric.columns[0].name, metric.curve) for metric in find_metrics() if metric.curve)
+        ),
         "pedestrian_radius_m": sorted({round(0.5 * track.width, 6) for track in case.persons}),
         "ego_size_m": sorted({(round(t.length, 6), round(t.width, 6)) for t in case.egos}),
         "samples_per_step": case.grid.factor,
     }
 
 
-def _csv(table: schema.Table, rows: Sequence[Row]) -> str:
+def _csv(table: Table, rows: Sequence[Row]) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(table.names())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.schema import Column, Table
+from analysis.tables.column import Column, Table
 
 
 def describe(tables: Sequence[Table], title: str) -> dict[str, Any]:

@@ -1,0 +1,97 @@
+"""Finds the metrics: every file of ``analysis.metrics`` is one, and all that there is of it."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from analysis import metrics
+from analysis.case import Case, Values
+from analysis.errors import MetricError
+from analysis.tables.column import Column
+
+_NEEDED = ("UNIT", "WORSE", "SOURCE", "compute")
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """One metric, as its file describes it.
+
+    A metric with columns in encounters.csv is one of encounters: its ``compute`` returns column -> one value
+    per encounter, and its ``summarise`` takes these and returns run column -> value. The ``compute`` of any
+    other is of runs, and returns run column -> value.
+    """
+
+    name: str
+    unit: str
+    worse: str
+    """``higher``, ``lower`` or ``neither``."""
+    source: str
+    text: str
+    curve: str
+    """Formula that config.json repeats; empty for most."""
+    columns: tuple[Column, ...]
+    """In encounters.csv."""
+    run_columns: tuple[Column, ...]
+    """In runs.csv."""
+    compute: Callable[[Case], Values]
+    summarise: Callable[[Case, Values], Values] | None
+
+    @property
+    def scope(self) -> str:
+        """``encounter`` or ``run``."""
+        return "encounter" if self.columns else "run"
+
+
+@cache
+def find_metrics() -> tuple[Metric, ...]:
+    """Return all metrics in alphabetical order.
+
+    Raises
+    ------
+    MetricError
+        When a file lacks something, or two declare the same column.
+    """
+    names = sorted(found.name for found in pkgutil.iter_modules(metrics.__path__))
+    listed = tuple(read_metric(name, importlib.import_module(f"{metrics.__name__}.{name}")) for name in names)
+    for kind in ("columns", "run_columns"):
+        declared: dict[str, str] = {}
+        for metric in listed:
+            for column in getattr(metric, kind):
+                if (other := declared.setdefault(column.name, metric.name)) != metric.name:
+                    raise MetricError(f"metrics {other} and {metric.name} both declare {column.name}")
+    return listed
+
+
+def read_metric(name: str, file: Any) -> Metric:
+    """Return the metric that a module describes.
+
+    Raises
+    ------
+    MetricError
+        When it lacks something.
+    """
+    missing = [one for one in _NEEDED if not hasattr(file, one)]
+    columns, run_columns = getattr(file, "COLUMNS", ()), getattr(file, "RUN_COLUMNS", ())
+    if not columns and not run_columns:
+        missing.append("COLUMNS or RUN_COLUMNS")
+    if columns and run_columns and not hasattr(file, "summarise"):
+        missing.append("summarise, from the values of encounters to RUN_COLUMNS")
+    if missing:
+        raise MetricError(f"metric {name}: its file has no {', no '.join(missing)}")
+    return Metric(
+        name=name,
+        unit=file.UNIT,
+        worse=file.WORSE,
+        source=file.SOURCE,
+        text=(file.__doc__ or "").strip(),
+        curve=getattr(file, "CURVE", ""),
+        columns=columns,
+        run_columns=run_columns,
+        compute=file.compute,
+        summarise=getattr(file, "summarise", None),
+    )

@@ -1,0 +1,69 @@
+"""The texts of a CSV file: what is undefined is an empty cell, booleans are 0 or 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.tables.column import Column, Table
+
+Row = Mapping[str, Any]
+
+
+def plain(table: Table, row: Row) -> dict[str, Any]:
+    """Return the row with the table's types, and ``None`` for what is undefined."""
+    found = {name: value.item() if isinstance(value, np.generic) else value for name, value in row.items()}
+    known = {
+        name: None if isinstance(value, float) and not np.isfinite(value) else value
+        for name, value in found.items()
+    }
+    for column in table.columns:
+        if column.kind == "boolean" and known.get(column.name) is not None:
+            known[column.name] = bool(known[column.name])
+    return known
+
+
+def decimals(value: float) -> str:
+    """Return a number with six decimals at most."""
+    return f"{value:.6f}".rstrip("0").rstrip(".")
+
+
+def cells(table: Table, rows: Sequence[Row], number: Callable[[float], str] = decimals) -> list[list[str]]:
+    """Return the texts of a CSV file, without its header.
+
+    Parameters
+    ----------
+    table, rows
+        What to write.
+    number
+        Makes the text of a number that is no whole one.
+
+    Raises
+    ------
+    KeyError
+        For a value that no column of the table has.
+    ValueError
+        For an undefined value where one is required.
+    """
+    known = set(table.names())
+    for row in rows:
+        if foreign := set(row) - known:
+            raise KeyError(f"{table.file} has no column {sorted(foreign)}")
+    return [[_cell(table, column, row.get(column.name), number) for column in table.columns] for row in rows]
+
+
+def _cell(table: Table, column: Column, value: Any, number: Callable[[float], str]) -> str:
+    if value is None:
+        if column.required:
+            raise ValueError(f"{table.file}: column {column.name} must not be empty")
+        return ""
+    if column.kind == "boolean":
+        return "1" if value else "0"
+    if column.kind == "integer":
+        return str(int(value))
+    if column.kind == "number":
+        text = number(float(value))
+        return "0" if text == "-0" else text
+    return str(value)
