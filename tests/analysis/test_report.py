@@ -14,7 +14,7 @@ import pytest
 from analysis.errors import ThresholdError
 from analysis.results import metrics_page
 from analysis.results.analyse import RunReport, analyse_run
-from analysis.results.metric_catalog import Metric, find_metrics
+from analysis.results.metric_catalog import find_metrics
 from analysis.results.run_tables import ENCOUNTERS, RUN_TABLES, RUNS
 from analysis.tables.column import Table
 from analysis.thresholds import Thresholds, names, with_settings
@@ -136,17 +136,6 @@ def test_a_wrong_threshold_is_refused_with_one_line(text: str, says: str) -> Non
     with pytest.raises(ThresholdError, match=re.escape(says)) as caught:
         with_settings([text])
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("metric", find_metrics(), ids=lambda metric: metric.name)
-def test_a_metric_says_what_it_is_and_fills_the_columns_it_names(
-    metric: Metric, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    assert metric.worse in ("higher", "lower", "neither")
-    title, blank, *rest = metric.text.splitlines()
-    assert title.endswith(".") or not blank
-    assert any(line.startswith("Undefined: ") for line in rest), "the rule for undefined is missing"
-    assert metric.unit in {column.unit or "1" for column in (*metric.columns, *metric.run_columns)}
 
 
 def test_every_column_that_is_no_description_comes_from_exactly_one_metric(report: RunReport) -> None:

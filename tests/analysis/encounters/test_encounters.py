@@ -79,6 +79,8 @@ def test_a_walker_who_reaches_the_side_of_the_car_is_hit_once(tmp_path: Path) ->
     assert row["impact_side"] == "right"
     assert row["impact_speed_kmh"] == pytest.approx(36.0, abs=1e-6)
     assert row["p_fatal_rosen2009"] == pytest.approx(0.0251, abs=1e-4)
+    # eta = −0.460 − 0.6179 − 0.3998 + 0.1392 at 36 km/h and a leading edge of 75 cm.
+    assert row["p_mais3_mm2025"] == pytest.approx(0.2078, abs=1e-4)
     assert row["pet_area_s"] == 0.0
     assert row["min_ttc_s"] == 0.0
     assert row["severity"] == "collision"

@@ -79,6 +79,11 @@ def test_interventions_are_counted_by_cause(tmp_path: Path) -> None:
     assert run["n_interventions"] == 5
 
 
+def test_plans_that_the_last_check_replaced_are_counted(tmp_path: Path) -> None:
+    ego = recorded(plan_status=lambda t: "shielded" if 3.0 - 1e-9 <= t < 3.5 - 1e-9 else "ok")
+    assert summary(tmp_path, ego)["n_shielded"] == 5
+
+
 def _solved(status: str, t: float) -> bool:
     return not 2.0 <= t < 2.2 or status == "ok"
 
@@ -134,8 +139,7 @@ def test_a_stop_with_the_body_over_the_crossing_is_counted(tmp_path: Path) -> No
     on = summary(tmp_path / "on", Ego(stops(3.0, 6.0)))
     before = summary(tmp_path / "before", Ego(stops(2.5, 6.0)))
     brief = summary(tmp_path / "brief", Ego(stops(3.0, 3.6)))
-    counts = [run["n_stopped_on_crossing"] for run in (on, before, brief)]
-    assert counts == [1, 0, 0]
+    assert [run["n_stopped_on_crossing"] for run in (on, before, brief)] == [1, 0, 0]
 
 
 @pytest.mark.parametrize(
