@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 from time import process_time
 
-from analysis.case import prepare
+from analysis.encounters.case import prepare
 from analysis.recording.reading import read_run
 from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Motion, Person, Vehicle, line, write_run

@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.table import Table
 
-from analysis.comparison_rows import Pairs
 from analysis.results.measures import DELAY, Measure
 from analysis.statistics.intervals import share_upper_bound
-from analysis.study_runs import StudyRun
+from analysis.study.comparison_rows import Pairs
+from analysis.study.runs import StudyRun
 
 Row = Mapping[str, Any]
 

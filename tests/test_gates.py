@@ -38,6 +38,7 @@ VIOLATIONS = {
         "import controllers.numerics.first\n",
     ),
     "the optimisation room knows a solver": ("controllers/numerics/third.py", "import qpsolvers\n"),
+    "rooms of analysis": ("analysis/recording/first.py", "import analysis.encounters\n"),
     "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
 }
 CLEAN = (
@@ -57,6 +58,12 @@ CLEAN = (
     "controllers/strategies/second.py",
     "controllers/numerics/first.py",
     "controllers/numerics/second.py",
+    "analysis/recording/first.py",
+    *(
+        f"analysis/{room}/__init__.py"
+        for room in ("page", "plots", "study", "criteria", "protocols", "statistics", "results", "encounters")
+    ),
+    *(f"analysis/{name}.py" for name in ("errors", "geometry", "metrics_page", "tables", "thresholds")),
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",
 )

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.contacts import closest_approaches
+from analysis.encounters.case import Case, Values
+from analysis.encounters.contacts import closest_approaches
 from analysis.tables import column
 
 UNIT = "m"

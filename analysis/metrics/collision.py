@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "1"

@@ -8,8 +8,8 @@ Undefined: empty without way, or without pedestrians.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
-from analysis.severity_scale import severity_levels
+from analysis.encounters.case import Case, Values
+from analysis.encounters.severity_scale import severity_levels
 from analysis.tables import column
 
 UNIT = "1/km"

@@ -7,8 +7,8 @@ Undefined: empty without evasive action and without a collision course.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
-from analysis.moments import evasions
+from analysis.encounters.case import Case, Values
+from analysis.encounters.moments import evasions
 from analysis.tables import column
 
 UNIT = "m/s"

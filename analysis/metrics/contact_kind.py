@@ -1,9 +1,9 @@
 """What kind of contact it was: where, who moved into whom, and what class of contact.
 
-By geometry and recorded motion alone (analysis/contact_classes.py, analysis/contact_places.py); the total of
-collisions keeps all of them. The place is that of the pedestrian's middle. contact_moved_by says whose motion
-closed the last gap: who closed less than a tenth of it did not move into the other; somebody who walks into
-the side of a moving car moved into it, though the class is ego. The classes:
+By geometry and recorded motion alone (contact_classes.py and contact_places.py in analysis/encounters); the
+total of collisions keeps all of them. The place is that of the pedestrian's middle. contact_moved_by says
+whose motion closed the last gap: who closed less than a tenth of it did not move into the other; somebody
+who walks into the side of a moving car moved into it, though the class is ego. The classes:
 
 - touching_at_start: they touch in the first sample that holds both;
 - walked_in: the ego had stood for 0.5 s, and did not move while they touched (never a collision);
@@ -24,10 +24,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
-from analysis.contact_places import PLACES, place_of, places_of
-from analysis.contacts import Contact
+from analysis.encounters.case import Case, Values
+from analysis.encounters.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
+from analysis.encounters.contact_places import PLACES, place_of, places_of
+from analysis.encounters.contacts import Contact
 from analysis.tables import column
 
 UNIT = "1"

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.ego_steps import standing_stretches
+from analysis.encounters.case import Case, Values
+from analysis.recording.ego_steps import standing_stretches
 from analysis.tables import column
 
 UNIT = "1"

@@ -7,7 +7,7 @@ Undefined: empty without a conflict area, and for a user still inside when the r
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "s"

@@ -9,7 +9,7 @@ Undefined: never.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "1"

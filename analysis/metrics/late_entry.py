@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.moments import entries
+from analysis.encounters.case import Case, Values
+from analysis.encounters.moments import entries
 from analysis.tables import column
 
 UNIT = "1"

@@ -5,7 +5,7 @@ Undefined: empty when every ego was recorded for a single instant.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "m/s"

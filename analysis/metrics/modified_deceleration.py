@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.required import drac
+from analysis.encounters.case import Case, Values
+from analysis.encounters.required_deceleration import drac
 from analysis.tables import column
 from analysis.thresholds import DRAC_LIMIT_MPS2
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.hcm import level_of_service
-from analysis.moments import crossing_stay, phase_samples
+from analysis.encounters.case import Case, Values
+from analysis.encounters.hcm import level_of_service
+from analysis.encounters.moments import crossing_stay, phase_samples
 from analysis.tables import column
 
 UNIT = "s"

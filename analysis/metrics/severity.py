@@ -10,8 +10,8 @@ to crashes is weak.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
-from analysis.severity_scale import LEVELS, severity_levels
+from analysis.encounters.case import Case, Values
+from analysis.encounters.severity_scale import LEVELS, severity_levels
 from analysis.tables import column
 
 UNIT = "1"

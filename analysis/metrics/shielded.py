@@ -8,7 +8,7 @@ Undefined: never; 0 for controllers without such a check.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "1"

@@ -8,8 +8,8 @@ Undefined: never; 0 where the map has no crossings.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
-from analysis.ego_steps import standing_stretches
+from analysis.encounters.case import Case, Values
+from analysis.recording.ego_steps import standing_stretches
 from analysis.tables import column
 
 UNIT = "1"

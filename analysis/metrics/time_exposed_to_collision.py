@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 from analysis.thresholds import TTC_EXPOSURE_LIMITS_S, in_name
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.moments import evasions
+from analysis.encounters.case import Case, Values
+from analysis.encounters.moments import evasions
 from analysis.tables import column
 
 UNIT = "s"

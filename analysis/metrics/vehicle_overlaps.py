@@ -10,7 +10,7 @@ artefact of the heading.
 
 from __future__ import annotations
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.tables import column
 
 UNIT = "1"

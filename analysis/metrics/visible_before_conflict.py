@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.knowledge import NOTHING
+from analysis.encounters.case import Case, Values
+from analysis.recording.knowledge import NOTHING
 from analysis.tables import column
 
 UNIT = "s"

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.case import Case, Values
-from analysis.encounters import Encounter
-from analysis.moments import crossing_stay, phase_samples, ride_of
+from analysis.encounters.case import Case, Values
+from analysis.encounters.finding import Encounter
+from analysis.encounters.moments import crossing_stay, phase_samples, ride_of
 from analysis.tables import column
 
 UNIT = "1"

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from analysis.geometry import FloatArray
 from analysis.page.encounters import Encounters
-from analysis.study_design import Study
+from analysis.study.design import Study
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 POINTS = 200

@@ -14,8 +14,8 @@ import pyarrow.csv as pa_csv
 from analysis.errors import StudyError
 from analysis.geometry import FloatArray
 from analysis.results.run_tables import ENCOUNTERS
-from analysis.study_design import Study
-from analysis.study_runs import StudyRun
+from analysis.study.design import Study
+from analysis.study.runs import StudyRun
 
 SEVERITIES = ("collision", "severe", "serious", "slight", "none")
 """From the worst on."""

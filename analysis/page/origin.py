@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from analysis.criteria_schema import CRITERIA
+from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
 from analysis.page.replay import has_recording
 from analysis.page.tables import read_rows
-from analysis.study_design import Study
-from analysis.study_runs import StudyRun
+from analysis.study.design import Study
+from analysis.study.runs import StudyRun
 
 FAILED = "failed.csv"
 STUDY = "study.toml"

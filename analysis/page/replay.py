@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
-from analysis.case import Case, prepare
+from analysis.encounters.case import Case, prepare
 from analysis.errors import RecordingError
 from analysis.geometry import FloatArray
 from analysis.page.overlay import drawings

@@ -17,8 +17,8 @@ from analysis.page.distributions import distributions
 from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
 from analysis.page.replay import has_recording, read_recording, write_replays
 from analysis.results.measures import Measure, run_measures
-from analysis.study_design import Study, read_study
-from analysis.study_runs import find_run_folders
+from analysis.study.design import Study, read_study
+from analysis.study.runs import find_run_folders
 
 PAGE = "report.html"
 DATA = "report_data"
@@ -64,7 +64,7 @@ def write_report(
     title
         Of the page.
     baseline
-        As :func:`analysis.study.write_tables`.
+        As :func:`analysis.study.writing.write_tables`.
     rows, replays
         So many of the worst encounters are listed, and have a replay.
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis import study_schema
 from analysis.errors import StudyError
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import RUNS
-from analysis.study import write_tables
-from analysis.study_design import Study
+from analysis.study.design import Study
+from analysis.study.tables import COMPARISONS, CONFIGS
+from analysis.study.writing import write_tables
 from analysis.tables.column import Column, Table
 
 Row = Mapping[str, Any]
@@ -58,20 +58,20 @@ def study_tables(
     folders
         Run folders.
     baseline
-        As :func:`analysis.study.write_tables`; tables that are there already are used without one only.
+        As :func:`analysis.study.writing.write_tables`; tables that are there are used without one only.
     """
     place = root if root is not None and baseline is None and _is_current(root, study) else out
     if place is out:
         write_tables(out, folders, baseline)
     return Tables(
         place,
-        read_rows(place / study_schema.CONFIGS.file, study_schema.CONFIGS),
-        read_rows(place / study_schema.COMPARISONS.file, study_schema.COMPARISONS),
+        read_rows(place / CONFIGS.file, CONFIGS),
+        read_rows(place / COMPARISONS.file, COMPARISONS),
     )
 
 
 def _is_current(root: Path, study: Study) -> bool:
-    files = [root / table.file for table in (RUNS, study_schema.CONFIGS, study_schema.COMPARISONS)]
+    files = [root / table.file for table in (RUNS, CONFIGS, COMPARISONS)]
     if not all(path.is_file() for path in files):
         return False
     with files[0].open(encoding="utf-8", newline="") as file:

@@ -18,7 +18,7 @@ from analysis.geometry import FloatArray
 from analysis.plots.ground import EGO, PERSON, PLAN, VEHICLE, draw_ground, limits, rectangle
 from analysis.plots.plans import PlannedPath, read_plans
 from analysis.plots.scene import Scene
-from analysis.tracks import Track, object_tracks
+from analysis.recording.tracks import Track, object_tracks
 
 FORMATS = ("gif", "mp4")
 FRAMES_PER_SECOND = 10

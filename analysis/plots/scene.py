@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.case import Case
-from analysis.encounters import Encounter
+from analysis.encounters.case import Case
+from analysis.encounters.finding import Encounter
 from analysis.errors import AnalysisError
 from analysis.geometry import FloatArray
-from analysis.tracks import Track
+from analysis.recording.tracks import Track
 
 
 class SceneError(AnalysisError):

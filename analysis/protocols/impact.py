@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.case import Case, prepare
-from analysis.contacts import Contact
+from analysis.encounters.case import Case, prepare
+from analysis.encounters.contacts import Contact
 from analysis.metrics import preventable_r157
 from analysis.recording.reading import read_run
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.case import Case, prepare
+from analysis.encounters.case import Case, prepare
 from analysis.errors import RecordingError
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run

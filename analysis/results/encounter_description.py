@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.case import Case
-from analysis.encounters import Encounter
+from analysis.encounters.case import Case
+from analysis.encounters.finding import Encounter
 from analysis.results.origin import CONDITIONS, CONFIGURATION, IDENTITY, Origin
 from analysis.tables.column import Column, at_least_0, flag, number, text
 

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from analysis import metrics
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.errors import MetricError
 from analysis.tables.column import Column
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from analysis.encounters.vehicle_overlaps import VehicleOverlap
 from analysis.results.origin import IDENTITY, Origin
 from analysis.tables.column import Column, Table, at_least_0, number, text
-from analysis.vehicle_overlaps import VehicleOverlap
 
 
 @dataclass(frozen=True, slots=True)

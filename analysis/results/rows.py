@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.case import Case, Values
+from analysis.encounters.case import Case, Values
 from analysis.errors import MetricError
 from analysis.results import encounter_description, run_description
 from analysis.results.encounter_description import ListedEncounter

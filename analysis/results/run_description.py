@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.case import Case
+from analysis.encounters.case import Case
 from analysis.results.origin import CONDITIONS, CONFIGURATION, IDENTITY, Origin
 from analysis.tables.column import at_least_0, count, flag, text
 

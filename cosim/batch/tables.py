@@ -14,7 +14,7 @@ USUAL_BASELINE = "sumo"
 
 def get_ready() -> None:
     """Begin to load, beside everything else, what `write` needs: statistics take more than a second."""
-    Thread(target=importlib.import_module, args=("analysis.study",), daemon=True).start()
+    Thread(target=importlib.import_module, args=("analysis.study.writing",), daemon=True).start()
 
 
 def write(ledger: Ledger, controllers: Sequence[str]) -> None:
@@ -25,7 +25,7 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> None:
     SimulationError
         If that is not possible.
     """
-    from analysis.study import write_tables  # statistics, which a dry run does not need
+    from analysis.study.writing import write_tables  # statistics, which a dry run does not need
 
     baseline = USUAL_BASELINE if USUAL_BASELINE in controllers else controllers[0]
     folders = ledger.recorded()

@@ -10,8 +10,8 @@ from typing import Any
 
 from analysis.errors import AnalysisError
 from analysis.results.measures import run_measures
-from analysis.study_regression import Pairing, regression_rows
-from analysis.study_runs import StudyRun, find_run_folders, read_runs
+from analysis.study.regression import Pairing, regression_rows
+from analysis.study.runs import StudyRun, find_run_folders, read_runs
 from cosim.batch.batch import Batch
 from cosim.batch.identity import Identity
 from cosim.batch.job import Configuration, Job

@@ -11,8 +11,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis.criteria_schema import CRITERIA
-from analysis.criteria_tables import EXAMPLE
+from analysis.criteria.reading import EXAMPLE
+from analysis.criteria.table import CRITERIA
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
 from cosim import output

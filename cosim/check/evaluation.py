@@ -9,9 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from analysis.criteria import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
+from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
 from analysis.results.run_tables import ENCOUNTERS, RUNS
-from analysis.study_schema import CONFIGS
+from analysis.study.tables import CONFIGS
 from cosim.batch.batch import Batch
 from cosim.batch.job import Configuration, Job
 from cosim.batch.ledger import FAILED

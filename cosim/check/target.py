@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from analysis.criteria import Criterion
-from analysis.criteria_tables import EXAMPLE, CriterionError, read_criteria
+from analysis.criteria.criterion import Criterion
+from analysis.criteria.reading import EXAMPLE, CriterionError, read_criteria
 from cosim import inventory
 from cosim.batch.job import Configuration
 from cosim.batch.matrix import Matrix, build_matrix

@@ -34,8 +34,8 @@ def analyse(
     Exit codes: 0 success, 2 a folder or a threshold is wrong (the other folders are analysed).
     """
     from analysis.errors import AnalysisError
+    from analysis.recording.ssam import export_ssam
     from analysis.results.analyse import analyse_run
-    from analysis.ssam import export_ssam
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
     from cosim.summary import read_row, run_table

@@ -12,7 +12,7 @@ from cosim.commands.options import Debug
 
 if TYPE_CHECKING:
     from analysis.results.measures import Measure
-    from analysis.study_design import Condition, Study
+    from analysis.study.design import Condition, Study
 
 
 def compare(
@@ -55,11 +55,11 @@ def compare(
     \b
     Exit codes: 0 success, 2 no such folder, controller, measure or scenario, or no seed in common.
     """
-    from analysis.comparison_rows import compare_labels, correct, pair_runs, shared_conditions
     from analysis.errors import AnalysisError
-    from analysis.study import write_comparison
-    from analysis.study_design import read_study
-    from analysis.study_runs import find_run_folders
+    from analysis.study.comparison_rows import compare_labels, correct, pair_runs, shared_conditions
+    from analysis.study.design import read_study
+    from analysis.study.runs import find_run_folders
+    from analysis.study.writing import write_comparison
     from cosim.comparison import notes, sentence, table
     from cosim.errors import InputError
 
@@ -159,7 +159,7 @@ def _scopes(study: Study, scenario: str | None, each: bool) -> list[list[Conditi
 
 
 def _nothing_in_common(study: Study, folder: Path, base: str, alt: str) -> str:
-    from analysis.comparison_rows import pair_runs
+    from analysis.study.comparison_rows import pair_runs
 
     if any(pair_runs(study, [one], base, alt).base for one in study.conditions):
         return (

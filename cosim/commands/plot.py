@@ -48,7 +48,7 @@ def plot(
     if kind not in FORMATS:
         raise InputError(f"--format: expected {' or '.join(FORMATS)}, got {kind!r}")
     output.check(out)
-    from analysis.case import prepare
+    from analysis.encounters.case import prepare
     from analysis.plots.figures import draw_figures
     from analysis.plots.scene import choose
     from analysis.recording.reading import read_run

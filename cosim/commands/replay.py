@@ -34,7 +34,7 @@ def replay(
     from cosim.errors import InputError
 
     require_matplotlib("cosim replay")
-    from analysis.case import prepare
+    from analysis.encounters.case import prepare
     from analysis.plots.animation import FORMATS, has_ffmpeg, write_film
     from analysis.plots.scene import choose
     from analysis.recording.reading import read_run

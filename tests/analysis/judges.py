@@ -15,11 +15,11 @@ import numpy as np
 import shapely
 
 from analysis import geometry
-from analysis.case import prepare
-from analysis.conflict_area import conflict_areas
-from analysis.prediction import required_deceleration
+from analysis.encounters.case import prepare
+from analysis.encounters.conflict_area import conflict_areas
+from analysis.encounters.prediction import required_deceleration
 from analysis.recording.reading import read_run
-from analysis.tracks import Grid, Track, path_length
+from analysis.recording.tracks import Grid, Track, path_length
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 Array = np.ndarray

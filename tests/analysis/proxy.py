@@ -15,9 +15,9 @@ import libsumo
 import numpy as np
 import sumo
 
-from analysis.case import Case, prepare
+from analysis.encounters.case import Case, prepare
 from analysis.recording.reading import read_run
-from analysis.ssm import SsmConflict, read_ssm
+from analysis.recording.ssm import SsmConflict, read_ssm
 from analysis.thresholds import Thresholds
 from tests.analysis.recorded import Ego, Motion, Person, write_run
 

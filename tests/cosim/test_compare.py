@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cosim.cli import main
-from tests.analysis.study_folders import write_study_run
+from tests.analysis.study.study_folders import write_study_run
 
 SEEDS = range(1, 11)
 

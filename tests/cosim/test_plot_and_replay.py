@@ -11,7 +11,7 @@ import pytest
 from matplotlib.collections import Collection
 from PIL import Image
 
-from analysis.case import prepare
+from analysis.encounters.case import prepare
 from analysis.plots import animation
 from analysis.plots.animation import Film, frame_indices
 from analysis.plots.scene import choose

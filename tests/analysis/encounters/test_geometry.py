@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from analysis.encounters.prediction import required_deceleration
 from analysis.geometry import clearance, closest_approach, time_to_contact, to_frame
-from analysis.prediction import required_deceleration
 from tests.analysis import judges
 
 CAR = (2.25, 0.9)

@@ -10,14 +10,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from analysis.case import prepare
+from analysis.encounters.case import prepare
 from analysis.errors import RecordingError
 from analysis.page.replay import read_recording, replay_of
 from analysis.plots.scene import choose
 from analysis.recording.columns import SENSING
 from analysis.recording.reading import read_run
+from analysis.recording.ssam import export_ssam, read_trajectories
 from analysis.results.analyse import analyse_run
-from analysis.ssam import export_ssam, read_trajectories
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 
 

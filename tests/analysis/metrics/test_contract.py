@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.case import Case, prepare
+from analysis.encounters.case import Case, prepare
 from analysis.errors import MetricError
 from analysis.recording.reading import read_run
 from analysis.results.metric_catalog import Metric, find_metrics, read_metric
@@ -136,7 +136,7 @@ from analysis import metrics
 metrics.__path__.append(sys.argv[1])
 from analysis.results.analyse import analyse_run
 from analysis.results.measures import encounter_measures, run_measures
-from analysis.results.metrics_page import render
+from analysis.metrics_page import render
 report = analyse_run(Path(sys.argv[2]))
 assert report.encounters[0]["gap_m"] == report.run["gap_mean_m"] == 2.5
 assert "how far apart" in (report.folder / "datapackage.json").read_text()

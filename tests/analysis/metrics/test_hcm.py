@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from analysis.hcm import crossing_delay, level_of_service
+from analysis.encounters.hcm import crossing_delay, level_of_service
 
 FOOT = 0.3048
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.ego_steps import standing_stretches
+from analysis.encounters.moments import stopping_distance
 from analysis.metrics import injury_risk_mm2025, injury_risk_rosen2009
-from analysis.moments import stopping_distance
 from analysis.recording.columns import INTERVENTIONS
+from analysis.recording.ego_steps import standing_stretches
 from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from analysis.results.metric_catalog import Metric
 
-ROOMS = ("tests/analysis/metrics", "tests/analysis/encounters")
+ROOMS = ("tests/analysis/metrics", "tests/analysis/encounters", "tests/analysis/recording")
 """Where recordings are made by hand; tests of studies write the columns themselves."""
 
 

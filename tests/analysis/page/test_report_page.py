@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from analysis.criteria_schema import CRITERIA
+from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
 from analysis.page.report import Written, write_report
 from analysis.results.measures import Measure
@@ -17,7 +17,7 @@ from analysis.tables.cells import cells
 from cosim.cli import main
 from cosim.comparison import sentence
 from tests.analysis.page.markup import Markup
-from tests.analysis.study_folders import write_study_run
+from tests.analysis.study.study_folders import write_study_run
 
 WORST = {"severity": "serious", "min_ttc_s": 0.83, "min_dist_m": 0.41, "clearance_min_m": 0.5}
 OTHERS: tuple[Mapping[str, Any], ...] = (
@@ -96,8 +96,8 @@ def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(tmp_path:
 
 
 def test_tables_of_a_batch_are_used_only_while_they_are_of_these_runs(tmp_path: Path) -> None:
-    from analysis.study import write_tables
-    from analysis.study_runs import find_run_folders
+    from analysis.study.runs import find_run_folders
+    from analysis.study.writing import write_tables
 
     folder = write_study(tmp_path / "study")
     write_tables(folder, find_run_folders(folder), None)

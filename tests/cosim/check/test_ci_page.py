@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml  # type: ignore[import-untyped]
 
-from analysis.criteria_tables import read_criteria
+from analysis.criteria.reading import read_criteria
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs/ci.md").read_text()

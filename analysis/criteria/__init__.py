@@ -1,0 +1,1 @@
+"""What a check demands, read and judged."""

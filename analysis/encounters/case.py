@@ -1,0 +1,200 @@
+"""Everything that metrics are computed from: one recorded run, prepared once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.encounters.careful_driver import Replay, replay_contact
+from analysis.encounters.contacts import Approach, Contact, closest_approaches, find_contacts
+from analysis.encounters.crossings import Traversal, traversals
+from analysis.encounters.finding import Encounter, Surroundings, find_encounters
+from analysis.encounters.prediction import PredictedArea, predict_area
+from analysis.encounters.samples import Samples, gather
+from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
+from analysis.geometry import BoolArray, FloatArray
+from analysis.recording.ego_steps import EgoSteps, ego_steps
+from analysis.recording.knowledge import Knowledge, knowledge_of
+from analysis.recording.reading import RecordedRun
+from analysis.recording.tracks import Grid, Track, ego_tracks, make_grid, object_tracks
+from analysis.thresholds import Thresholds
+
+IntArray = NDArray[np.int64]
+
+Values = Mapping[str, Any]
+"""Column name -> one value, or one for each encounter. nan, inf and ``None`` stand for undefined."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A recorded run with its tracks, encounters, samples and contacts."""
+
+    run: RecordedRun
+    thresholds: Thresholds
+    grid: Grid
+    egos: Sequence[Track]
+    persons: Sequence[Track]
+    vehicles: Sequence[Track]
+    """All recorded vehicles; egos are among them while another ego is near."""
+    traversals: Mapping[tuple[str, str], Sequence[Traversal]]
+    encounters: Sequence[Encounter]
+    samples: Samples
+    predicted: PredictedArea
+    contacts: Sequence[Contact]
+    replays: Mapping[Contact, Replay]
+    """Each contact with the careful driver at the wheel."""
+    approach: Approach
+    steps: EgoSteps
+    overlaps: Sequence[VehicleOverlap]
+    ego_rows: Sequence[IntArray]
+    """Rows of the egos during each encounter, until the ego has left the conflict area."""
+    ego_enter: FloatArray
+    """Entry into the conflict area; nan without one [s]."""
+    ego_leave: FloatArray
+    person_enter: FloatArray
+    person_leave: FloatArray
+    knowledge: Mapping[tuple[str, str], Knowledge] | None
+    """What each ego knew of each pedestrian, by names; ``None`` where it knew the truth."""
+    entered: BoolArray
+    """Whether the encounter has a conflict area or the pedestrian was exposed, rather than only waiting."""
+
+    def __len__(self) -> int:
+        return len(self.encounters)
+
+    def collisions(self) -> Sequence[Contact]:
+        """Return the contacts with the ego moving."""
+        return [contact for contact in self.contacts if not contact.standing]
+
+    def first_collision(self) -> list[Contact | None]:
+        """Return each encounter's first collision, or ``None``."""
+        first: list[Contact | None] = [None] * len(self)
+        for contact in reversed(self.collisions()):
+            first[contact.encounter] = contact
+        return first
+
+    def first_contact(self) -> list[Contact | None]:
+        """Return each encounter's first collision, else its first contact of any kind, or ``None``."""
+        first = self.first_collision()
+        for contact in self.contacts:
+            if first[contact.encounter] is None:
+                first[contact.encounter] = contact
+        return first
+
+    def smallest_ttc(self) -> FloatArray:
+        """Return each encounter's smallest TTC: 0 after a collision, inf without a collision course [s]."""
+        low, _ = self.samples.smallest(self.samples.ttc)
+        for contact in self.collisions():
+            low[contact.encounter] = 0.0
+        return low
+
+    def post_encroachment(self) -> FloatArray:
+        """Return each encounter's area PET: 0 after a collision, nan where undefined [s]."""
+        person_second = self.person_enter - self.ego_leave
+        ego_second = self.ego_enter - self.person_leave
+        gap = np.fmax(person_second, ego_second)
+        gap = np.where(gap >= 0.0, gap, np.nan)
+        for contact in self.collisions():
+            gap[contact.encounter] = 0.0
+        return gap
+
+
+def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
+    """Return the case of a recorded run."""
+    thresholds = thresholds or Thresholds()
+    grid = make_grid(run, thresholds)
+    egos = ego_tracks(run, grid, thresholds)
+    persons = object_tracks(run, grid, "pedestrian")
+    vehicles = object_tracks(run, grid, "vehicle")
+    passed = traversals(egos, run.crossings(), grid)
+    kinds = {area.name: area.crossing_kind for area in run.crossings()}
+    around = Surroundings(run, grid, thresholds, passed, kinds)
+    encounters = find_encounters(egos, persons, around)
+    samples = gather(encounters, run, grid, thresholds)
+    areas = [one.area for one in encounters]
+    contacts = _once(
+        find_contacts(samples, thresholds.contact_separation_s, thresholds.standing_speed_mps),
+        encounters,
+        thresholds.contact_separation_s,
+    )
+    return Case(
+        run=run,
+        thresholds=thresholds,
+        grid=grid,
+        egos=egos,
+        persons=persons,
+        vehicles=vehicles,
+        traversals=passed,
+        encounters=encounters,
+        samples=samples,
+        predicted=predict_area(samples, thresholds.longitudinal_angle_deg),
+        contacts=contacts,
+        replays=_replays(run, grid, thresholds, encounters, contacts, [*vehicles, *egos]),
+        approach=closest_approaches(samples),
+        steps=ego_steps(run, egos, grid, thresholds),
+        overlaps=find_overlaps(egos, vehicles, grid),
+        ego_rows=[_ego_rows(one, grid) for one in encounters],
+        ego_enter=np.array([np.nan if area is None else area.ego.enter for area in areas]),
+        ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),
+        person_enter=np.array([np.nan if area is None else area.person.enter for area in areas]),
+        person_leave=np.array([np.nan if area is None else area.person.leave for area in areas]),
+        knowledge=knowledge_of(run),
+        entered=np.array([area is not None for area in areas], dtype=np.bool_) | samples.any(samples.exposed),
+    )
+
+
+def _once(contacts: Sequence[Contact], encounters: Sequence[Encounter], separation_s: float) -> list[Contact]:
+    """Return each contact of a pair once: two encounters of one pair may hold the same instant.
+
+    It belongs to the encounter with a conflict area, else to the first one.
+    """
+
+    def rank(contact: Contact) -> tuple[bool, bool, int]:
+        return contact.standing, encounters[contact.encounter].area is None, contact.encounter
+
+    kept: dict[tuple[str, str], list[Contact]] = {}
+    for contact in sorted(contacts, key=rank):
+        one = encounters[contact.encounter]
+        others = kept.setdefault((one.ego.name, one.person.name), [])
+        if all(
+            other.encounter == contact.encounter
+            or contact.began - other.ended >= separation_s
+            or other.began - contact.ended >= separation_s
+            for other in others
+        ):
+            others.append(contact)
+    chosen = {contact for some in kept.values() for contact in some}
+    return [contact for contact in contacts if contact in chosen]
+
+
+def _replays(
+    run: RecordedRun,
+    grid: Grid,
+    thresholds: Thresholds,
+    encounters: Sequence[Encounter],
+    contacts: Sequence[Contact],
+    vehicles: Sequence[Track],
+) -> Mapping[Contact, Replay]:
+    limits = run.egos.numbers["speed_limit_mps"]
+    found = {}
+    for contact in contacts:
+        one = encounters[contact.encounter]
+        found[contact] = replay_contact(
+            one.ego, one.person, contact, limits[one.ego.rows], vehicles, grid, thresholds
+        )
+    return found
+
+
+def _ego_rows(encounter: Encounter, grid: Grid) -> IntArray:
+    last = encounter.last
+    if encounter.area is not None:
+        last = min(last, encounter.ego.first + encounter.area.ego.last + 1)
+    last = max(last, encounter.first)
+    # The first recorded instant at or after the beginning.
+    first = -(-encounter.first // grid.factor) * grid.factor
+    index = np.arange(first, last + 1, grid.factor) - encounter.ego.first
+    rows = encounter.ego.rows[index[index < len(encounter.ego.rows)]]
+    return np.asarray(rows)

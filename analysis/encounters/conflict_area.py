@@ -1,0 +1,209 @@
+"""The area that an ego's body and a pedestrian's disc both sweep, and when each was in it.
+
+The *ego is in the area* while its rectangle touches what the disc sweeps over its whole path; the
+*pedestrian is in the area* while the disc touches what the rectangle sweeps. For straight paths that
+cross at right angles this is the strip of the body's width times the strip of the disc's diameter.
+Instants are interpolated between samples of at most 0.05 s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.geometry import BoolArray, FloatArray, signed_distance
+from analysis.recording.tracks import Grid, Track
+
+IntArray = NDArray[np.int64]
+
+_POINT_SPACING_M = 0.05
+_POSE_SPACING_M = 0.1
+_BLOCK = 100_000
+_SAME_PLACE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """One stay inside an area."""
+
+    enter: float
+    """[s]; the track's beginning where it begins inside."""
+    leave: float
+    """[s]; nan where the track ends inside."""
+    first: int
+    """Samples of the track inside, first and last."""
+    last: int
+
+
+@dataclass(frozen=True, slots=True)
+class ConflictArea:
+    """One conflict area and the stays of both in it [s, m]."""
+
+    ego: Visit
+    person: Visit
+    x: float
+    y: float
+
+    @property
+    def time_between(self) -> float:
+        """Time between the first one leaving and the second one entering; negative when interleaved [s]."""
+        gaps = [self.person.enter - self.ego.leave, self.ego.enter - self.person.leave]
+        known = [gap for gap in gaps if gap == gap]
+        return max(known) if known else -np.inf
+
+
+def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> list[ConflictArea]:
+    """Return the conflict areas of two tracks, at most one for each stay of the ego.
+
+    Where a pedestrian enters the same area more than once, the stay nearest in time counts.
+    """
+    radius = 0.5 * person.width
+    reach = 0.5 * float(np.hypot(ego.length, ego.width)) + radius
+    margin = reach + 2.0 * (_largest_step(ego) + _largest_step(person))
+    near_ego = _inside_box(ego, person, margin)
+    if len(near_ego) == 0:
+        return []
+    near_person = _inside_box(person, ego, margin, near_ego)
+    if len(near_person) == 0:
+        return []
+    # Standing users repeat themselves; only samples that moved are worth the work.
+    poses, again = _moved(ego, near_ego)
+    ego_depth = _depth(ego, poses, person, _thinned(person, near_person, _POINT_SPACING_M), by_pose=True)
+    ego_visits = _visits(_time(ego, grid), near_ego, ego_depth[again] - radius)
+    if not ego_visits:
+        return []
+    points, again = _moved(person, near_person)
+    person_depth = _depth(ego, _thinned(ego, near_ego, _POSE_SPACING_M), person, points, by_pose=False)
+    person_visits = _visits(_time(person, grid), near_person, person_depth[again] - radius)
+    areas = []
+    for own in ego_visits:
+        candidates = [
+            _area(own, other, person)
+            for other in person_visits
+            if (len(ego_visits) == 1 and len(person_visits) == 1) or _share_ground(ego, own, person, other)
+        ]
+        candidates = [area for area in candidates if area.time_between <= pairing_s]
+        if candidates:
+            areas.append(min(candidates, key=lambda area: max(area.time_between, 0.0)))
+    return areas
+
+
+def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -> list[Visit]:
+    """Return when the ego's rectangle was on the ground within ``half_width`` of a line of points."""
+    points = _densify(line)
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.5 * float(np.hypot(ego.length, ego.width)) + half_width + 2.0 * _largest_step(ego)
+    near = np.flatnonzero(
+        (ego.x >= low[0] - margin)
+        & (ego.x <= high[0] + margin)
+        & (ego.y >= low[1] - margin)
+        & (ego.y <= high[1] + margin)
+    )
+    if len(near) == 0:
+        return []
+    poses, again = _moved(ego, near)
+    depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], by_pose=True)
+    return _visits(_time(ego, grid), near, depth[again] - half_width)
+
+
+def _area(own: Visit, other: Visit, person: Track) -> ConflictArea:
+    inside = slice(other.first, other.last + 1)
+    return ConflictArea(own, other, float(person.x[inside].mean()), float(person.y[inside].mean()))
+
+
+def _time(track: Track, grid: Grid) -> FloatArray:
+    return grid.time[track.first : track.last + 1]
+
+
+def _largest_step(track: Track) -> float:
+    if len(track.x) < 2:
+        return 0.0
+    return float(np.diff(track.path).max())
+
+
+def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | None = None) -> IntArray:
+    """Return the samples of a track near the bounding box of (the chosen samples of) another."""
+    x, y = (other.x, other.y) if chosen is None else (other.x[chosen], other.y[chosen])
+    near = (track.x >= x.min() - margin) & (track.x <= x.max() + margin)
+    near &= (track.y >= y.min() - margin) & (track.y <= y.max() + margin)
+    return np.flatnonzero(near)
+
+
+def _moved(track: Track, index: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the samples at which the track is elsewhere than before, and which of them each sample is."""
+    x, y, heading = track.x[index], track.y[index], np.nan_to_num(track.heading[index])
+    change = np.hypot(np.diff(x), np.diff(y)) + np.abs(np.diff(heading))
+    moved = np.concatenate([[True], change > _SAME_PLACE])
+    return np.asarray(index[moved]), np.asarray(np.cumsum(moved) - 1)
+
+
+def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:
+    """Return the samples that are about ``spacing`` apart along the path, first and last included."""
+    x, y = track.x[index], track.y[index]
+    path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    keep = np.concatenate([[True], np.diff(np.floor(path / spacing)) > 0.0])
+    keep[-1] = True
+    return np.asarray(index[keep])
+
+
+def _depth(ego: Track, poses: IntArray, person: Track, points: IntArray, by_pose: bool) -> FloatArray:
+    return _smallest_distance(ego, poses, person.x[points], person.y[points], by_pose)
+
+
+def _smallest_distance(
+    ego: Track, poses: IntArray, x: FloatArray, y: FloatArray, by_pose: bool
+) -> FloatArray:
+    """Return for each pose (or each point) the smallest signed distance to any point (or pose)."""
+    block = max(1, _BLOCK // max(1, len(x)))
+    parts = []
+    for start in range(0, len(poses), block):
+        chosen = poses[start : start + block]
+        cos, sin = np.cos(ego.heading[chosen])[:, None], np.sin(ego.heading[chosen])[:, None]
+        dx = x[None, :] - ego.x[chosen][:, None]
+        dy = y[None, :] - ego.y[chosen][:, None]
+        distance = signed_distance(
+            dx * cos + dy * sin, dy * cos - dx * sin, 0.5 * ego.length, 0.5 * ego.width
+        )
+        parts.append(distance.min(axis=1 if by_pose else 0))
+    return np.concatenate(parts) if by_pose else np.asarray(np.min(parts, axis=0))
+
+
+def _visits(time: FloatArray, samples: IntArray, outside: FloatArray) -> list[Visit]:
+    """Return the stays where ``outside`` <= 0; it is given on some samples and positive on all others."""
+    full = np.full(len(time), np.inf)
+    full[samples] = outside
+    inside: BoolArray = full <= 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
+    visits = []
+    for first, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        enter = float(time[0]) if first == 0 else _zero(time, full, first - 1)
+        leave = float("nan") if end == len(time) else _zero(time, full, end - 1)
+        visits.append(Visit(enter, leave, first, end - 1))
+    return visits
+
+
+def _zero(time: FloatArray, values: FloatArray, before: int) -> float:
+    """Return where the values pass through 0 between a sample and the next."""
+    a, b = float(values[before]), float(values[before + 1])
+    if not np.isfinite(a):
+        return float(time[before + 1])
+    if not np.isfinite(b):
+        return float(time[before])
+    return float(time[before] + (time[before + 1] - time[before]) * a / (a - b))
+
+
+def _share_ground(ego: Track, own: Visit, person: Track, other: Visit) -> bool:
+    poses = _thinned(ego, np.arange(own.first, own.last + 1), _POSE_SPACING_M)
+    points = _thinned(person, np.arange(other.first, other.last + 1), _POINT_SPACING_M)
+    return bool(_depth(ego, poses, person, points, by_pose=True).min() <= 0.5 * person.width)
+
+
+def _densify(line: FloatArray) -> FloatArray:
+    pieces = [line[:1]]
+    for start, end in pairwise(line):
+        count = max(1, int(np.ceil(np.hypot(*(end - start)) / _POSE_SPACING_M)))
+        pieces.append(start + (end - start) * (np.arange(1, count + 1) / count)[:, None])
+    return np.concatenate(pieces)

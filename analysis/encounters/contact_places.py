@@ -1,0 +1,89 @@
+"""Where on the map a pedestrian was touched: on a crossing, on the carriageway, or off it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.geometry import FloatArray
+from analysis.recording.reading import Area, RecordedRun
+from analysis.recording.tracks import Grid, Track
+
+PLACES = ("crossing", "carriageway", "walking_area_or_kerb")
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """The areas of a map by what they mean for a pedestrian."""
+
+    crossings: Sequence[Area]
+    walking_areas: Sequence[Area]
+    carriageway: Sequence[Area]
+    """Lanes inside junctions, and those on which a vehicle was recorded: a map does not say who may use a
+    lane."""
+    lanes_known: bool
+
+
+def places_of(run: RecordedRun) -> Places:
+    """Return the areas of a run's map."""
+    used = {*run.egos.texts["lane"].names, *run.neighbours.texts["edge_or_lane"].names}
+    lanes = [area for area in run.areas if area.kind == "lane"]
+    return Places(
+        crossings=run.crossings(),
+        walking_areas=[area for area in run.areas if area.kind == "walkingarea"],
+        carriageway=[area for area in lanes if area.name.startswith(":") or area.name in used],
+        lanes_known=bool(lanes),
+    )
+
+
+def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: Places) -> str:
+    """Return the kind of place of a pedestrian's centre at an instant [s].
+
+    On a crossing if the recording says so, or if within its width; else on a walking area if within
+    its outline; else on the carriageway if within the width of a lane that vehicles use, or where the map
+    has no lanes at all; anywhere else is at the kerb.
+    """
+    own = grid.time[person.first : person.last + 1]
+    x, y = float(np.interp(time, own, person.x)), float(np.interp(time, own, person.y))
+    row = person.rows[[max(0, int(np.searchsorted(own, time + 1e-9)) - 1)]]
+    if run.neighbours.texts["phase"].equal("crossing", row)[0]:
+        return "crossing"
+    if any(_on_ribbon(area, x, y) for area in places.crossings):
+        return "crossing"
+    if any(_in_outline(area.shape, x, y) for area in places.walking_areas):
+        return "walking_area_or_kerb"
+    if not places.lanes_known or any(_on_ribbon(area, x, y) for area in places.carriageway):
+        return "carriageway"
+    return "walking_area_or_kerb"
+
+
+def _on_ribbon(area: Area, x: float, y: float) -> bool:
+    """Return whether a point is beside a centre line, within half the width."""
+    start, change = area.shape[:-1], np.diff(area.shape, axis=0)
+    if len(change) == 0:
+        return False
+    squared = np.maximum((change**2).sum(axis=1), 1e-12)
+    along = ((x - start[:, 0]) * change[:, 0] + (y - start[:, 1]) * change[:, 1]) / squared
+    inner = np.clip(along, 0.0, 1.0)
+    # The ends are flat; between two pieces the ribbon goes round the corner.
+    inner[0] = min(along[0], inner[0])
+    inner[-1] = max(along[-1], inner[-1])
+    away = np.hypot(x - start[:, 0] - inner * change[:, 0], y - start[:, 1] - inner * change[:, 1])
+    beside = away <= 0.5 * area.width_m
+    beside[0] &= along[0] >= 0.0
+    beside[-1] &= along[-1] <= 1.0
+    return bool(beside.any())
+
+
+def _in_outline(shape: FloatArray, x: float, y: float) -> bool:
+    """Return whether a point is inside a polygon (even-odd rule)."""
+    if len(shape) < 3:
+        return False
+    x0, y0 = shape[:, 0], shape[:, 1]
+    x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
+    spans = (y0 > y) != (y1 > y)
+    rise = np.where(spans, y1 - y0, 1.0)
+    left = x < x0 + (y - y0) / rise * (x1 - x0)
+    return bool(np.count_nonzero(spans & left) % 2)

@@ -1,0 +1,203 @@
+"""Which ego met which pedestrian, when and where.
+
+An *encounter* lasts from the instant when both are within 45 m of their conflict area (of each other
+where their paths do not cross) until one has left that range. Listed are persons who cross the ego's
+path, and persons who were on a crossing or whose next step was onto one. Passers-by on the sidewalk and
+riders of vehicles (whom a recording does not hold) are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.encounters.conflict_area import ConflictArea, conflict_areas
+from analysis.encounters.crossings import Traversal
+from analysis.geometry import BoolArray
+from analysis.recording.reading import RecordedRun
+from analysis.recording.tracks import Grid, Track
+from analysis.thresholds import Thresholds
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Encounter:
+    """One ego and one pedestrian over consecutive samples of the fine grid."""
+
+    ego: Track
+    person: Track
+    first: int
+    """Fine index of the first sample."""
+    last: int
+    area: ConflictArea | None
+    crossing_id: str
+    """Crossing the person is on or next to; empty for none."""
+    crossing_kind: str
+    traversal: Traversal | None
+    """The ego's passage over that crossing that is nearest in time."""
+    passes_crossing: bool
+    """The ego's body was over that crossing, or the map does not know it."""
+    censored: bool
+    """The recording of one of them ended before it was over."""
+
+    @property
+    def passage_id(self) -> str:
+        """Ego and crossing and the number of the traversal; empty away from crossings."""
+        if not self.crossing_id:
+            return ""
+        number = 1 if self.traversal is None else self.traversal.number
+        return f"{self.ego.name}|{self.crossing_id}|{number}"
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What an encounter is looked up in."""
+
+    run: RecordedRun
+    grid: Grid
+    thresholds: Thresholds
+    traversals: Mapping[tuple[str, str], Sequence[Traversal]]
+    crossing_kinds: Mapping[str, str]
+
+
+def find_encounters(egos: Sequence[Track], persons: Sequence[Track], around: Surroundings) -> list[Encounter]:
+    """Return all encounters, sorted by beginning, ego and pedestrian."""
+    found = []
+    for ego in egos:
+        for person in persons:
+            if _may_meet(ego, person, around.thresholds.encounter_range_m):
+                found.extend(_of_pair(ego, person, around))
+    return sorted(found, key=lambda one: (one.first, one.ego.name, one.person.name, one.last))
+
+
+def _may_meet(ego: Track, person: Track, range_m: float) -> bool:
+    first, last = max(ego.first, person.first), min(ego.last, person.last)
+    if first > last:
+        return False
+    a, b = _slice(ego, first, last), _slice(person, first, last)
+    apart = np.hypot(ego.x[a] - person.x[b], ego.y[a] - person.y[b])
+    return bool(apart.min() <= 2.0 * range_m)
+
+
+def _of_pair(ego: Track, person: Track, around: Surroundings) -> list[Encounter]:
+    first, last = max(ego.first, person.first), min(ego.last, person.last)
+    own, other = _slice(ego, first, last), _slice(person, first, last)
+    reach = around.thresholds.encounter_range_m
+    accepted: list[Encounter] = []
+    areas = conflict_areas(ego, person, around.grid, around.thresholds.visit_pairing_s)
+    for area in sorted(areas, key=lambda one: max(one.time_between, 0.0)):
+        near = np.hypot(ego.x[own] - area.x, ego.y[own] - area.y) <= reach
+        near &= np.hypot(person.x[other] - area.x, person.y[other] - area.y) <= reach
+        stretch = _nearest_stretch(near, first, ego.first + area.ego.first, person.first + area.person.first)
+        if stretch is None:
+            continue
+        encounter = _make(ego, person, *stretch, area, around)
+        if not any(_same(encounter, one) for one in accepted):
+            accepted.append(encounter)
+    near = np.hypot(ego.x[own] - person.x[other], ego.y[own] - person.y[other]) <= reach
+    for begin, end in _stretches(near):
+        if any(one.first <= first + end and first + begin <= one.last for one in accepted):
+            continue
+        encounter = _make(ego, person, first + begin, first + end, None, around)
+        if encounter.crossing_id:
+            accepted.append(encounter)
+    return accepted
+
+
+def _same(one: Encounter, other: Encounter) -> bool:
+    overlap = one.first <= other.last and other.first <= one.last
+    return overlap and one.crossing_id == other.crossing_id
+
+
+def _make(
+    ego: Track, person: Track, first: int, last: int, area: ConflictArea | None, around: Surroundings
+) -> Encounter:
+    crossing_id = _crossing(person, first, last, area, around.run)
+    time = around.grid.time
+    passed = around.traversals.get((ego.name, crossing_id), ())
+    middle = area.ego.enter if area is not None else 0.5 * (time[first] + time[last])
+    traversal = min(passed, key=lambda one: abs(one.visit.enter - middle), default=None)
+    return Encounter(
+        ego=ego,
+        person=person,
+        first=first,
+        last=last,
+        area=area,
+        crossing_id=crossing_id,
+        crossing_kind=around.crossing_kinds.get(crossing_id, ""),
+        traversal=traversal,
+        passes_crossing=traversal is not None or crossing_id not in around.crossing_kinds,
+        censored=_is_censored(ego, person, last, area),
+    )
+
+
+def _crossing(person: Track, first: int, last: int, area: ConflictArea | None, run: RecordedRun) -> str:
+    """Return the crossing walked on in the area, else the last one walked on or next."""
+    texts = run.neighbours.texts["crossing_id"]
+    if area is not None:
+        rows = person.rows[area.person.first : area.person.last + 1]
+    else:
+        rows = person.rows[_slice(person, first, last)]
+    phase = run.neighbours.texts["phase"]
+    crossing = rows[phase.equal("crossing", rows)]
+    waiting = rows[phase.equal("waiting", rows)]
+    for chosen in (crossing, waiting):
+        codes = texts.codes[chosen]
+        known = chosen[codes >= 0]
+        if len(known):
+            return texts.at(int(known[-1]))
+    return ""
+
+
+def _is_censored(ego: Track, person: Track, last: int, area: ConflictArea | None) -> bool:
+    if last < min(ego.last, person.last):
+        return False
+    if area is None:
+        return True
+    return area.ego.leave != area.ego.leave or area.person.leave != area.person.leave
+
+
+def _nearest_stretch(
+    near: BoolArray, first: int, ego_enters: int, person_enters: int
+) -> tuple[int, int] | None:
+    """Return the stretch nearest to the instants of entry, as fine indices; ``None`` without any."""
+    stretches = [(first + a, first + b) for a, b in _stretches(near)]
+    low, high = min(ego_enters, person_enters), max(ego_enters, person_enters)
+
+    def away(stretch: tuple[int, int]) -> int:
+        return max(stretch[0] - high, low - stretch[1], 0)
+
+    return min(stretches, key=away, default=None)
+
+
+def _stretches(inside: BoolArray) -> list[tuple[int, int]]:
+    """Return first and last index of each run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _slice(track: Track, first: int, last: int) -> slice:
+    return slice(first - track.first, last - track.first + 1)
+
+
+def exposed_samples(encounter: Encounter, run: RecordedRun, standing_speed: float) -> BoolArray:
+    """Return the samples at which a predicted collision counts.
+
+    A person on a crossing counts while on it, if the ego passes that crossing in this run or the
+    encounter is censored; a person who crosses the ego's path elsewhere counts throughout. Nobody counts
+    while waiting at the kerb, and nothing counts while the ego stands.
+    """
+    ego = _slice(encounter.ego, encounter.first, encounter.last)
+    rows = encounter.person.rows[_slice(encounter.person, encounter.first, encounter.last)]
+    moving = encounter.ego.speed[ego] > standing_speed
+    on_crossing: BoolArray = run.neighbours.texts["phase"].equal("crossing", rows)
+    if on_crossing.any():
+        meets = encounter.area is not None or encounter.passes_crossing or encounter.censored
+        return on_crossing & moving if meets else np.zeros_like(moving)
+    if encounter.area is None:
+        return np.zeros_like(moving)
+    return np.asarray(moving)

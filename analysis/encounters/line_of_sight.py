@@ -1,0 +1,62 @@
+"""Whether somebody can be seen from a place: vehicles are in the way, as rectangles of any height."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from analysis.geometry import BoolArray, FloatArray, to_frame
+from analysis.recording.tracks import Track
+
+
+def is_visible(
+    eye_x: FloatArray,
+    eye_y: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    first: int,
+    vehicles: Iterable[Track],
+) -> BoolArray:
+    """Return where no vehicle's rectangle cuts the straight line from the eye to a point.
+
+    Parameters
+    ----------
+    eye_x, eye_y : FloatArray
+        The eye at consecutive samples of the fine grid [m].
+    x, y : FloatArray
+        The point that is looked at, at the same samples [m].
+    first : int
+        Fine index of the first sample.
+    vehicles : Iterable[Track]
+        All that may be in the way; a vehicle hides only while it is recorded.
+    """
+    seen = np.ones(len(x), dtype=np.bool_)
+    last = first + len(x) - 1
+    for vehicle in vehicles:
+        begin, end = max(first, vehicle.first), min(last, vehicle.last)
+        if begin > end:
+            continue
+        own = slice(begin - vehicle.first, end - vehicle.first + 1)
+        here = slice(begin - first, end - first + 1)
+        seen[here] &= ~_cuts(vehicle, own, eye_x[here], eye_y[here], x[here], y[here])
+    return seen
+
+
+def _cuts(
+    vehicle: Track, own: slice, eye_x: FloatArray, eye_y: FloatArray, x: FloatArray, y: FloatArray
+) -> BoolArray:
+    """Return where the segment meets the rectangle: the shares of it inside both slabs overlap."""
+    heading = vehicle.heading[own]
+    from_x, from_y = to_frame(eye_x - vehicle.x[own], eye_y - vehicle.y[own], heading)
+    to_x, to_y = to_frame(x - vehicle.x[own], y - vehicle.y[own], heading)
+    enter, leave = np.zeros(len(x)), np.ones(len(x))
+    for start, end, half in ((from_x, to_x, 0.5 * vehicle.length), (from_y, to_y, 0.5 * vehicle.width)):
+        change = end - start
+        moves = np.abs(change) > 1e-12
+        safe = np.where(moves, change, 1.0)
+        one, two = (-half - start) / safe, (half - start) / safe
+        outside = ~moves & (np.abs(start) > half)
+        enter = np.maximum(enter, np.where(moves, np.minimum(one, two), np.where(outside, 2.0, 0.0)))
+        leave = np.minimum(leave, np.where(moves, np.maximum(one, two), 1.0))
+    return np.asarray(enter <= leave)

@@ -1,0 +1,154 @@
+"""Instants of an encounter that several metrics refer to: way still to go, evasive action, entry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.encounters.case import Case
+from analysis.encounters.finding import Encounter
+from analysis.geometry import BoolArray, FloatArray
+from analysis.recording.tracks import Track
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Ride:
+    """A track as functions of time."""
+
+    time: FloatArray
+    path: FloatArray
+    speed: FloatArray
+
+    def way(self, start: float, end: float) -> float:
+        """Return the length of the path between two instants [m]."""
+        return float(np.interp(end, self.time, self.path) - np.interp(start, self.time, self.path))
+
+    def speed_at(self, time: float) -> float:
+        """Return the speed [m/s]."""
+        return float(np.interp(time, self.time, self.speed))
+
+
+def ride_of(case: Case, track: Track) -> Ride:
+    """Return a track's path length and speed over time."""
+    return Ride(case.grid.time[track.first : track.last + 1], track.path, track.speed)
+
+
+def phase_samples(case: Case, encounter: Encounter, *phases: str) -> BoolArray:
+    """Return where the person's track is in one of the phases at this encounter's crossing."""
+    texts = case.run.neighbours.texts
+    rows = encounter.person.rows
+    there = texts["crossing_id"].equal(encounter.crossing_id, rows)
+    inside = np.zeros(len(rows), dtype=np.bool_)
+    for phase in phases:
+        inside |= texts["phase"].equal(phase, rows)
+    return np.asarray(inside & there)
+
+
+def crossing_stay(case: Case, encounter: Encounter) -> tuple[int, int] | None:
+    """Return first and last sample of the relevant stay of the person on the crossing.
+
+    That is the stay around their entry into the conflict area, the last one of the encounter if there is no
+    area, ``None`` for a person who never is on the crossing.
+    """
+    if not encounter.crossing_id:
+        return None
+    inside = phase_samples(case, encounter, "crossing")
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
+    stays = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    start, end = encounter.first - encounter.person.first, encounter.last - encounter.person.first
+    if encounter.area is not None:
+        start, end = encounter.area.person.first, encounter.area.person.last
+    stays = [stay for stay in stays if stay[0] <= end and start <= stay[1]]
+    return stays[-1] if stays else None
+
+
+@dataclass(frozen=True, slots=True)
+class Evasion:
+    """The beginning of the ego's evasive action."""
+
+    time: FloatArray
+    """nan where there was none and no smallest TTC either [s]."""
+    ego_speed: FloatArray
+    ttc: FloatArray
+    """inf without a collision course, nan where the pedestrian did not count yet [s]."""
+    braked: BoolArray
+
+
+def evasions(case: Case) -> Evasion:
+    """Return where the ego begins to brake harder than the threshold, else the instant of smallest TTC."""
+    count = len(case)
+    samples = case.samples
+    time, speed, ttc = (np.full(count, np.nan) for _ in range(3))
+    braked = np.zeros(count, dtype=np.bool_)
+    low, at = samples.smallest(samples.ttc)
+    for i, rows in enumerate(case.ego_rows):
+        hard = rows[case.steps.deceleration[rows] > case.thresholds.evasive_deceleration_mps2]
+        if len(hard):
+            begin = float(case.run.egos.numbers["time_s"][hard[0]])
+            sample = int(samples.starts[i] + np.searchsorted(_own_time(case, i), begin - 1e-9))
+            braked[i] = True
+        elif np.isfinite(low[i]):
+            sample = int(at[i])
+        else:
+            continue
+        sample = min(sample, int(samples.starts[i]) + len(_own_time(case, i)) - 1)
+        time[i], speed[i], ttc[i] = samples.time[sample], samples.ego_speed[sample], samples.ttc[sample]
+    return Evasion(time, speed, ttc, braked)
+
+
+def _own_time(case: Case, i: int) -> FloatArray:
+    start = int(case.samples.starts[i])
+    one = case.encounters[i]
+    return case.samples.time[start : start + one.last - one.first + 1]
+
+
+@dataclass(frozen=True, slots=True)
+class Entries:
+    """The instant at which each pedestrian could be seen to enter, before the ego reached the area."""
+
+    time: FloatArray
+    """nan where the ego was in the area before, or there is none [s]."""
+    distance: FloatArray
+    """Way of the ego to the conflict area at that instant [m]."""
+    ego_speed: FloatArray
+
+
+def entries(case: Case) -> Entries:
+    """Return when each pedestrian stepped on the crossing, or where there is none, the encounter's start."""
+    count = len(case)
+    time, distance, speed = (np.full(count, np.nan) for _ in range(3))
+    for i, one in enumerate(case.encounters):
+        if one.area is None:
+            continue
+        stay = crossing_stay(case, one)
+        begin = one.first if stay is None else one.person.first + stay[0]
+        # Who was on the crossing before the ego came into the recording is seen when it does.
+        seen = float(case.grid.time[max(begin, one.ego.first)])
+        if seen >= one.area.ego.enter:
+            continue
+        ride = ride_of(case, one.ego)
+        time[i], distance[i] = seen, ride.way(seen, one.area.ego.enter)
+        speed[i] = ride.speed_at(seen)
+    return Entries(time, distance, speed)
+
+
+def stopping_distance(speed: FloatArray, reaction: float, deceleration: float, ramp: float) -> FloatArray:
+    """Return the way to a standstill: reaction, linear rise of the braking, then constant braking [m].
+
+    Examples
+    --------
+    >>> stopping_distance(np.array([20 / 3.6]), 0.75, 7.59, 0.6).round(2).tolist()
+    [7.75]
+    """
+    jerk = deceleration / ramp if ramp > 0.0 else np.inf
+    lost = 0.5 * deceleration * ramp
+    within = np.sqrt(2.0 * speed / jerk)
+    ramp_way = speed * ramp - jerk * ramp**3 / 6.0 if ramp > 0.0 else 0.0 * speed
+    left = np.maximum(speed - lost, 0.0)
+    full = ramp_way + left**2 / (2.0 * deceleration)
+    short = speed * within - (jerk * within**3 / 6.0 if ramp > 0.0 else 0.0)
+    return np.asarray(speed * reaction + np.where(speed < lost, short, full))

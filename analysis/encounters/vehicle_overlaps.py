@@ -1,0 +1,133 @@
+"""Overlaps of an ego's rectangle with other vehicles, and who moved into whom."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.geometry import FloatArray, gap_along, rectangle_separation
+from analysis.recording.tracks import Grid, Track
+
+IntArray = NDArray[np.int64]
+
+_SEPARATION_S = 2.0
+_TOUCH_M = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleOverlap:
+    """One overlap of an ego with one vehicle; instants closer than 2 s are one."""
+
+    ego_id: str
+    vehicle_id: str
+    vehicle_type: str
+    start: float
+    """[s]"""
+    end: float
+    depth: float
+    """Largest penetration along the axis of least overlap [m]."""
+    ego_closing: float
+    """Speed with which the ego's own motion closed the last gap [m/s]; nan when there was none."""
+    other_closing: float
+    closed_by: str
+    """``ego``, ``other``, or ``appeared`` for a vehicle first recorded inside the ego."""
+    ego_speed: float
+    other_speed: float
+    x: float
+    y: float
+
+
+def find_overlaps(egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid) -> list[VehicleOverlap]:
+    """Return all overlaps, sorted by time and names."""
+    found = []
+    for ego in egos:
+        for vehicle in vehicles:
+            found.extend(_of_pair(ego, vehicle, grid))
+    return sorted(found, key=lambda one: (one.start, one.ego_id, one.vehicle_id))
+
+
+def _of_pair(ego: Track, vehicle: Track, grid: Grid) -> list[VehicleOverlap]:
+    first, last = max(ego.first, vehicle.first), min(ego.last, vehicle.last)
+    if first > last or vehicle.name == ego.name:
+        return []
+    a = slice(first - ego.first, last - ego.first + 1)
+    b = slice(first - vehicle.first, last - vehicle.first + 1)
+    reach = 0.5 * float(np.hypot(ego.length, ego.width) + np.hypot(vehicle.length, vehicle.width))
+    dx, dy = ego.x[a] - vehicle.x[b], ego.y[a] - vehicle.y[b]
+    near = np.flatnonzero(dx * dx + dy * dy <= reach * reach)
+    if len(near) == 0:
+        return []
+    own = near + first - ego.first
+    other = near + first - vehicle.first
+    gap, _ = _separation(ego, own, vehicle, other)
+    hit = np.flatnonzero(gap < -_TOUCH_M)
+    if len(hit) == 0:
+        return []
+    times = grid.time[near[hit] + first]
+    groups = np.split(hit, np.flatnonzero(np.diff(times) >= _SEPARATION_S) + 1)
+    return [_describe(ego, own[group], vehicle, other[group], gap[group], grid) for group in groups]
+
+
+def _separation(ego: Track, own: IntArray, vehicle: Track, other: IntArray) -> tuple[FloatArray, FloatArray]:
+    return rectangle_separation(
+        ego.x[own],
+        ego.y[own],
+        ego.heading[own],
+        ego.length,
+        ego.width,
+        vehicle.x[other],
+        vehicle.y[other],
+        vehicle.heading[other],
+        vehicle.length,
+        vehicle.width,
+    )
+
+
+def _describe(
+    ego: Track, own: IntArray, vehicle: Track, other: IntArray, gap: FloatArray, grid: Grid
+) -> VehicleOverlap:
+    i, j = int(own[0]), int(other[0])
+    ego_closing, other_closing = np.nan, np.nan
+    closed_by = "appeared"
+    if i > 0 and j > 0:
+        before, after = np.array([i - 1]), np.array([i])
+        before_other, after_other = np.array([j - 1]), np.array([j])
+        start, axis = _separation(ego, before, vehicle, before_other)
+        step = float(grid.time[ego.first + i] - grid.time[ego.first + i - 1])
+        ego_closing = float(start[0] - _gap(axis, ego, after, vehicle, before_other)[0]) / step
+        other_closing = float(start[0] - _gap(axis, ego, before, vehicle, after_other)[0]) / step
+        closed_by = "ego" if ego_closing > 0.0 and ego_closing >= other_closing else "other"
+    return VehicleOverlap(
+        ego_id=ego.name,
+        vehicle_id=vehicle.name,
+        vehicle_type=vehicle.kind,
+        start=float(grid.time[ego.first + i]),
+        end=float(grid.time[ego.first + int(own[-1])]),
+        depth=float(-gap.min()),
+        ego_closing=ego_closing,
+        other_closing=other_closing,
+        closed_by=closed_by,
+        ego_speed=float(ego.speed[i]),
+        other_speed=float(vehicle.speed[j]),
+        x=float(ego.x[i]),
+        y=float(ego.y[i]),
+    )
+
+
+def _gap(axis: FloatArray, ego: Track, own: IntArray, vehicle: Track, other: IntArray) -> FloatArray:
+    return gap_along(
+        axis,
+        ego.x[own],
+        ego.y[own],
+        ego.heading[own],
+        ego.length,
+        ego.width,
+        vehicle.x[other],
+        vehicle.y[other],
+        vehicle.heading[other],
+        vehicle.length,
+        vehicle.width,
+    )

@@ -1,0 +1,1 @@
+"""Many runs: read, summed up, compared and written."""

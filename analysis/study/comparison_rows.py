@@ -1,0 +1,175 @@
+"""The rows of comparisons.csv: an alternative against a base on the same seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from analysis.results.measures import Measure, run_measures
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.statistics.paired import Comparison, compare_values, compare_yes_no, holm
+from analysis.statistics.ratios import contributions
+from analysis.study.configuration_rows import describe, parts
+from analysis.study.design import Condition, Study
+from analysis.study.runs import StudyRun
+from analysis.tables.cells import Row
+
+SIGNIFICANT = 0.05
+ALL = "all"
+"""The condition_id of a scenario's conditions together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """The seeds of a base and an alternative: for each seed one run of each per condition."""
+
+    base: tuple[tuple[StudyRun, ...], ...]
+    alt: tuple[tuple[StudyRun, ...], ...]
+    unpaired: int
+    """Seeds with a run on one side only, or not under every condition."""
+    invalid: int
+    """Seeds lost because a run was not valid."""
+
+
+def pair_runs(study: Study, conditions: Sequence[Condition], base: str, alt: str) -> Pairs:
+    """Pair the valid runs of two labels by seed, over one condition or several.
+
+    Under several conditions a seed counts once, with all its runs: what it is under one condition is not
+    independent of what it is under another.
+    """
+    if not conditions:
+        return Pairs((), (), 0, 0)
+    sides = [[study.seeds(label, one) for one in conditions] for label in (base, alt)]
+    everywhere = [set.intersection(*(set(runs) for runs in side)) for side in sides]
+    anywhere = [set.union(*(set(runs) for runs in side)) for side in sides]
+    common = sorted(everywhere[0] & everywhere[1])
+    rows = [tuple(tuple(runs[seed] for runs in side) for side in sides) for seed in common]
+    kept = [row for row in rows if all(run.valid for side in row for run in side)]
+    return Pairs(
+        base=tuple(row[0] for row in kept),
+        alt=tuple(row[1] for row in kept),
+        unpaired=len((anywhere[0] | anywhere[1]) - set(common)),
+        invalid=len(rows) - len(kept),
+    )
+
+
+def comparison_rows(study: Study, baseline: str | None) -> Iterator[Row]:
+    """Return one row per condition, pair of labels and measure, in a fixed order.
+
+    A scenario with several conditions has, last, the rows over all of them. Corrected together are the
+    tests of one condition over measures and alternatives: the key measures as one family, all others
+    as another.
+    """
+    labels = study.pairs_of_labels(baseline)
+    for _, group in groupby(study.conditions, key=lambda one: one.scenario_id):
+        conditions = list(group)
+        for scope in [[one] for one in conditions] + [conditions] * (len(conditions) > 1):
+            rows = [
+                row
+                for base, alt in labels
+                if len(scope) == 1 or len(shared_conditions(study, scope, base, alt)) > 1
+                for row in compare_labels(study, scope, base, alt, run_measures())
+            ]
+            for family in ("key", "other"):
+                correct([row for row in rows if row["key"] == (family == "key")], family)
+            yield from rows
+
+
+def shared_conditions(study: Study, conditions: Sequence[Condition], base: str, alt: str) -> list[Condition]:
+    """Return the conditions that both labels were run under."""
+    return [one for one in conditions if study.seeds(base, one) and study.seeds(alt, one)]
+
+
+def compare_labels(
+    study: Study, conditions: Sequence[Condition], base: str, alt: str, measures: Sequence[Measure]
+) -> list[dict[str, Any]]:
+    """Return the rows of an alternative against a base, without correction and verdict.
+
+    The conditions are of one scenario. Those that one of the two was never run under are left out;
+    without any other there is no row.
+    """
+    shared = shared_conditions(study, conditions, base, alt)
+    if not shared:
+        return []
+    pairs = pair_runs(study, shared, base, alt)
+    several = len(shared) > 1
+    where = {
+        "schema_version": SCHEMA_VERSION,
+        "scenario_id": shared[0].scenario_id,
+        "condition_id": ALL if several else shared[0].condition_id,
+        "condition": (f"all {len(shared)} conditions" if several else shared[0].text) or None,
+        "base": base,
+        "alt": alt,
+    }
+    return [{**where, **describe(one), **_compared(one, pairs)} for one in measures]
+
+
+def correct(rows: Sequence[dict[str, Any]], family: str) -> None:
+    """Correct the p values of a family of rows together, and say the verdict of each."""
+    corrected = holm([row["p_value"] for row in rows])
+    number = sum(p is not None for p in corrected)
+    for row, p in zip(rows, corrected, strict=True):
+        row["p_holm"] = p
+        row["family"], row["n_family"] = family, number
+        row["significant_05"] = None if p is None else p < SIGNIFICANT
+        row["verdict"] = _verdict(row)
+
+
+def _compared(measure: Measure, pairs: Pairs) -> dict[str, Any]:
+    found = [
+        (one, other)
+        for base, alt in zip(pairs.base, pairs.alt, strict=True)
+        if (one := parts(measure, base)) is not None and (other := parts(measure, alt)) is not None
+    ]
+    result = _tested(measure, found, several=bool(pairs.base) and len(pairs.base[0]) > 1)
+    interval, base_mean = result.interval, result.base_mean
+    return {
+        "n_pairs": result.pairs,
+        "n_unpaired": pairs.unpaired,
+        "n_invalid": pairs.invalid,
+        "n_undefined": len(pairs.base) - result.pairs,
+        "base_mean": base_mean,
+        "alt_mean": result.alt_mean,
+        "diff_mean": result.difference,
+        "diff_pct": 100.0 * result.difference / base_mean if result.difference and base_mean else None,
+        "sd_diff": result.deviation,
+        "ci95_lo": None if interval is None else interval.low,
+        "ci95_hi": None if interval is None else interval.high,
+        "ci_method": "none" if interval is None else interval.method,
+        "pair_corr": result.correlation,
+        "test": result.test,
+        "statistic": result.statistic,
+        "p_value": result.p_value,
+        "effect_size": result.effect_size,
+        "effect": result.effect or None,
+        "status": result.status,
+    }
+
+
+def _tested(
+    measure: Measure, found: Sequence[tuple[tuple[float, float], tuple[float, float]]], several: bool
+) -> Comparison:
+    if not found:
+        return Comparison(0, status="no_pairs")
+    base, alt = (contributions(*np.array([pair[side] for pair in found]).T) for side in (0, 1))
+    # Over several conditions a seed has a share of runs with a yes, and no yes or no.
+    if measure.kind == "yes_no" and not several:
+        return compare_yes_no(base, alt)
+    return compare_values(base, alt)
+
+
+def _verdict(row: Row) -> str:
+    """Return what is shown: a corrected p below 0.05, and an interval that does not say otherwise."""
+    difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
+    if not row["significant_05"] or not difference:
+        return "no_difference_shown"
+    if low is not None and low <= 0.0 <= high:
+        return "no_difference_shown"
+    direction = "higher" if difference > 0.0 else "lower"
+    if row["worse"] == "neither":
+        return direction
+    return "worse" if direction == row["worse"] else "better"

@@ -1,0 +1,129 @@
+"""What was varied in a study: conditions (scenario and setting), configurations of controllers, pairs.
+
+A *label* names a configuration of a controller: its name and, where the study has several parameter sets
+of it, the parameters that differ. A *condition* is everything two controllers must share to be compared:
+scenario, demand, egos, step, files. Runs are paired by condition and seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.study.runs import StudyRun, read_runs
+
+REFERENCE = "sumo"
+"""The baseline where none is named and there is one: SUMO's own driver."""
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Scenario and setting of some runs."""
+
+    condition_id: str
+    scenario_id: str
+    text: str
+    """What distinguishes it from the study's other conditions of that scenario."""
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Runs, by condition and label."""
+
+    runs: tuple[StudyRun, ...]
+    conditions: tuple[Condition, ...]
+    labels: Mapping[str, str]
+    """config_id to label."""
+
+    def label(self, run: StudyRun) -> str:
+        """Return the label of a run's controller."""
+        return self.labels[run.config_id]
+
+    def all_labels(self) -> list[str]:
+        """Return the labels of the study, in alphabetical order."""
+        return sorted(set(self.labels.values()))
+
+    def matching(self, name: str) -> list[str]:
+        """Return the labels that a label, a controller's name or a config_id stands for."""
+        return sorted(
+            {self.label(run) for run in self.runs if name in (self.label(run), run.controller, run.config_id)}
+        )
+
+    def seeds(self, label: str, condition: Condition) -> dict[int, StudyRun]:
+        """Return the runs of a label under a condition, valid or not, by seed."""
+        return {
+            run.seed: run
+            for run in self.runs
+            if run.condition_id == condition.condition_id and self.label(run) == label
+        }
+
+    def pairs_of_labels(self, baseline: str | None) -> list[tuple[str, str]]:
+        """Return (base, alternative) for a baseline and every other label.
+
+        Without a baseline, or where it stands for all labels, ``sumo`` or the first label is the base.
+        """
+        labels = self.all_labels()
+        bases = self.matching(baseline if baseline is not None else REFERENCE)
+        if baseline is None and not bases:
+            bases = labels
+        if len(bases) == len(labels):
+            bases = bases[:1]
+        return [(base, alt) for base in bases for alt in labels if alt not in bases]
+
+
+def read_study(folders: Iterable[Path]) -> Study:
+    """Read run folders, in any order.
+
+    Raises
+    ------
+    StudyError
+        As :func:`analysis.study.runs.read_runs`.
+    """
+    runs = read_runs(folders)
+    return Study(tuple(runs), _conditions(runs), _labels(runs))
+
+
+def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:
+    found: list[Condition] = []
+    for scenario in sorted({run.scenario_id for run in runs}):
+        settings = {run.condition_id: run.setting for run in runs if run.scenario_id == scenario}
+        texts = _differences(_telling(settings))
+        if len(set(texts.values())) < len(texts):  # same settings, other files
+            texts = _differences(settings)
+        found += [Condition(key, scenario, texts[key]) for key in settings]
+    return tuple(sorted(found, key=lambda one: (one.scenario_id, one.text, one.condition_id)))
+
+
+def _telling(settings: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, str]]:
+    """Return the settings without hashes of files, and without what follows from the name of the sensing.
+
+    Sensing models have different parameters; one that is the same wherever it exists tells nothing.
+    """
+    values: dict[str, set[str]] = {}
+    for setting in settings.values():
+        for name, value in setting.items():
+            values.setdefault(name, set()).add(value)
+    same = {name for name, some in values.items() if name.startswith("sensing.") and len(some) == 1}
+    return {
+        key: {name: value for name, value in setting.items() if name != "inputs" and name not in same}
+        for key, setting in settings.items()
+    }
+
+
+def _labels(runs: Sequence[StudyRun]) -> dict[str, str]:
+    labels: dict[str, str] = {}
+    for controller in {run.controller for run in runs}:
+        mine = {run.config_id: run.parameters for run in runs if run.controller == controller}
+        labels |= {key: f"{controller} {text}".strip() for key, text in _differences(mine).items()}
+    return labels
+
+
+def _differences(given: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    """Return for each key the values that not all have in common, as ``name=value name=value``."""
+    names = sorted({name for values in given.values() for name in values})
+    varied = [name for name in names if len({values.get(name) for values in given.values()}) > 1]
+    return {
+        key: " ".join(f"{name}={values[name]}" for name in varied if name in values)
+        for key, values in given.items()
+    }

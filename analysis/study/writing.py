@@ -1,0 +1,130 @@
+"""Tables over many runs: runs.csv, encounters.csv, configs.csv, comparisons.csv and their dictionary."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from analysis.errors import StudyError
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.study.comparison_rows import comparison_rows
+from analysis.study.configuration_rows import configuration_rows
+from analysis.study.design import read_study
+from analysis.study.runs import StudyRun
+from analysis.study.tables import COMPARISONS, CONFIGS, STUDY_TABLES
+from analysis.tables.cells import Row, cells
+from analysis.tables.column import Table
+from analysis.tables.datapackage import describe
+
+PACKAGE = "datapackage.json"
+
+
+def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> None:
+    """Write the tables of a study; the same runs give the same bytes, in whatever order they come.
+
+    All files are complete before the first of them takes its name.
+
+    Parameters
+    ----------
+    out
+        Folder for the tables; made where there is none.
+    folders
+        Run folders. Runs that failed or have not ended are counted, and are in no mean.
+    baseline
+        What the others are compared with: a controller, a controller with the parameters that tell it
+        from its variants (``vo_mpc horizon=20``), or a config_id. ``None``: ``sumo``, or else the first
+        in the alphabet. One without any run leaves comparisons.csv without rows.
+
+    Raises
+    ------
+    StudyError
+        When runs cannot be read or do not belong together; nothing is written then.
+    OSError
+        When the files cannot be written; those of before are still there.
+    """
+    study = read_study(folders)
+    out.mkdir(parents=True, exist_ok=True)
+    content = {
+        RUNS.file: _table(RUNS.names(), (run.cells for run in study.runs if run.cells)),
+        ENCOUNTERS.file: _encounters(study.runs),
+        CONFIGS.file: _rows(CONFIGS, configuration_rows(study)),
+        COMPARISONS.file: _rows(COMPARISONS, comparison_rows(study, baseline)),
+        PACKAGE: iter([_package(out)]),
+    }
+    parts = {name: out / f"{name}.part" for name in content}
+    try:
+        for name, texts in content.items():
+            with parts[name].open("w", encoding="utf-8", newline="") as file:
+                file.writelines(texts)
+        for name, part in parts.items():
+            part.replace(out / name)
+    finally:
+        for part in parts.values():
+            part.unlink(missing_ok=True)
+
+
+def write_comparison(path: Path, rows: Sequence[Row]) -> None:
+    """Write some rows of comparisons to a file of their own."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            file.writelines(_rows(COMPARISONS, rows))
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+class _Line:
+    """Takes the place of a file for :mod:`csv`, and gives the line back."""
+
+    def write(self, text: str) -> str:
+        return text
+
+
+def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    writer = csv.writer(_Line(), lineterminator="\n")
+    yield from (str(writer.writerow(row)) for row in (names, *rows))
+
+
+def _rows(table: Table, rows: Iterable[Row]) -> Iterator[str]:
+    # Six significant digits: p values and rates of rare events are small, and the last digits of a sum
+    # are not the same on every processor.
+    yield from _table(table.names(), cells(table, list(rows), number="{:.6g}".format))
+
+
+def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
+    """Return the lines of all encounters.csv files, run after run, without holding more than one."""
+    header = ",".join(ENCOUNTERS.names()) + "\n"
+    yield header
+    for run in runs:
+        path = run.folder / ENCOUNTERS.file
+        if not run.cells:
+            continue
+        with path.open(encoding="utf-8", newline="") as file:
+            if file.readline() != header:
+                raise StudyError(
+                    f"{path}: expected the columns of schema {SCHEMA_VERSION}; "
+                    "cosim analyse makes it again"
+                )
+            yield from file
+
+
+def _package(out: Path) -> str:
+    """Return the data dictionary: of these tables, and of what else the folder's dictionary describes."""
+    package = describe(STUDY_TABLES, "a study of many runs")
+    mine = {table.name for table in STUDY_TABLES}
+    package["resources"] += [one for one in _described(out / PACKAGE) if one.get("name") not in mine]
+    return json.dumps(package, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _described(path: Path) -> list[dict[str, Any]]:
+    try:
+        return list(json.loads(path.read_text("utf-8"))["resources"])
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise StudyError(f"{path}: not a data package ({error})") from None
