@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -93,7 +93,7 @@ def follow(source: str) -> Callable[[Any], Any]:
     def value_of(made_of: Any) -> Any:
         value = made_of
         for name in names:
-            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+            value = value.get(name) if isinstance(value, dict) else getattr(value, name)
             if value is None:
                 return None
         return value

@@ -16,6 +16,8 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from analysis.thresholds import LOW_TTC_S
+
 KEYS = ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour", "controller"]
 BASELINE = "sumo"
 POOLED = ["scenario_id", "controller"]
@@ -79,7 +81,7 @@ def summary(runs: pd.DataFrame, encounters: pd.DataFrame, keys: Sequence[str] = 
 def _row(runs: pd.DataFrame, met: pd.DataFrame, base: pd.DataFrame) -> dict[str, Any]:
     n = len(met)
     contacts = int((met["contacts"] > 0).sum())
-    near = int((met["min_ttc_s"] < 1.5).sum())
+    near = int((met["min_ttc_s"] < LOW_TTC_S).sum())
     mild = met[(met["max_decel_mps2"] > 4.5) & (met["late_entry"] != 1)]
     difference, low, high, pairs = _paired(runs, base)
     return {
