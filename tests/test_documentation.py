@@ -11,6 +11,10 @@ import pytest
 import typer.core
 import typer.main
 
+from analysis.encounters.case import prepare
+from analysis.recording.reading import read_run
+from analysis.results.metric_catalog import read_metric
+from analysis.results.rows import measure
 from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
@@ -32,6 +36,7 @@ from cosim.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
 from sumo_scenarios import library
+from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.documentation import command_blocks
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -170,11 +175,25 @@ def test_make_targets_that_the_texts_name_exist() -> None:
             assert target in targets, f"{page} names make {target}"
 
 
-def test_the_controller_in_the_contributing_text_works() -> None:
+def contributed(title: str) -> types.ModuleType:
+    """Return the module that the contributing text shows in a section."""
     text = (ROOT / "CONTRIBUTING.md").read_text()
-    (source,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    module = types.ModuleType("steady")
+    (source,) = re.findall(rf"## {title}\n[^#]*?```python\n(.*?)```", text, re.DOTALL)
+    module = types.ModuleType("contributed")
     exec(compile(source, "CONTRIBUTING.md", "exec"), module.__dict__)
+    return module
+
+
+def test_the_controller_in_the_contributing_text_works() -> None:
+    module = contributed("Add a controller")
     controller: Controller = module.__dict__["build"](acceleration=0.5)
     assert callable(controller.decide)
     assert callable(controller.plan)
+
+
+def test_the_metric_in_the_contributing_text_works(tmp_path: Path) -> None:
+    ride = write_run(tmp_path, [Ego(line(0, 0, 10, 0))], [Person(line(20.0, 0, 0, 0))], duration=1.0)
+    values, of_run = measure(read_metric("last_gap", contributed("Add a metric")), prepare(read_run(ride)))
+    # The front is at 12.25 m at last, the disc begins at 19.75 m.
+    assert list(values["last_gap_m"]) == pytest.approx([7.5])
+    assert of_run["last_gap_min_m"] == pytest.approx(7.5)

@@ -1,1 +1,1 @@
-"""One file per metric, each with UNIT, WORSE, SOURCE and ``compute``."""
+"""One file per metric: UNIT, WORSE, SOURCE, its columns, ``compute`` and, for encounters, ``summarise``."""
