@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.errors import StudyError
-from analysis.study_design import Condition, Study, read_study
-from analysis.study_runs import find_run_folders
+from analysis.study.design import Condition, Study, read_study
+from analysis.study.runs import find_run_folders
 from studies.markdown import table
 from studies.methods.rows import Row, rows
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.run import RecordedRun, read_run
+from analysis.recording.reading import RecordedRun, read_run
 from analysis.statistics.intervals import FloatArray, Interval, share_interval
-from analysis.study_design import Condition, Study
-from analysis.study_runs import StudyRun
+from analysis.study.design import Condition, Study
+from analysis.study.runs import StudyRun
 
 NEAR_M = 45.0
 """Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""

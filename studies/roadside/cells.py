@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis import schema
+from analysis.results.run_tables import ENCOUNTERS
 from analysis.statistics.intervals import FloatArray
 from analysis.statistics.paired import compare_values
-from analysis.study_runs import StudyRun
+from analysis.study.runs import StudyRun
 
 ORDER = ("perfect", "onboard", "roadside", "fused")
 """Of the sensing models, on the page and in the figure."""
@@ -96,7 +96,7 @@ def seeing_of(run: StudyRun) -> Seeing:
 
 def outcome_of(run: StudyRun) -> Outcome:
     """Return the numbers of a valid run."""
-    table = pd.read_csv(run.folder / schema.ENCOUNTERS.file)
+    table = pd.read_csv(run.folder / ENCOUNTERS.file)
     met = table[(table["entered"] == 1) | (table["collision"] == 1)]
     touched = met[met["collision"] == 1]
     return Outcome(

@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis.errors import StudyError
 from analysis.statistics.intervals import share_interval
-from analysis.study_runs import find_run_folders, read_runs
+from analysis.study.runs import find_run_folders, read_runs
 from studies.markdown import table
 from studies.roadside.cells import Cell, against, cells
 from studies.roadside.figure import draw

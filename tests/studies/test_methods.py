@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from analysis.errors import StudyError
-from analysis.run import read_run
-from analysis.study_design import read_study
+from analysis.recording.reading import read_run
+from analysis.study.design import read_study
 from studies.methods.page import write_page
 from studies.methods.rows import people_at_once, rows
 from tests.analysis.recorded import Ego, Person, line, write_run
-from tests.analysis.study_folders import write_study_run
+from tests.analysis.study.study_folders import write_study_run
 
 
 def _study(folder: Path) -> Path:

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from analysis.errors import StudyError
-from analysis.study_runs import find_run_folders, read_runs
+from analysis.study.runs import find_run_folders, read_runs
 from cosim.batch.matrix import build_matrix
 from cosim.batch.study import read_study
 from studies.roadside.cells import against, cells
 from studies.roadside.page import write_page
-from tests.analysis.study_folders import write_study_run
+from tests.analysis.study.study_folders import write_study_run
 
 ROOT = Path(__file__).resolve().parents[2]
 MET = {"visible_before_conflict_s": 2.0, "preventable_r157": 1}
