@@ -107,8 +107,7 @@ def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
         with path.open(encoding="utf-8", newline="") as file:
             if file.readline() != header:
                 raise StudyError(
-                    f"{path}: expected the columns of schema {SCHEMA_VERSION}; "
-                    "cosim analyse makes it again"
+                    f"{path}: expected the columns of schema {SCHEMA_VERSION}; cosim analyse makes it again"
                 )
             yield from file
 
