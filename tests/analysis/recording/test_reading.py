@@ -110,7 +110,7 @@ def test_a_column_of_another_type_is_named(folder: Path) -> None:
         return table.set_column(at, "speed_mps", pc.cast(table["speed_mps"], pa.string()))
 
     change(folder, "egos.parquet", as_text)
-    assert "column 'speed_mps' is string, double expected" in refusal(folder)
+    assert "column 'speed_mps' is string, expected double" in refusal(folder)
 
 
 def test_an_undefined_number_is_named_with_its_row(folder: Path) -> None:
