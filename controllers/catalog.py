@@ -1,32 +1,30 @@
 """The controllers that exist, by name: files of ``controllers/strategies`` and plug-ins.
 
-A controller is a module with ``build(*, parameter: type = default, ...) -> Controller``; the signature is
-the list of parameters, the first line of the module's docstring its description. Modules outside this
-repository join through the entry-point group ``cosim.controllers``. A ``build`` that needs random numbers
-also takes ``seed``.
+A controller is a module with ``build(settings: Settings) -> Controller``, whose ``Settings`` are a
+:class:`~controllers.settings.ControllerSettings`, or with ``build(*, parameter: type = default, ...)``, of
+whose signature the settings are made. The first line of the module's docstring is its description. Modules
+outside this repository join through the entry-point group ``cosim.controllers``.
 """
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
-import math
 import pkgutil
-import types
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from importlib.metadata import entry_points
 from types import ModuleType
-from typing import Literal, Union, cast, get_args, get_origin, get_type_hints
+from typing import cast
+
+from pydantic import ValidationError
 
 import controllers.strategies
+from controllers import settings
 from controllers.interface import Controller
+from controllers.parameters import Parameter, described_by, existing, told, unknown
+from controllers.settings import SEED, ControllerSettings
 
 ENTRY_POINT_GROUP = "cosim.controllers"
-SEED = "seed"
-
-_TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
-_PLAIN = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", type(None): "none"}
 
 
 class CatalogError(ValueError):
@@ -44,21 +42,40 @@ def describe(name: str) -> str:
     return documentation.partition("\n")[0]
 
 
+def model_of(name: str) -> type[ControllerSettings]:
+    """Return the model of the controller's settings.
+
+    Raises
+    ------
+    CatalogError
+        There is no such controller, or it cannot be loaded.
+    """
+    try:
+        return settings.model_of(_module(name).build)
+    except (TypeError, NameError) as error:
+        raise CatalogError(f"controller '{name}': {error}") from error
+
+
 def parameters(name: str) -> Mapping[str, object]:
-    """Return the controller's parameters with their defaults, in the order of its signature."""
-    return {key: value.default for key, value in _signature(name).items() if key != SEED}
+    """Return the controller's parameters with their defaults, in the order of its settings."""
+    return {one.name: one.default for one in described(name)}
+
+
+def described(name: str) -> tuple[Parameter, ...]:
+    """Return all that is known of the controller's parameters."""
+    return described_by(model_of(name))
 
 
 def parse(name: str, texts: Mapping[str, str]) -> dict[str, object]:
-    """Convert the texts of parameters to what the controller's signature asks for.
+    """Convert the texts of parameters to what the controller's settings ask for.
 
     Raises
     ------
     CatalogError
         Unknown controller or parameter, or a text that is no such value.
     """
-    kinds = _kinds(name, texts)
-    return {key: _from_text(name, key, text.strip(), kinds[key]) for key, text in texts.items()}
+    made = _settings(name, texts)
+    return {key: getattr(made, key) for key in texts}
 
 
 def build(name: str, /, *, seed: int = 1, **values: object) -> Controller:
@@ -78,14 +95,21 @@ def build(name: str, /, *, seed: int = 1, **values: object) -> Controller:
     CatalogError
         Unknown controller or parameter, or a value of the wrong type or out of range.
     """
-    kinds = _kinds(name, values)
-    given = {key: _checked(name, key, value, kinds[key]) for key, value in values.items()}
-    if SEED in _signature(name):
-        given[SEED] = seed
+    made = _settings(name, values).model_copy(update={SEED: seed})
     try:
-        return cast(Controller, _module(name).build(**given))
+        return cast(Controller, settings.call(_module(name).build, made))
     except ValueError as error:
-        raise CatalogError(f"controller '{name}': {error}") from error
+        raise CatalogError(f"controller '{name}': {' '.join(str(error).split())}") from error
+
+
+def _settings(name: str, values: Mapping[str, object]) -> ControllerSettings:
+    model = model_of(name)
+    if SEED in values:
+        raise CatalogError(f"controller '{name}': {unknown(model, SEED)}")
+    try:
+        return model.model_validate(dict(values))
+    except ValidationError as error:
+        raise CatalogError(f"controller '{name}': {told(model, error)}") from error
 
 
 def _own() -> set[str]:
@@ -95,7 +119,7 @@ def _own() -> set[str]:
 
 def _module(name: str) -> ModuleType:
     if name not in names():
-        raise CatalogError(f"no controller '{name}'; {_existing(name, names())}")
+        raise CatalogError(f"no controller '{name}'; {existing(name, names())}")
     module: ModuleType
     try:
         if name in _own():
@@ -107,92 +131,3 @@ def _module(name: str) -> ModuleType:
     if not callable(getattr(module, "build", None)):
         raise CatalogError(f"controller '{name}' has no function build(**parameters)")
     return module
-
-
-def _signature(name: str) -> dict[str, inspect.Parameter]:
-    found = inspect.signature(_module(name).build).parameters
-    bare = [key for key, value in found.items() if value.default is inspect.Parameter.empty]
-    if bare:
-        raise CatalogError(f"controller '{name}': parameter '{bare[0]}' of build has no default")
-    return dict(found)
-
-
-def _kinds(name: str, wanted: Iterable[str]) -> dict[str, tuple[object, ...]]:
-    """Return the types that each parameter may have, refusing names that do not exist."""
-    defaults = parameters(name)
-    for key in wanted:
-        if key not in defaults:
-            what = _existing(key, tuple(defaults)) if defaults else "it has no parameters"
-            raise CatalogError(f"controller '{name}' has no parameter '{key}'; {what}")
-    hints = get_type_hints(_module(name).build)
-    return {key: _alternatives(hints.get(key, type(value))) for key, value in defaults.items()}
-
-
-def _alternatives(hint: object) -> tuple[object, ...]:
-    """Return what a hint is made of: ``float | None`` gives both, ``Literal`` its values."""
-    if get_origin(hint) in (Union, types.UnionType):
-        return tuple(part for one in get_args(hint) for part in _alternatives(one))
-    if get_origin(hint) is Literal:
-        return get_args(hint)
-    return (hint,)
-
-
-def _from_text(name: str, key: str, text: str, kinds: tuple[object, ...]) -> object:
-    if type(None) in kinds and text.lower() in ("", "none"):
-        return None
-    for kind in kinds:
-        if isinstance(kind, str) and text == kind:
-            return text
-        if kind is bool and text.lower() in _TRUTH:
-            return _TRUTH[text.lower()]
-        if kind in (int, float):
-            try:
-                number = int(text) if kind is int else float(text)
-            except ValueError:
-                continue
-            if not math.isnan(number):
-                return number
-        elif isinstance(kind, type) and issubclass(kind, str):
-            return _checked(name, key, text, kinds)
-    raise _wrong(name, key, text, kinds)
-
-
-def _checked(name: str, key: str, value: object, kinds: tuple[object, ...]) -> object:
-    """Return the value as the kind it stands for; an int is accepted as a float, a text as its StrEnum."""
-    for kind in kinds:
-        if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
-            if not math.isnan(value):
-                return float(value)
-        elif kind is int and isinstance(value, bool):
-            continue
-        elif (isinstance(kind, type) and isinstance(value, kind)) or (
-            isinstance(kind, str) and value == kind
-        ):
-            return value
-        elif isinstance(kind, type) and issubclass(kind, str) and isinstance(value, str):
-            try:
-                return kind(value)
-            except ValueError:
-                continue
-    raise _wrong(name, key, value, kinds)
-
-
-def _wrong(name: str, key: str, value: object, kinds: tuple[object, ...]) -> CatalogError:
-    return CatalogError(
-        f"controller '{name}': {key} = {value!r} is not {' or '.join(_kind_name(kind) for kind in kinds)}"
-    )
-
-
-def _kind_name(kind: object) -> str:
-    if isinstance(kind, str):
-        return f"'{kind}'"
-    if not isinstance(kind, type):
-        return str(kind)
-    members = getattr(kind, "__members__", {})
-    return " or ".join(f"'{member}'" for member in members.values()) or _PLAIN.get(kind, kind.__name__)
-
-
-def _existing(wanted: str, existing: tuple[str, ...]) -> str:
-    close = difflib.get_close_matches(wanted, existing, n=1)
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{hint}there are: {', '.join(existing)}"

@@ -320,14 +320,6 @@ class Perception:
     """``None``: the ego is told of everybody."""
 
 
-class Rule(StrEnum):
-    """The decision rules (26)-(31) of the velocity-obstacle paper."""
-
-    STRAIGHT = "straight"
-    LANE_CHANGE = "lane_change"
-    AUTONOMOUS = "autonomous"
-
-
 class Manoeuvre(StrEnum):
     """What the controller wants to do."""
 
@@ -346,7 +338,8 @@ class Decision:
     manoeuvre: Manoeuvre
     target_lane: int
     """``Lane.number`` to end in."""
-    rule: Rule | None = None
+    rule: str | None = None
+    """Which of its rules a method decided by, in its own words; ``None`` where it has none."""
     because: str = ""
     """Name of the vehicle, pedestrian, signal or lane end that mattered most; empty for none."""
 

@@ -132,7 +132,7 @@ EGOS = RecordedTable(
         _flag("planned", "has_plan", "a plan was made at the beginning of this step; null below otherwise"),
         _text(
             "rule",
-            "planned.decision.rule.value",
+            "planned.decision.rule",
             "decision rule",
             *("straight", "lane_change", "autonomous"),
             judged=True,

@@ -21,6 +21,7 @@ from controllers.avoidance.program import AvoidancePlan
 from controllers.avoidance.scene import SceneReader, SceneSettings
 from controllers.conflicts import passing
 from controllers.driving import lane_keeping
+from controllers.driving.decision_rules import Rule
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.driving.following import Following
@@ -35,7 +36,6 @@ from controllers.interface import (
     Manoeuvre,
     Perception,
     Plan,
-    Rule,
     Solves,
 )
 from controllers.prediction.forecast import Predictor

@@ -9,8 +9,9 @@ import numpy as np
 from controllers.avoidance.program import AvoidancePlan
 from controllers.avoidance.scene import SceneSettings
 from controllers.driving import decision_rules
+from controllers.driving.decision_rules import Rule
 from controllers.driving.lane_choice import blocker
-from controllers.interface import Decision, Lane, Perception, Rule
+from controllers.interface import Decision, Lane, Perception
 
 LEAST_SPEED = 2.0
 """A slower ego does not change lanes to avoid somebody [m/s]."""

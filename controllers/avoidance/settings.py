@@ -1,93 +1,84 @@
-"""The parameters that controllers of the avoidance problem share, checked by name."""
+"""What can be set of every controller of the avoidance problem, whoever solves it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
 
 from controllers.avoidance.driver import DriverSettings
 from controllers.avoidance.lanes import LAST_STEPS
 from controllers.avoidance.problem import InputLimits
 from controllers.avoidance.scene import SceneSettings
 from controllers.conflicts.velocity_obstacle import Cone
+from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.prediction import named
+from controllers.prediction.named import PredictorName
+from controllers.settings import ControllerSettings, NotNegative, Positive, PositiveOrInfinite, Unit
 
 
-class Model(StrEnum):
-    """Which formulation of the velocity-obstacle controller drives."""
+class PaperSettings(ControllerSettings):
+    """The paper's formulation: explicit Euler steps of one second, objective (6), a cone at every step."""
 
-    CLOSED_LOOP = "closed_loop"
-    """Short steps, actuators with lag, two programs for speed and steering; what held in closed loop."""
-    PAPER = "paper"
-    """The paper's own: explicit Euler steps of one second, objective (6), a cone at every step."""
+    replan_s: Positive = 1.0
+    """A plan is followed for this long, less when somebody new is in conflict."""
+    euler_step_s: Positive = 1.0
+    """Length of a step of the horizon; the vehicle moves in explicit Euler steps."""
+    euler_steps: Annotated[int, Field(ge=2)] = 11
+    """Steps of the horizon."""
+    disc_radius_m: Positive = 2.0
+    """Of the disc about the body's centre that pedestrians' centres are kept out of. One smaller than half
+    the body's diagonal and the pedestrian's radius together, about 2.67 m for a car, leaves corners out."""
+    cone: Literal[Cone.VO, Cone.IVO, Cone.HYBRID] = Cone.VO
+    """Which collision cone relative velocities are kept out of."""
+    truncation_s: PositiveOrInfinite = float("inf")
+    """Pedestrians farther away than the ego gets in this time do not count; inf for the paper's cone."""
+    steering_weight: Annotated[NotNegative, Unit("(m/s)²/rad²")] = 3282.8
+    """Of a change of the wheel angle in the objective, beside one of the speed; 3282.8 is one per square
+    degree."""
+    top_speed_mps: Positive | None = None
+    """A plan may go up to this speed; none for the speed limit."""
+    standstill_gap_m: NotNegative = 2.5
+    """Of the least gap G_min = standstill_gap + headway · v."""
+    headway_s: NotNegative = 1.0
+    """Of the least gap, and the time gap to a leader."""
+    lane_changes: bool = True
+    """Whether to change lanes to avoid somebody."""
+    change_steps: int = 8
+    """Steps that such a change takes."""
+    emergency_brake: bool = False
+    """Whether an emergency brake has the last word along."""
+    predictor: PredictorName = named.CONSTANT_VELOCITY
+    """How pedestrians are expected to walk."""
 
+    @model_validator(mode="after")
+    def _fits_into_the_horizon(self) -> PaperSettings:
+        horizon = self.euler_steps * self.euler_step_s
+        if self.replan_s > horizon:
+            raise ValueError(f"replan_s = {self.replan_s} is longer than the horizon of {horizon} s")
+        if self.lane_changes and not LAST_STEPS <= self.change_steps <= self.euler_steps:
+            raise ValueError(
+                f"change_steps must be from {LAST_STEPS} to euler_steps = {self.euler_steps}, "
+                f"not {self.change_steps}; or set lane_changes=false"
+            )
+        return self
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PaperSettings:
-    """As a user sets them; ``controllers.strategies.vo_ga.build`` says what they mean."""
-
-    replan_s: float
-    euler_step_s: float
-    euler_steps: int
-    disc_radius_m: float
-    cone: Cone
-    truncation_s: float
-    steering_weight: float
-    top_speed_mps: float | None
-    standstill_gap_m: float
-    headway_s: float
-    lane_changes: bool
-    change_steps: int
-
-
-def driver_settings(given: PaperSettings) -> DriverSettings:
-    """Return the settings of the driver.
-
-    Raises
-    ------
-    ValueError
-        If one is out of range.
-    """
-    above_zero = {
-        "euler_step_s": given.euler_step_s,
-        "disc_radius_m": given.disc_radius_m,
-        "replan_s": given.replan_s,
-        "top_speed_mps": given.top_speed_mps if given.top_speed_mps is not None else 1.0,
-    }
-    not_negative = {
-        "steering_weight": given.steering_weight,
-        "standstill_gap_m": given.standstill_gap_m,
-        "headway_s": given.headway_s,
-    }
-    for name, value in above_zero.items():
-        if not 0.0 < value < float("inf"):
-            raise ValueError(f"{name} must be above 0 and finite, not {value}")
-    for name, value in not_negative.items():
-        if not 0.0 <= value < float("inf"):
-            raise ValueError(f"{name} must be at least 0 and finite, not {value}")
-    if not given.truncation_s > 0.0:
-        raise ValueError(f"truncation_s must be above 0, not {given.truncation_s}")
-    if given.cone is Cone.STEP:
-        raise ValueError("cone = 'step' bounds positions, not velocities: choose vo, ivo or hybrid")
-    if given.euler_steps < 2:
-        raise ValueError(f"euler_steps must be at least 2, not {given.euler_steps}")
-    horizon = given.euler_steps * given.euler_step_s
-    if given.replan_s > horizon:
-        raise ValueError(f"replan_s = {given.replan_s} is longer than the horizon of {horizon} s")
-    if given.lane_changes and not LAST_STEPS <= given.change_steps <= given.euler_steps:
-        raise ValueError(
-            f"change_steps must be from {LAST_STEPS} to euler_steps = {given.euler_steps}, "
-            f"not {given.change_steps}; or set lane_changes=false"
+    def driver(self) -> DriverSettings:
+        """Return the settings of the driver."""
+        scene = SceneSettings(
+            step=self.euler_step_s,
+            steps=self.euler_steps,
+            radius=self.disc_radius_m,
+            cone=self.cone,
+            limits=InputLimits(),
+            steering_weight=self.steering_weight,
+            top_speed=self.top_speed_mps,
+            standstill_gap=self.standstill_gap_m,
+            headway=self.headway_s,
+            truncation=self.truncation_s,
         )
-    scene = SceneSettings(
-        step=given.euler_step_s,
-        steps=given.euler_steps,
-        radius=given.disc_radius_m,
-        cone=given.cone,
-        limits=InputLimits(),
-        steering_weight=given.steering_weight,
-        top_speed=given.top_speed_mps,
-        standstill_gap=given.standstill_gap_m,
-        headway=given.headway_s,
-        truncation=given.truncation_s,
-    )
-    return DriverSettings(scene, given.replan_s, given.change_steps if given.lane_changes else None)
+        return DriverSettings(scene, self.replan_s, self.change_steps if self.lane_changes else None)
+
+    def brake(self) -> EmergencyBraking | None:
+        """Return the emergency brake, where there is one."""
+        return EmergencyBraking() if self.emergency_brake else None

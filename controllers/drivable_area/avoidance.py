@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,9 +39,9 @@ SAMPLED = 8
 class AvoidanceSettings:
     """How ways past pedestrians are looked for."""
 
-    rules: Rules = field(default_factory=Rules)
-    budget: Budget = field(default_factory=Budget)
-    friction: float = 0.8
+    rules: Rules
+    budget: Budget
+    friction: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,17 @@ each against the least gap ``G_min = standstill gap + headway * v``. A gap to no
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
-from controllers.interface import Neighbour, NeighbourGaps, Rule
+from controllers.interface import Neighbour, NeighbourGaps
+
+
+class Rule(StrEnum):
+    """The decision rules (26)-(31) of the velocity-obstacle paper."""
+
+    STRAIGHT = "straight"
+    LANE_CHANGE = "lane_change"
+    AUTONOMOUS = "autonomous"
 
 
 @dataclass(frozen=True, slots=True)

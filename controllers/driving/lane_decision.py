@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers.driving import decision_rules
+from controllers.driving.decision_rules import Rule
 from controllers.driving.lane_choice import GapRule, blocker, lane_for_route
 from controllers.driving.lane_manoeuvre import LaneManoeuvre
-from controllers.interface import Decision, Lane, Manoeuvre, Perception, Rule
+from controllers.interface import Decision, Lane, Manoeuvre, Perception
 
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""

@@ -55,10 +55,10 @@ STOP_GAP = 1.0
 class CourseSettings:
     """When a path is free."""
 
+    clearance: float | None
+    """What has to be left beside a pedestrian on a simulated drive; ``None``: whoever is met [m]."""
     road: FieldSettings = field(default_factory=FieldSettings)
     guidance: Guidance = field(default_factory=Guidance)
-    clearance: float | None = 0.3
-    """What has to be left beside a pedestrian on a simulated drive; ``None``: whoever is met [m]."""
     unsure: float = 0.15
     """What is added to that for who walks, for every second until then [m/s]."""
     strengths: tuple[float, ...] = (1.0, 2.0)

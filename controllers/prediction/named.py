@@ -6,10 +6,11 @@ import importlib
 import inspect
 import pkgutil
 from types import ModuleType
-from typing import cast
+from typing import Annotated, cast
 
 import controllers.prediction
 from controllers.prediction.forecast import Predictor
+from controllers.settings import OneOf
 
 CONSTANT_VELOCITY = "constant_velocity"
 _SELF = "named"
@@ -55,3 +56,7 @@ def sampled(name: str, *, seed: int = 1) -> Predictor | None:
 
 def _module(name: str) -> ModuleType:
     return importlib.import_module(f"{controllers.prediction.__name__}.{name}")
+
+
+PredictorName = Annotated[str, OneOf(names)]
+"""The name of a predictor as a parameter of a controller."""

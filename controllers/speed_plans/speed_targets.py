@@ -62,27 +62,15 @@ class CrossingRule:
 
     standoff: float
     """Distance to a pedestrian away from a crossing [m]."""
-    side_margin: float = 0.6
+    side_margin: float
     """What a pedestrian's disc is grown by across the way [m]."""
+    time_margin: float
+    """Time between the ego being past and a pedestrian coming into its way [s]."""
     clearance: float = 1.0
     """Distance behind the ego at which a pedestrian may cross [m]."""
-    time_margin: float = 1.0
-    """Time between the ego being past and a pedestrian coming into its way [s]."""
     horizon: float = 8.0
     """Pedestrians who come into the way later do not matter yet [s]."""
     assume: expectation.PedestrianAssumptions = field(default_factory=expectation.PedestrianAssumptions)
-
-    def check(self) -> None:
-        """Refuse margins that are none.
-
-        Raises
-        ------
-        ValueError
-            Named as parameters of a controller.
-        """
-        for name, value in {"side_margin_m": self.side_margin, "time_margin_s": self.time_margin}.items():
-            if not 0.0 <= value < float("inf"):
-                raise ValueError(f"{name} must be at least 0 and finite, not {value}")
 
 
 @dataclass(frozen=True, slots=True)

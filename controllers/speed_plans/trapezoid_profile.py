@@ -28,33 +28,6 @@ class PlanningLimits:
     standoff: float = 2.5
     """d_extra, the distance left to the obstacle after a stop: half a car's length in the paper [m]."""
 
-    def check(self) -> None:
-        """Refuse limits that nothing can be planned with.
-
-        Raises
-        ------
-        ValueError
-            Named as parameters of a controller.
-        """
-        above_zero = {
-            "acceleration_mps2": self.acceleration,
-            "deceleration_mps2": self.deceleration,
-            "emergency_deceleration_mps2": self.emergency_deceleration,
-        }
-        for name, value in above_zero.items():
-            if not 0.0 < value < math.inf:
-                raise ValueError(f"{name} must be greater than 0 and finite, not {value}")
-        if not self.top_speed > 0.0:
-            raise ValueError(f"max_speed_mps must be greater than 0, not {self.top_speed}")
-        for name, value in {"actuator_delay_s": self.actuator_delay, "standoff_m": self.standoff}.items():
-            if not 0.0 <= value < math.inf:
-                raise ValueError(f"{name} must be at least 0 and finite, not {value}")
-        if self.emergency_deceleration < self.deceleration:
-            raise ValueError(
-                f"emergency_deceleration_mps2 = {self.emergency_deceleration} must be at least "
-                f"deceleration_mps2 = {self.deceleration}"
-            )
-
 
 @dataclass(frozen=True, slots=True)
 class Situation:

@@ -17,6 +17,8 @@ from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, Perception, Plan
 from controllers.prediction import named
 from controllers.prediction.forecast import Predictor
+from controllers.prediction.named import PredictorName
+from controllers.settings import ControllerSettings, NotNegative, Positive
 
 
 class EmergencyBrakingDriver:
@@ -38,55 +40,36 @@ class EmergencyBrakingDriver:
         return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
 
 
-def build(
-    *,
-    friction: float = 0.8,
-    dead_time_s: float = 0.1,
-    ramp_s: float = 0.2,
-    stop_margin_m: float = 0.5,
-    side_margin_m: float = 0.1,
-    headway_s: float = 1.0,
-    predictor: str = named.CONSTANT_VELOCITY,
-    seed: int = 1,
-) -> Controller:
-    """Build the controller.
+RULE = BrakingRule()
 
-    Parameters
-    ----------
-    friction : float
-        Full braking is friction · g, or what the drive can do if that is less.
-    dead_time_s : float
-        From the trigger until the brake begins to act [s].
-    ramp_s : float
-        From then until it brakes fully; the deceleration grows linearly [s].
-    stop_margin_m : float
-        Distance that is to be left after a stop; larger means earlier [m].
-    side_margin_m : float
-        What a pedestrian's disc is grown by in the prediction [m].
-    headway_s : float
-        Time gap to a leader [s].
-    predictor : str
-        How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
-    seed : int
-        Of a predictor that draws random numbers.
 
-    Raises
-    ------
-    ValueError
-        If one is negative or not finite, the friction is zero, or there is no such predictor.
-    """
-    for name, value in {
-        "friction": friction,
-        "dead_time_s": dead_time_s,
-        "ramp_s": ramp_s,
-        "stop_margin_m": stop_margin_m,
-        "side_margin_m": side_margin_m,
-        "headway_s": headway_s,
-    }.items():
-        if not 0.0 <= value < float("inf"):
-            raise ValueError(f"{name} = {value} must be at least 0 and finite")
-    if friction == 0.0:
-        raise ValueError("friction = 0.0 must be greater than 0")
-    rule = BrakingRule(friction, dead_time_s, ramp_s, stop_margin_m, side_margin_m)
-    style = DrivingStyle(headway=headway_s)
-    return EmergencyBrakingDriver(style, rule, named.sampled(predictor, seed=seed))
+class Settings(ControllerSettings):
+    """What can be set."""
+
+    friction: Positive = RULE.friction
+    """Full braking is friction · g, or what the drive can do if that is less."""
+    dead_time_s: NotNegative = RULE.dead_time
+    """From the trigger until the brake begins to act."""
+    ramp_s: NotNegative = RULE.ramp
+    """From then until it brakes fully; the deceleration grows linearly."""
+    stop_margin_m: NotNegative = RULE.stop_margin
+    """Distance that is to be left after a stop; larger means earlier."""
+    side_margin_m: NotNegative = RULE.side_margin
+    """What a pedestrian's disc is grown by in the prediction."""
+    headway_s: NotNegative = 1.0
+    """Time gap to a leader."""
+    predictor: PredictorName = named.CONSTANT_VELOCITY
+    """How pedestrians are expected to walk."""
+
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
+    rule = BrakingRule(
+        settings.friction,
+        settings.dead_time_s,
+        settings.ramp_s,
+        settings.stop_margin_m,
+        settings.side_margin_m,
+    )
+    predictor = named.sampled(settings.predictor, seed=settings.seed)
+    return EmergencyBrakingDriver(DrivingStyle(headway=settings.headway_s), rule, predictor)

@@ -17,6 +17,7 @@ from controllers.driving.lane_keeping import instants
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
 from controllers.prediction.contact import disc_contact_times
+from controllers.settings import ControllerSettings, NotNegative, Positive
 
 BoolArray = NDArray[np.bool_]
 
@@ -35,15 +36,15 @@ HOLDING = -2.0
 class Reaction:
     """What the driver perceives, and how he brakes."""
 
-    delay: float = 0.75
+    delay: float
     """From the perception of the risk to the beginning of braking [s]."""
-    deceleration: float = 0.774 * GRAVITY
+    deceleration: float
     """[m/s^2]"""
-    ramp: float = 0.6
+    ramp: float
     """From the beginning of braking to its full value [s]."""
-    wander: float = 0.375
+    wander: float
     """Whoever has moved less across the road is not perceived as a risk yet [m]."""
-    horizon: float = 4.0
+    horizon: float
     """Contacts later than this are no risk yet [s]."""
 
 
@@ -136,33 +137,8 @@ class CarefulDriver:
         return asked
 
 
-def build(
-    *,
-    delay_s: float = 0.75,
-    deceleration_g: float = 0.774,
-    ramp_s: float = 0.6,
-    wander_m: float = 0.375,
-    horizon_s: float = 4.0,
-) -> Controller:
-    """Build the controller.
-
-    Parameters
-    ----------
-    delay_s : float
-        From the perception of the risk until braking begins [s].
-    deceleration_g : float
-        Full braking [g], or what the drive can do if that is less.
-    ramp_s : float
-        From then until the braking is full; the deceleration grows linearly [s].
-    wander_m : float
-        Somebody beside the ego's path is a risk once he has moved so far across the road [m].
-    horizon_s : float
-        A contact later than this, should everybody go on, is no risk yet [s].
-
-    Raises
-    ------
-    ValueError
-        If one is negative or not finite, or the deceleration or the horizon is zero.
+class Settings(ControllerSettings):
+    """What can be set.
 
     Notes
     -----
@@ -172,16 +148,27 @@ def build(
     constant velocities, and the horizon are ours. The 0.4 s in which the model's driver evaluates the risk
     are left out, as in the metric preventable_r157; ``delay_s=1.15`` has them.
     """
-    values = {
-        "delay_s": delay_s,
-        "deceleration_g": deceleration_g,
-        "ramp_s": ramp_s,
-        "wander_m": wander_m,
-        "horizon_s": horizon_s,
-    }
-    for name, value in values.items():
-        if not 0.0 <= value < float("inf"):
-            raise ValueError(f"{name} = {value} must be at least 0 and finite")
-        if value == 0.0 and name in ("deceleration_g", "horizon_s"):
-            raise ValueError(f"{name} = 0.0 must be greater than 0")
-    return CarefulDriver(Reaction(delay_s, deceleration_g * GRAVITY, ramp_s, wander_m, horizon_s))
+
+    delay_s: NotNegative = 0.75
+    """From the perception of the risk until braking begins."""
+    deceleration_g: Positive = 0.774
+    """Full braking, or what the drive can do if that is less."""
+    ramp_s: NotNegative = 0.6
+    """From then until the braking is full; the deceleration grows linearly."""
+    wander_m: NotNegative = 0.375
+    """Pedestrians beside the ego's path are a risk once they have moved so far across the road."""
+    horizon_s: Positive = 4.0
+    """A contact later than this, should everybody go on, is no risk yet."""
+
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
+    return CarefulDriver(
+        Reaction(
+            delay=settings.delay_s,
+            deceleration=settings.deceleration_g * GRAVITY,
+            ramp=settings.ramp_s,
+            wander=settings.wander_m,
+            horizon=settings.horizon_s,
+        )
+    )

@@ -10,6 +10,7 @@ import numpy as np
 
 from controllers.driving import lane_keeping
 from controllers.interface import Command, Controller, Decision, EgoState, Manoeuvre, Perception, Plan
+from controllers.settings import ControllerSettings, NotNegative
 
 RESPONSE_TIME = 0.5
 """Time constant with which a wrong speed is corrected, beside the plan interval [s]."""
@@ -49,19 +50,13 @@ class ConstantSpeed:
         return min(max(asked, -ego.drive.max_deceleration), ego.drive.max_acceleration)
 
 
-def build(*, speed_mps: float | None = None) -> Controller:
-    """Build the controller.
+class Settings(ControllerSettings):
+    """What can be set."""
 
-    Parameters
-    ----------
-    speed_mps : float or None
-        Speed to hold [m/s]; ``None`` keeps the speed it had when it was taken over.
+    speed_mps: NotNegative | None = None
+    """Speed to hold; none keeps the speed that it had when it was taken over."""
 
-    Raises
-    ------
-    ValueError
-        If the speed is negative or not finite.
-    """
-    if speed_mps is not None and not 0.0 <= speed_mps < float("inf"):
-        raise ValueError(f"speed_mps = {speed_mps} must be at least 0 and finite")
-    return ConstantSpeed(speed_mps)
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
+    return ConstantSpeed(settings.speed_mps)

@@ -10,9 +10,10 @@ added. Where no candidate is possible the car brakes fully in its way.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Annotated, Final
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from controllers.conflicts.expectation import PedestrianAssumptions, Watch
 from controllers.conflicts.passing import Conflicts
@@ -39,6 +40,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.settings import AtLeastOne, ControllerSettings, NotNegative
 
 NO_CANDIDATE = "no_feasible_candidate"
 OUTLOOK_STEP = 0.2
@@ -195,94 +197,78 @@ class DrivableAreaDriver:
         return drawn
 
 
-def build(
-    seed: int = 1,
-    *,
-    entropy: Literal["shannon", "paper", "risk"] = "shannon",
-    speed_risk: Literal["m/s", "km/h", "squared", "stopping_distance"] = "m/s",
-    curvature_weight: float = 0.2,
-    distance_weight: float = 0.2,
-    entropy_weight: float = 0.6,
-    progress_weight: float = 0.1,
-    within_friction: bool = True,
-    friction: float = 0.8,
-    margin_m: float = 0.7,
-    horizon_s: float = 5.0,
-    replan_s: float = 1.0,
-    population: int = 20,
-    generations: int = 10,
-    walks: int = 16,
-    headway_s: float = 1.0,
-) -> Controller:
-    """Build the controller.
+RULES = Rules()
+WEIGHTS = RULES.weights
+BUDGET = Budget()
 
-    Parameters
-    ----------
-    seed : int
-        Of the search and of the pedestrians' random walks.
-    entropy : str
-        What the probability of meetings costs: Shannon's entropy, the paper's sum of logarithms, or the
-        risk −ln(1 − P) of a collision.
-    speed_risk : str
-        How the paper's safety coefficient of the final speed is read.
-    curvature_weight, distance_weight, entropy_weight : float
-        J_c, J_d and J_s.
-    progress_weight : float
-        Weight of the share of the speed that is lost. The paper has none, so that to it standing still
-        costs nothing, and a car that can stop always does.
-    within_friction : bool
-        Whether candidates stay within friction · g, braking and turning together, and within the rate of
-        the steering.
-    friction : float
-        Full braking is friction · g, or what the drive can do if that is less.
-    margin_m : float
-        Distance to pedestrians' discs [m].
-    horizon_s : float
-        How far ahead conflicts and candidates are looked at [s].
-    replan_s : float
-        A new candidate is chosen once in this time while somebody is in the way [s].
-    population, generations : int
-        Budget of the search: their product is the number of candidates looked at.
-    walks : int
-        Random walks of each pedestrian.
-    headway_s : float
-        Time gap to a leader [s].
+
+class Settings(ControllerSettings):
+    """What can be set."""
+
+    entropy: EntropyMode = EntropyMode.SHANNON
+    """What the probability of meetings costs: Shannon's entropy, the paper's sum of logarithms, or the risk
+    −ln(1 − P) of a collision."""
+    speed_risk: SpeedRisk = SpeedRisk.METRES_PER_SECOND
+    """How the paper's safety coefficient of the final speed is read."""
+    curvature_weight: NotNegative = WEIGHTS.curvature
+    """Weight of the path's curvature, J_c."""
+    distance_weight: NotNegative = WEIGHTS.distance
+    """Weight of the distance, J_d."""
+    entropy_weight: NotNegative = WEIGHTS.entropy
+    """Weight of the entropy, J_s."""
+    progress_weight: NotNegative = 0.1
+    """Weight of the share of the speed that is lost. The paper has none, so that to it standing still costs
+    nothing, and a car that can stop always does."""
+    within_friction: bool = RULES.within_friction
+    """Whether candidates stay within friction · g, braking and turning together, and within the rate of the
+    steering."""
+    friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.8
+    """Full braking is friction · g, or what the drive can do if that is less."""
+    margin_m: NotNegative = 0.7
+    """Distance to pedestrians' discs."""
+    horizon_s: Annotated[float, Field(ge=1.0, allow_inf_nan=False)] = RULES.horizon
+    """How far ahead conflicts and candidates are looked at."""
+    replan_s: NotNegative = 1.0
+    """A new candidate is chosen once in this time while somebody is in the way."""
+    population: Annotated[int, Field(ge=4)] = BUDGET.population
+    """Of the search; times the generations it is the number of candidates looked at."""
+    generations: AtLeastOne = BUDGET.generations
+    """Of the search."""
+    walks: AtLeastOne = RULES.walks
+    """Random walks of each pedestrian."""
+    headway_s: NotNegative = 1.0
+    """Time gap to a leader."""
+
+    @model_validator(mode="after")
+    def _something_costs(self) -> Settings:
+        if not (self.curvature_weight + self.distance_weight + self.entropy_weight + self.progress_weight):
+            raise ValueError("one of the weights must be more than 0")
+        return self
+
+
+def build(settings: Settings) -> Controller:
+    """Build the controller.
 
     Raises
     ------
     ValueError
-        If one is out of range, or pymoo is not installed.
+        If pymoo is not installed.
     """
     require_pymoo()
-    least = {
-        "curvature_weight": (curvature_weight, 0.0),
-        "distance_weight": (distance_weight, 0.0),
-        "entropy_weight": (entropy_weight, 0.0),
-        "progress_weight": (progress_weight, 0.0),
-        "margin_m": (margin_m, 0.0),
-        "headway_s": (headway_s, 0.0),
-        "horizon_s": (horizon_s, 1.0),
-        "replan_s": (replan_s, 0.0),
-        "population": (population, 4),
-        "generations": (generations, 1),
-        "walks": (walks, 1),
-    }
-    for name, (value, smallest) in least.items():
-        if not smallest <= value < float("inf"):
-            raise ValueError(f"{name} = {value} must be at least {smallest:g} and finite")
-    if not 0.0 < friction <= 2.0:
-        raise ValueError(f"friction = {friction} must be greater than 0 and at most 2")
-    weights = CostWeights(curvature_weight, distance_weight, entropy_weight, progress_weight)
-    if weights == CostWeights(0.0, 0.0, 0.0, 0.0):
-        raise ValueError("one of the weights must be greater than 0")
     rules = Rules(
-        weights=weights,
-        entropy=EntropyMode(entropy),
-        risk=SpeedRisk(speed_risk),
-        within_friction=within_friction,
-        margin=margin_m,
-        horizon=horizon_s,
-        walks=walks,
+        weights=CostWeights(
+            settings.curvature_weight,
+            settings.distance_weight,
+            settings.entropy_weight,
+            settings.progress_weight,
+        ),
+        entropy=settings.entropy,
+        risk=settings.speed_risk,
+        within_friction=settings.within_friction,
+        margin=settings.margin_m,
+        horizon=settings.horizon_s,
+        walks=settings.walks,
     )
-    settings = AvoidanceSettings(rules, Budget(population, generations), friction)
-    return DrivableAreaDriver(settings, replan_s, DrivingStyle(headway=headway_s), seed)
+    avoidance = AvoidanceSettings(rules, Budget(settings.population, settings.generations), settings.friction)
+    style = DrivingStyle(headway=settings.headway_s)
+    return DrivableAreaDriver(avoidance, settings.replan_s, style, settings.seed)

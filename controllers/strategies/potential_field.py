@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 
@@ -32,8 +32,9 @@ from controllers.interface import (
     Plan,
 )
 from controllers.prediction import named
+from controllers.prediction.named import PredictorName
+from controllers.settings import ControllerSettings, NotNegative, Positive, Unit
 
-GRAVITY = 9.80665
 NOBODY: Final = np.zeros(0, dtype=np.int64)
 NO_FREE_PATH = "no free path"
 WAITING_ENDS = 2.0
@@ -154,80 +155,59 @@ class Brakes:
         return math.inf if waits else -min(needed, ego.drive.max_deceleration)
 
 
-def build(
-    *,
-    axis: Literal["variable", "fixed"] = "variable",
-    fixed_axis_m: float = 15.0,
-    side_margin_m: float = 0.6,
-    shift_acceleration_mps2: float = 0.3 * GRAVITY,
-    obstacle_gain: float = 0.30,
-    centre_gain: float = 0.05,
-    edge_gain: float = 0.02,
-    line_gain: float = 0.02,
-    line_width_m: float = 0.5,
-    clearance_m: float = 0.3,
-    braking: Literal["aeb", "none"] = "aeb",
-    predictor: str = "direction_model",
-    headway_s: float = 1.0,
-    seed: int = 1,
-) -> Controller:
-    """Build the controller.
+FIELD = FieldSettings()
+GAINS = Gains()
 
-    Parameters
-    ----------
-    axis : {"variable", "fixed"}
-        Whether the long half-axis of a pedestrian's ellipse follows from the shift that is needed to get
-        past him, or is the same for everybody, the comparison of the paper.
-    fixed_axis_m : float
-        That one [m].
-    side_margin_m : float
-        Distance wanted beside a pedestrian, S_m [m].
-    shift_acceleration_mps2 : float
-        Lateral acceleration of the shift, a_y [m/s²].
-    obstacle_gain, centre_gain, edge_gain, line_gain : float
-        Weights of obstacles, centre line, road edges and lines between lanes, relative to the pull onwards.
-    line_width_m : float
-        How far the field of a line between lanes reaches [m].
-    clearance_m : float
-        What has to be left beside a pedestrian for a way past to count as free [m].
-    braking : {"aeb", "none"}
-        Braking where no way past is free; or none for pedestrians, as in the paper: the field is followed
-        then as long as it leaves neither the road nor other vehicles alone, whoever is met.
-    predictor : str
-        How pedestrians are expected to walk; one of ``controllers.prediction.named.names()``.
-    headway_s : float
-        Time gap to a leader [s].
-    seed : int
-        Of a predictor that draws random numbers.
 
-    Raises
-    ------
-    ValueError
-        If a value is out of its range, or there is no such predictor.
-    """
-    for name, value in {
-        "fixed_axis_m": fixed_axis_m,
-        "shift_acceleration_mps2": shift_acceleration_mps2,
-        "line_width_m": line_width_m,
-    }.items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value} must be greater than 0 and finite")
-    for name, value in {
-        "side_margin_m": side_margin_m,
-        "obstacle_gain": obstacle_gain,
-        "centre_gain": centre_gain,
-        "edge_gain": edge_gain,
-        "line_gain": line_gain,
-        "clearance_m": clearance_m,
-        "headway_s": headway_s,
-    }.items():
-        if not 0.0 <= value < math.inf:
-            raise ValueError(f"{name} = {value} must be at least 0 and finite")
-    gains = Gains(1.0, centre_gain, obstacle_gain, edge_gain, line_gain, line_width_m)
-    field = FieldSettings(
-        side_margin_m, shift_acceleration_mps2, fixed_axis_m if axis == "fixed" else None, gains
+class Settings(ControllerSettings):
+    """What can be set; gains are relative to the pull onwards."""
+
+    axis: Literal["variable", "fixed"] = "variable"
+    """Whether the long half-axis of a pedestrian's ellipse follows from the shift that is needed to get past
+    them, or is the same for everybody, the comparison of the paper."""
+    fixed_axis_m: Positive = 15.0
+    """The half-axis that is the same for everybody."""
+    side_margin_m: NotNegative = FIELD.margin
+    """Distance wanted beside a pedestrian, S_m."""
+    shift_acceleration_mps2: Positive = FIELD.lateral_acceleration
+    """Lateral acceleration of the shift, a_y."""
+    obstacle_gain: NotNegative = float(GAINS.obstacle)
+    """Weight of obstacles."""
+    centre_gain: Annotated[NotNegative, Unit("1/m²")] = float(GAINS.centre)
+    """Weight of the centre line."""
+    edge_gain: Annotated[NotNegative, Unit("m²")] = float(GAINS.edge)
+    """Weight of the road's edges."""
+    line_gain: NotNegative = float(GAINS.line)
+    """Weight of the lines between lanes."""
+    line_width_m: Positive = float(GAINS.line_width)
+    """How far the field of a line between lanes reaches."""
+    clearance_m: NotNegative = 0.3
+    """What has to be left beside a pedestrian for a way past to count as free."""
+    braking: Literal["aeb", "none"] = "aeb"
+    """Braking where no way past is free; or none for pedestrians, as in the paper: the field is followed then
+    as long as it leaves neither the road nor other vehicles alone, whoever is met."""
+    predictor: PredictorName = "direction_model"
+    """How pedestrians are expected to walk."""
+    headway_s: NotNegative = 1.0
+    """Time gap to a leader."""
+
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
+    gains = Gains(
+        centre=settings.centre_gain,
+        obstacle=settings.obstacle_gain,
+        edge=settings.edge_gain,
+        line=settings.line_gain,
+        line_width=settings.line_width_m,
     )
-    brakes = Brakes() if braking == "aeb" else None
-    settings = CourseSettings(field, clearance=clearance_m if brakes is not None else None)
-    finder = CourseFinder(named.build(predictor, seed=seed), settings)
-    return PotentialFieldDriver(finder, DrivingStyle(headway=headway_s), brakes)
+    field = FieldSettings(
+        settings.side_margin_m,
+        settings.shift_acceleration_mps2,
+        settings.fixed_axis_m if settings.axis == "fixed" else None,
+        gains,
+    )
+    brakes = Brakes() if settings.braking == "aeb" else None
+    course = CourseSettings(settings.clearance_m if brakes is not None else None, field)
+    finder = CourseFinder(named.build(settings.predictor, seed=settings.seed), course)
+    return PotentialFieldDriver(finder, DrivingStyle(headway=settings.headway_s), brakes)

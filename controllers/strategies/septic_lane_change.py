@@ -28,6 +28,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.settings import ControllerSettings, NotNegative, Positive
 
 SHORTEST = 8.0
 """No change is shorter, however slow the ego is [m]."""
@@ -147,40 +148,27 @@ class SepticLaneChange:
         return LanePath(lane.number, travelled, Beside(path))
 
 
-def build(
-    *,
-    duration_s: float = 4.0,
-    length_m: float | None = None,
-    start_change: StartChange = StartChange.NONE,
-    start_after_m: float = 0.0,
-    headway_s: float = 1.0,
-) -> Controller:
-    """Build the controller.
+class Settings(ControllerSettings):
+    """What can be set."""
 
-    Parameters
-    ----------
-    duration_s : float
-        Of a change of lane, at the speed that it begins with [s].
-    length_m : float or None
-        Of a change of lane, whatever the speed [m]; none: duration times speed.
-    start_change : StartChange
-        ``left`` or ``right``: change to that lane once, as soon as there is room; ``none``.
-    start_after_m : float
-        Distance to drive before that change [m].
-    headway_s : float
-        Time gap to a leader [s].
+    duration_s: Positive = 4.0
+    """Of a change of lane, at the speed that it begins with."""
+    length_m: Positive | None = None
+    """Of a change of lane, whatever the speed; none: duration times speed."""
+    start_change: StartChange = StartChange.NONE
+    """Change to the lane on that side once, as soon as there is room."""
+    start_after_m: NotNegative = 0.0
+    """Distance to drive before that change."""
+    headway_s: NotNegative = 1.0
+    """Time gap to a leader."""
 
-    Raises
-    ------
-    ValueError
-        If one is out of range.
-    """
-    above_zero = {"duration_s": duration_s, "length_m": 1.0 if length_m is None else length_m}
-    for name, value in above_zero.items():
-        if not 0.0 < value < float("inf"):
-            raise ValueError(f"{name} = {value} must be above 0 and finite")
-    for name, value in {"start_after_m": start_after_m, "headway_s": headway_s}.items():
-        if not 0.0 <= value < float("inf"):
-            raise ValueError(f"{name} = {value} must be at least 0 and finite")
-    style = DrivingStyle(headway=headway_s)
-    return SepticLaneChange(style, duration_s, length_m, StartChange(start_change), start_after_m)
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
+    return SepticLaneChange(
+        DrivingStyle(headway=settings.headway_s),
+        settings.duration_s,
+        settings.length_m,
+        settings.start_change,
+        settings.start_after_m,
+    )

@@ -6,6 +6,7 @@ Both axes are driven by SUMO: its car-following and lane-change models, its junc
 from __future__ import annotations
 
 from controllers.interface import HAND_BACK, Controller, Decision, Manoeuvre, Perception, Plan
+from controllers.settings import ControllerSettings
 
 
 class SumoDriver:
@@ -20,6 +21,10 @@ class SumoDriver:
         return Plan(HAND_BACK)
 
 
-def build() -> Controller:
-    """Build the controller; what SUMO's driver is like is set by its vehicle type."""
+class Settings(ControllerSettings):
+    """There is nothing to set: what SUMO's driver is like follows from its vehicle type."""
+
+
+def build(settings: Settings) -> Controller:
+    """Build the controller."""
     return SumoDriver()

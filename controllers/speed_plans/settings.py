@@ -1,0 +1,76 @@
+"""What can be set of every controller that plans its speed."""
+
+from __future__ import annotations
+
+from pydantic import model_validator
+
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.prediction import named
+from controllers.prediction.named import PredictorName
+from controllers.settings import ControllerSettings, NotNegative, Positive, PositiveOrInfinite
+from controllers.speed_plans.speed_targets import CrossingRule
+from controllers.speed_plans.trapezoid_profile import PlanningLimits
+
+LIMITS = PlanningLimits()
+BRISK = 1.8
+"""Traffic is followed with at least this acceleration, however gentle the plans are [m/s^2]."""
+
+
+class SpeedPlanSettings(ControllerSettings):
+    """Limits of the plans, and how pedestrians are let pass."""
+
+    acceleration_mps2: Positive = LIMITS.acceleration
+    """Of a normal plan."""
+    deceleration_mps2: Positive = 2.0
+    """Of a normal plan."""
+    emergency_deceleration_mps2: Positive = LIMITS.emergency_deceleration
+    """The most that an emergency may use."""
+    max_speed_mps: PositiveOrInfinite = float("inf")
+    """Driven where the road allows it."""
+    actuator_delay_s: NotNegative = LIMITS.actuator_delay
+    """α, from a command to its effect, the drive's lag included; what exceeds that is taken as dead time."""
+    standoff_m: NotNegative = LIMITS.standoff
+    """d_extra, left to an obstacle after a stop."""
+    period_s: PositiveOrInfinite = 0.1
+    """Time between two plans; shorter than that between two perceptions means at each of them."""
+    time_margin_s: NotNegative = 1.0
+    """The ego goes ahead of a pedestrian who comes into its way this long after it is past."""
+    side_margin_m: NotNegative = 0.6
+    """What a pedestrian's disc is grown by across the way."""
+    emergency_brake: bool = True
+    """Whether automatic emergency braking, as of aeb, is there for whoever no plan is made for."""
+    predictor: PredictorName = named.CONSTANT_VELOCITY
+    """How pedestrians are expected to walk."""
+
+    @model_validator(mode="after")
+    def _emergencies_are_not_gentler(self) -> SpeedPlanSettings:
+        if self.emergency_deceleration_mps2 < self.deceleration_mps2:
+            raise ValueError(
+                f"emergency_deceleration_mps2 = {self.emergency_deceleration_mps2} must be at least "
+                f"deceleration_mps2 = {self.deceleration_mps2}"
+            )
+        return self
+
+    def limits(self) -> PlanningLimits:
+        """Return what a plan may use."""
+        return PlanningLimits(
+            self.acceleration_mps2,
+            self.deceleration_mps2,
+            self.emergency_deceleration_mps2,
+            self.max_speed_mps,
+            self.actuator_delay_s,
+            self.standoff_m,
+        )
+
+    def style(self) -> DrivingStyle:
+        """Return how traffic is followed."""
+        return DrivingStyle(standstill_gap=self.standoff_m, acceleration=max(self.acceleration_mps2, BRISK))
+
+    def crossing_rule(self) -> CrossingRule:
+        """Return when to go ahead of a pedestrian, and where to stop for one."""
+        return CrossingRule(self.standoff_m, side_margin=self.side_margin_m, time_margin=self.time_margin_s)
+
+    def brake(self) -> EmergencyBraking | None:
+        """Return the emergency brake, where there is one."""
+        return EmergencyBraking() if self.emergency_brake else None
