@@ -12,6 +12,7 @@ import importlib
 import inspect
 import pkgutil
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib.metadata import entry_points
 from types import ModuleType
 from typing import cast
@@ -64,6 +65,20 @@ def parameters(name: str) -> Mapping[str, object]:
 def described(name: str) -> tuple[Parameter, ...]:
     """Return all that is known of the controller's parameters."""
     return described_by(model_of(name))
+
+
+def moved(name: str) -> Mapping[str, str]:
+    """Return the parameters that the controller had once: for each, what to do instead."""
+    return model_of(name).moved
+
+
+def having(key: str) -> tuple[str, ...]:
+    """Return the controllers that have a parameter of that name, of those that can be loaded."""
+    found = []
+    for name in names():
+        with suppress(CatalogError):
+            found += [name] if key in parameters(name) else []
+    return tuple(found)
 
 
 def parse(name: str, texts: Mapping[str, str]) -> dict[str, object]:

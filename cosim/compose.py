@@ -172,15 +172,17 @@ def _with_parameters(
 def _controller_parameters(
     request: RunRequest, scenario: Scenario, sensing: str, texts: Mapping[str, str]
 ) -> dict[str, object]:
-    known = catalog.parameters(request.controller)
+    known, moved = catalog.parameters(request.controller), catalog.moved(request.controller)
     for key in texts:
+        if key in moved:
+            raise InputError(f"--set {key}: no such parameter any more: {moved[key]}")
         if key not in known:
             of_scenario = library.parameter_names(scenario)
             of_sensing = tuple(sensing_catalog.parameters(sensing))
             near = difflib.get_close_matches(key, [*of_scenario, *known, *of_sensing], n=1)
             hint = f"did you mean {near[0]!r}? " if near else ""
-            have = [name for name in sensing_catalog.names() if key in sensing_catalog.parameters(name)]
-            hint = f"--sensing {' or '.join(have)} has it; " if have else hint
+            for flag, have in (("sensing", sensing_catalog.having(key)), ("controller", catalog.having(key))):
+                hint = f"--{flag} {' or '.join(have)} has it; " if have else hint
             raise InputError(
                 f"--set {key}: no such parameter; {hint}scenario {scenario.name!r} has "
                 f"{', '.join(of_scenario)}; controller {request.controller!r} has "

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from analysis.results import metric_catalog
 from controllers import catalog
+from controllers.parameters import Parameter
+from cosim.errors import InputError
 from cosim.sensing import catalog as sensing_catalog
 from sumo_scenarios import library
 
@@ -28,7 +31,7 @@ def scenarios() -> list[Entry]:
             each.name,
             each.description,
             tuple(
-                _setting((key, value)) + _choices(library.parameter_choices(each, key))
+                _setting(key, value) + _choices(library.parameter_choices(each, key))
                 for key, value in library.parameter_values(each).items()
             ),
         )
@@ -41,10 +44,40 @@ def controller_parameters(name: str) -> tuple[str, ...]:
     return tuple(catalog.parameters(name))
 
 
+def moved_parameters(names: Iterable[str]) -> dict[str, str]:
+    """Return the parameters that these controllers had once: for each, what to do instead."""
+    return {key: told for name in names for key, told in catalog.moved(name).items()}
+
+
+def described_controller(name: str) -> tuple[Parameter, ...]:
+    """Return all that is known of a controller's parameters.
+
+    Raises
+    ------
+    InputError
+        If there is no such controller.
+    """
+    try:
+        return catalog.described(name)
+    except catalog.CatalogError as error:
+        raise InputError(str(error)) from error
+
+
+def described_sensing(name: str) -> tuple[Parameter, ...]:
+    """Return all that is known of a sensing model's parameters.
+
+    Raises
+    ------
+    InputError
+        If there is no such model.
+    """
+    return sensing_catalog.described(name)
+
+
 def controllers() -> list[Entry]:
     """Return the controllers of this project and of installed plug-ins."""
     return [
-        Entry(name, catalog.describe(name), tuple(map(_setting, catalog.parameters(name).items())))
+        Entry(name, catalog.describe(name), tuple(map(_with_unit, catalog.described(name))))
         for name in catalog.names()
     ]
 
@@ -52,19 +85,23 @@ def controllers() -> list[Entry]:
 def sensing_models() -> list[Entry]:
     """Return the sensing models."""
     return [
-        Entry(
-            name,
-            sensing_catalog.describe(name),
-            tuple(map(_setting, sensing_catalog.parameters(name).items())),
-        )
+        Entry(name, sensing_catalog.describe(name), tuple(map(_with_unit, sensing_catalog.described(name))))
         for name in sensing_catalog.names()
     ]
 
 
-def _setting(item: tuple[str, object]) -> str:
-    key, value = item
-    text = str(value)
-    return f"{key}={text.lower() if value is None or isinstance(value, bool) else text}"
+def as_text(value: object) -> str:
+    """Return a value as ``--set`` takes it."""
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
+def _setting(key: str, value: object) -> str:
+    return f"{key}={as_text(value)}"
+
+
+def _with_unit(parameter: Parameter) -> str:
+    unit = f" [{parameter.unit}]" if parameter.unit else ""
+    return _setting(parameter.name, parameter.default) + unit + _choices(parameter.choices)
 
 
 def _choices(texts: tuple[str, ...]) -> str:

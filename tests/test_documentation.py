@@ -18,6 +18,7 @@ from analysis.results.rows import measure
 from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
+from controllers.settings import call, model_of
 from cosim.cli import app
 from cosim.commands import (
     analyse,
@@ -186,7 +187,9 @@ def contributed(title: str) -> types.ModuleType:
 
 def test_the_controller_in_the_contributing_text_works() -> None:
     module = contributed("Add a controller")
-    controller: Controller = module.__dict__["build"](acceleration=0.5)
+    build = module.__dict__["build"]
+    made = model_of(build).model_validate({"acceleration": "0.5"})
+    controller: Controller = call(build, made)
     assert callable(controller.decide)
     assert callable(controller.plan)
 

@@ -60,7 +60,8 @@ def build_matrix(study: StudyTable, file: Path) -> Matrix:
         parameters = {name: inventory.controller_parameters(name) for name in study.controllers}
         _check_names(places)
         sensing = {name: _sensing_parameters(name) for place in places for name in _models(study, place)}
-        _check_keys([*study.settings, *study.vary], places, {**parameters, **sensing})
+        moved = inventory.moved_parameters(study.controllers)
+        _check_keys([*study.settings, *study.vary], places, {**parameters, **sensing}, moved)
         configurations = [
             one
             for place in places
@@ -113,12 +114,17 @@ def _check_names(places: Iterable[_Place]) -> None:
 
 
 def _check_keys(
-    keys: Iterable[str], places: Sequence[_Place], controllers: Mapping[str, tuple[str, ...]]
+    keys: Iterable[str],
+    places: Sequence[_Place],
+    controllers: Mapping[str, tuple[str, ...]],
+    moved: Mapping[str, str],
 ) -> None:
     known = {*EGO_KEYS, *itertools.chain(*(place.parameters for place in places), *controllers.values())}
     for key in keys:
         if key in known:
             continue
+        if key in moved:
+            raise InputError(f"{key}: no such parameter any more: {moved[key]}")
         near = difflib.get_close_matches(key, sorted(known), n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         of_scenarios = dict.fromkeys(itertools.chain(*(place.parameters for place in places)))

@@ -35,6 +35,10 @@ def show(
         str,
         typer.Argument(metavar="|".join(Kind), help="What to list, or suite:NAME for the cases of a suite."),
     ],
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="A controller or a sensing model: a table of its parameters."),
+    ] = None,
     debug: Debug = False,
 ) -> int:
     """List scenarios, controllers, metrics, sensing models or suites, and their parameters for --set.
@@ -43,8 +47,11 @@ def show(
     Examples:
       cosim list scenarios
       cosim list controllers
+      cosim list controllers vo_mpc
       cosim list suite:fmvss127
     """
+    if name is not None:
+        return _print_parameters(what, name)
     for entry_kind in Kind:
         if what == entry_kind:
             return _print(_entries(entry_kind))
@@ -68,6 +75,27 @@ def _entries(kind: Kind) -> Sequence[Entry]:
         Kind.SENSING: inventory.sensing_models,
         Kind.SUITES: listing.suites,
     }[kind]()
+
+
+def _print_parameters(what: str, name: str) -> int:
+    from cosim import inventory
+
+    described = {
+        Kind.CONTROLLERS: inventory.described_controller,
+        Kind.SENSING: inventory.described_sensing,
+    }
+    if what not in described:
+        raise InputError(f"list {what} {name}: a name follows {' or '.join(described)} only")
+    parameters = described[Kind(what)](name)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("parameter", "default", "unit"):
+        table.add_column(title, no_wrap=True)
+    for title in ("bounds", "meaning"):
+        table.add_column(title, overflow="fold")
+    for one in parameters:
+        table.add_row(one.name, inventory.as_text(one.default), one.unit, one.bounds, one.meaning)
+    terminal.console().print(table if parameters else f"{name} has no parameters")
+    return 0
 
 
 def _print(entries: Sequence[Entry]) -> int:

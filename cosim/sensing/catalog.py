@@ -6,17 +6,17 @@ one ego. The first line of the module's docstring is its description.
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
 import pkgutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from types import ModuleType
 from typing import Any, cast
 
 from pydantic import ValidationError
 
+from controllers.parameters import Parameter, described_by, existing, told
 from cosim.errors import InputError
 from cosim.sensing import models
 from cosim.sensing.interface import Sensing
@@ -24,19 +24,6 @@ from cosim.sensing.settings import Settings
 
 PERFECT = "perfect"
 """The model of whoever asks for none."""
-
-_KINDS = {
-    "float_parsing": "a number",
-    "float_type": "a number",
-    "int_parsing": "a whole number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
-    "bool_parsing": "true or false",
-    "bool_type": "true or false",
-    "string_type": "a text",
-    "finite_number": "a finite number",
-}
-_BOUNDS = {"ge": "at least", "gt": "more than", "le": "at most", "lt": "less than"}
 
 
 @cache
@@ -52,7 +39,17 @@ def describe(name: str) -> str:
 
 def parameters(name: str) -> dict[str, Any]:
     """Return the model's parameters with their defaults."""
-    return {key: field.default for key, field in _model(name).model_fields.items()}
+    return {one.name: one.default for one in described(name)}
+
+
+def described(name: str) -> tuple[Parameter, ...]:
+    """Return all that is known of the model's parameters."""
+    return described_by(_model(name))
+
+
+def having(key: str) -> tuple[str, ...]:
+    """Return the models that have a parameter of that name."""
+    return tuple(name for name in names() if key in parameters(name))
 
 
 @cache
@@ -77,7 +74,7 @@ def build(name: str, values: Mapping[str, object]) -> Sensing:
     try:
         return cast(Sensing, _model(name).model_validate(dict(values)))
     except ValidationError as error:
-        raise InputError(f"sensing '{name}': {_told(name, error)}") from error
+        raise InputError(f"sensing '{name}': {told(_model(name), error)}") from error
 
 
 def values_of(sensing: Sensing) -> dict[str, Any]:
@@ -91,27 +88,5 @@ def _model(name: str) -> type[Settings]:
 
 def _module(name: str) -> ModuleType:
     if name not in names():
-        raise InputError(f"no sensing model '{name}'; {_existing(name, names())}")
+        raise InputError(f"no sensing model '{name}'; {existing(name, names())}")
     return importlib.import_module(f"{models.__name__}.{name}")
-
-
-def _told(name: str, error: ValidationError) -> str:
-    details = error.errors(include_url=False)[0]
-    key, kind = ".".join(map(str, details["loc"])), details["type"]
-    if kind == "extra_forbidden":
-        existing = tuple(parameters(name))
-        return f"no parameter '{key}'; {_existing(key, existing) if existing else 'it has none'}"
-    if kind == "value_error":
-        text = str(details["msg"]).removeprefix("Value error, ")
-        return f"{key}: {text}" if key else text
-    expected = _KINDS.get(kind, kind)
-    for bound, words in _BOUNDS.items():
-        if bound in (details.get("ctx") or {}):
-            expected = f"{words} {details['ctx'][bound]:g}"
-    return f"{key} = {details['input']!r}: expected {expected}"
-
-
-def _existing(wanted: str, existing: Iterable[str]) -> str:
-    close = difflib.get_close_matches(wanted, list(existing), n=1)
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{hint}there are: {', '.join(existing)}"

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import field_validator
 
+from controllers.settings import NotNegative, Positive
 from cosim.sensing import sight
 from cosim.sensing.interface import (
     FARTHEST_UNIT,
@@ -22,7 +23,7 @@ from cosim.sensing.interface import (
     State,
 )
 from cosim.sensing.noise import Noise
-from cosim.sensing.settings import FullAngle, NotNegative, Positive, Probability, Settings
+from cosim.sensing.settings import FullAngle, Probability, Settings
 from cosim.sensing.tracks import AGILITY
 
 AT_CROSSINGS = "crossings"
@@ -37,25 +38,27 @@ class RadioSettings(Settings):
     units: str = AT_CROSSINGS
     """``crossings``: one at an end of each; or places ``x,y`` or ``x,y,heading_deg``, separated by blanks."""
     unit_range_m: Positive = 40.0
+    """To the middle of a pedestrian."""
     unit_field_of_view_deg: FullAngle = 360.0
-    """Full angle, about the unit's heading [deg]."""
+    """Full angle, about the unit's heading."""
     unit_sees_over_vehicles: bool = True
     """It is mounted high; buildings hide pedestrians from it all the same."""
     unit_position_noise_m: NotNegative = 0.2
-    """Standard deviation along either axis [m]."""
+    """Standard deviation along either axis."""
     unit_velocity_noise_mps: NotNegative = 0.2
+    """Standard deviation along either axis."""
     unit_miss_probability: Probability = 0.02
     """That somebody in view is not in a message."""
     message_rate_hz: Positive = 10.0
     """Messages with everybody in view; at most one each time that the ego looks."""
     latency_ms: NotNegative = 50.0
-    """From the measurement to the ego, at least [ms]."""
+    """From the measurement to the ego, at least."""
     latency_jitter_ms: NotNegative = 0.0
-    """Mean of what is added to it, exponentially distributed [ms]."""
+    """Mean of what is added to it, exponentially distributed."""
     loss_probability: Probability = 0.0
     """That a message never arrives."""
     message_hold_s: NotNegative = 1.0
-    """The ego extrapolates what it was told for this long after the measurement [s]."""
+    """The ego extrapolates what it was told for this long after the measurement."""
 
     @field_validator("units")
     @classmethod

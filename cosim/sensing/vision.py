@@ -8,10 +8,11 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from controllers.settings import NotNegative, Positive
 from cosim.sensing import sight
 from cosim.sensing.interface import Belief, FloatArray, Scene, Site
 from cosim.sensing.noise import Noise
-from cosim.sensing.settings import Count, FullAngle, NotNegative, Positive, Probability, Settings
+from cosim.sensing.settings import Count, FullAngle, Probability, Settings
 from cosim.sensing.tracks import Tracks
 
 
@@ -19,23 +20,25 @@ class VisionSettings(Settings):
     """What the sensor on board is like; all defaults are assumed."""
 
     range_m: Positive = 60.0
-    """To the middle of a pedestrian [m]."""
+    """To the middle of a pedestrian."""
     field_of_view_deg: FullAngle = 120.0
-    """Full angle, about straight ahead [deg]."""
+    """Full angle, about straight ahead."""
     mount_behind_front_m: Annotated[float, Field(ge=0.0, le=20.0)] = 1.8
-    """From the front bumper back to the sensor, behind the windscreen [m]."""
+    """From the front bumper back to the sensor, behind the windscreen."""
     mount_left_m: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.0
-    """From the middle of the ego to the left [m]."""
+    """From the middle of the ego to the left."""
     position_noise_m: NotNegative = 0.2
-    """Standard deviation along either axis [m]."""
+    """Standard deviation along either axis."""
     velocity_noise_mps: NotNegative = 0.3
+    """Standard deviation along either axis."""
     miss_probability: Probability = 0.05
     """That somebody in view is not detected, at each look."""
     confirm_hits: Count = 3
     """So many detections within ``confirm_looks`` confirm a track; only those are told."""
     confirm_looks: Count = 5
+    """Looks among which the detections are counted."""
     hold_s: NotNegative = 1.0
-    """A confirmed track goes on without a detection for this long [s]."""
+    """A confirmed track goes on without a detection for this long."""
 
     @model_validator(mode="after")
     def can_be_confirmed(self) -> VisionSettings:

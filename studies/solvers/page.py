@@ -14,8 +14,6 @@ import pandas as pd
 
 from studies.markdown import table
 
-MODELS = {"closed_loop": "vo_mpc", "paper": "vo_mpc, model=paper"}
-
 
 def read(folder: Path) -> pd.DataFrame:
     """Return one row for each finished run of a batch.
@@ -36,7 +34,7 @@ def read(folder: Path) -> pd.DataFrame:
         assert not others, f"{path}: several solvers ran"
         rows.append(
             {
-                "model": about["parameters"]["controller"]["model"],
+                "controller": about["controller"],
                 "solver": solver,
                 "programs": solves["programs"],
                 "unsolved": solves["unsolved"],
@@ -57,14 +55,14 @@ def read(folder: Path) -> pd.DataFrame:
 
 
 def lines(runs: pd.DataFrame) -> list[dict[str, str]]:
-    """Return a line for each model and solver; times are medians over the runs."""
+    """Return a line for each controller and solver; times are medians over the runs."""
     found = []
-    for (model, solver), group in runs.groupby(["model", "solver"]):
+    for (controller, solver), group in runs.groupby(["controller", "solver"]):
         total = group.sum(numeric_only=True)
         delay = (group["delay_s"] * group["egos"]).sum() / total["egos"]
         found.append(
             {
-                "controller": MODELS[str(model)],
+                "controller": str(controller),
                 "solver": str(solver),
                 "runs": str(len(group)),
                 "entered encounters": f"{total['entered']:.0f}",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from controllers import catalog
 from controllers.interface import Controller, Perception
-from controllers.strategies import careful_driver
 from tests.controllers.scenes import Walker, ego, perception
 
 SPEED = 50.0 / 3.6
@@ -38,7 +39,7 @@ def standing_ahead(times: np.ndarray, distance: float) -> list[Perception]:
 
 def test_he_brakes_after_his_reaction_and_not_before() -> None:
     times = np.arange(0.0, 1.6, STEP)
-    asked = commands(careful_driver.build(), standing_ahead(times, 50.0))
+    asked = commands(catalog.build("careful_driver"), standing_ahead(times, 50.0))
     begun = [time for time, value in zip(times, asked, strict=True) if value < -1.0]
     # Perceived at once: the contact is 46 m or 3.3 s away.
     assert begun[0] == pytest.approx(0.75, abs=STEP)
@@ -46,7 +47,7 @@ def test_he_brakes_after_his_reaction_and_not_before() -> None:
 
 
 def test_the_car_brakes_as_the_performance_model_does() -> None:
-    driver, speed, braking, along = careful_driver.build(), SPEED, 0.0, 50.0
+    driver, speed, braking, along = catalog.build("careful_driver"), SPEED, 0.0, 50.0
     lag = ego().drive.drive_lag
     for k in range(20):
         one = scene(STEP * k, along, 0.0, 0.0, speed)
@@ -64,13 +65,15 @@ def test_the_car_brakes_as_the_performance_model_does() -> None:
 
 def test_a_contact_that_is_far_away_is_no_risk_yet() -> None:
     times = np.arange(0.0, 1.5, STEP)
-    asked = commands(careful_driver.build(), standing_ahead(times, 4.0 * SPEED + 3.6 + 1.5 * SPEED + 1.0))
+    asked = commands(
+        catalog.build("careful_driver"), standing_ahead(times, 4.0 * SPEED + 3.6 + 1.5 * SPEED + 1.0)
+    )
     assert min(asked) > -1.0
 
 
 @pytest.mark.parametrize(("walked", "risk"), [(0.3, False), (0.5, True)])
 def test_somebody_beside_the_path_is_a_risk_once_he_has_moved_across(walked: float, risk: bool) -> None:
-    driver = careful_driver.build(delay_s=0.0)
+    driver = catalog.build("careful_driver", delay_s=0.0)
     speed, steps = 1.4, 5
     step = walked / speed / (steps - 1)
     scenes = [
@@ -84,17 +87,17 @@ def test_somebody_beside_the_path_is_a_risk_once_he_has_moved_across(walked: flo
 
 def test_somebody_who_comes_into_view_walking_is_a_risk_at_once() -> None:
     seen = scene(0.0, 3.55 + 1.5 * SPEED, -2.0, 1.4)
-    assert careful_driver.build().decide(seen).because == "person0"
+    assert catalog.build("careful_driver").decide(seen).because == "person0"
 
 
 def test_somebody_who_walks_along_the_kerb_is_no_risk() -> None:
-    driver = careful_driver.build()
+    driver = catalog.build("careful_driver")
     scenes = [scene(0.1 * k, 40.0 - SPEED * 0.1 * k, -2.2, 0.0) for k in range(20)]
     assert all(driver.decide(one).because == "" for one in scenes)
 
 
 def test_a_standing_driver_waits_for_whoever_is_ahead() -> None:
-    driver = careful_driver.build()
+    driver = catalog.build("careful_driver")
     scenes = [scene(0.1 * k, 5.5, 0.0, 0.0, speed=0.0) for k in range(5)]
     assert max(commands(driver, scenes)) < 0.0
     gone = scene(0.6, 5.5, 6.0, 1.4, speed=0.0)
@@ -102,6 +105,6 @@ def test_a_standing_driver_waits_for_whoever_is_ahead() -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"delay_s": -0.1}, {"deceleration_g": 0.0}, {"horizon_s": float("inf")}])
-def test_what_cannot_be_is_refused(wrong: dict[str, float]) -> None:
+def test_what_cannot_be_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
-        careful_driver.build(**wrong)
+        catalog.build("careful_driver", **wrong)

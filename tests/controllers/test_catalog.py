@@ -84,7 +84,7 @@ def test_an_unknown_controller_is_refused_with_the_nearest_name_and_all_names() 
 
 def test_an_unknown_parameter_is_refused_with_the_nearest_name() -> None:
     assert "did you mean 'friction'?" in _refusal(catalog.parse, "aeb", {"fricton": "0.7"})
-    assert "it has no parameters" in _refusal(catalog.build, "sumo", speed=1)
+    assert "it has none" in _refusal(catalog.build, "sumo", speed=1)
 
 
 def test_texts_become_values_of_the_default_s_type() -> None:
@@ -95,17 +95,19 @@ def test_texts_become_values_of_the_default_s_type() -> None:
 
 def test_a_wrong_type_is_refused() -> None:
     assert _refusal(catalog.parse, "aeb", {"friction": "icy"}) == (
-        "controller 'aeb': friction = 'icy' is not a number"
+        "controller 'aeb': friction = 'icy': a number expected"
     )
-    assert "is not a number or none" in _refusal(catalog.build, "constant_speed", speed_mps="fast")
-    assert "is not a number" in _refusal(catalog.build, "aeb", friction=True)
-    assert "is not a number" in _refusal(catalog.parse, "aeb", {"friction": "nan"})
+    assert "a number or none expected" in _refusal(catalog.build, "constant_speed", speed_mps="fast")
+    assert "number expected" in _refusal(catalog.build, "aeb", friction=True)
+    assert "number expected" in _refusal(catalog.parse, "aeb", {"friction": "nan"})
 
 
 def test_a_value_out_of_range_is_refused() -> None:
-    assert "friction = -1.0 must be at least 0" in _refusal(catalog.build, "aeb", friction=-1)
-    assert "must be greater than 0" in _refusal(catalog.build, "aeb", friction=0.0)
-    assert "speed_mps = -3.0 must be at least 0" in _refusal(catalog.build, "constant_speed", speed_mps=-3.0)
+    assert "friction = -1: more than 0 expected" in _refusal(catalog.build, "aeb", friction=-1)
+    assert "more than 0 expected" in _refusal(catalog.build, "aeb", friction=0.0)
+    assert "speed_mps = -3.0: at least 0 or none expected" in _refusal(
+        catalog.build, "constant_speed", speed_mps=-3.0
+    )
 
 
 def test_a_plug_in_is_built_with_a_seed_and_all_kinds_of_parameters(plugin: str) -> None:

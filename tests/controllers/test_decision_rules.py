@@ -6,8 +6,8 @@ from itertools import product
 
 import pytest
 
-from controllers.driving.decision_rules import LaneGaps, least_gap, rule, towards
-from controllers.interface import Neighbour, NeighbourGaps, Rule
+from controllers.driving.decision_rules import LaneGaps, Rule, least_gap, rule, towards
+from controllers.interface import Neighbour, NeighbourGaps
 
 G_MIN = 12.5
 

@@ -28,7 +28,8 @@ def _crossing(pedestrian: tuple[float, float], **parameters: object) -> Ride:
         [walk(PLACE, -beside, 0.0, pace, start=meeting - beside / pace)],
         speed=SPEED,
         duration=meeting + 6.0,
-        parameters={"model": "paper", **parameters},
+        parameters=parameters,
+        controller="vo_paper",
     )
 
 

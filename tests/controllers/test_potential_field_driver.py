@@ -203,14 +203,14 @@ def test_the_plan_carries_what_a_replay_draws() -> None:
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"fixed_axis_m": 0.0}, "fixed_axis_m = 0.0 must be greater than 0"),
-        ({"shift_acceleration_mps2": -1.0}, "shift_acceleration_mps2 = -1.0 must be greater than 0"),
-        ({"line_width_m": 0.0}, "line_width_m = 0.0 must be greater than 0"),
-        ({"side_margin_m": -0.1}, "side_margin_m = -0.1 must be at least 0"),
-        ({"obstacle_gain": float("inf")}, "obstacle_gain = inf must be at least 0 and finite"),
-        ({"axis": "round"}, "axis = 'round' is not 'variable' or 'fixed'"),
-        ({"braking": "soft"}, "braking = 'soft' is not 'aeb' or 'none'"),
-        ({"predictor": "tea leaves"}, "predictor = 'tea leaves' is none of"),
+        ({"fixed_axis_m": 0.0}, "fixed_axis_m = 0.0: more than 0 expected"),
+        ({"shift_acceleration_mps2": -1.0}, "shift_acceleration_mps2 = -1.0: more than 0 expected"),
+        ({"line_width_m": 0.0}, "line_width_m = 0.0: more than 0 expected"),
+        ({"side_margin_m": -0.1}, "side_margin_m = -0.1: at least 0 expected"),
+        ({"obstacle_gain": float("inf")}, "obstacle_gain = inf: a finite number expected"),
+        ({"axis": "round"}, "axis = 'round': 'variable' or 'fixed' expected"),
+        ({"braking": "soft"}, "braking = 'soft': 'aeb' or 'none' expected"),
+        ({"predictor": "tea leaves"}, "predictor = 'tea leaves': 'constant_velocity'"),
     ],
 )
 def test_parameters_out_of_range_are_refused_in_one_line(parameters: dict[str, Any], message: str) -> None:

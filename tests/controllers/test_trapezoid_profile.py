@@ -93,19 +93,3 @@ def test_whatever_there_is_a_plan_is_finite_and_within_the_limits(
         assert 0.0 <= one.duration < 1e6
         assert -limits.emergency_deceleration - 1e-9 <= one.acceleration <= limits.acceleration
     assert max(v for _, _, v in plan.profile.knots()) <= max(speed, top) + 1e-9
-
-
-BAD = {"acceleration": 0.0, "deceleration": -1.0, "emergency_deceleration": float("inf"), "top_speed": 0.0,
-       "actuator_delay": -0.1, "standoff": float("nan")}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", sorted(BAD))
-def test_limits_out_of_range_are_refused(name: str) -> None:
-    limits = PlanningLimits(**{name: BAD[name]})
-    with pytest.raises(ValueError, match="must be"):
-        limits.check()
-
-
-def test_an_emergency_is_not_gentler_than_a_plan() -> None:
-    with pytest.raises(ValueError, match="emergency_deceleration_mps2"):
-        PlanningLimits(deceleration=5.0, emergency_deceleration=4.0).check()

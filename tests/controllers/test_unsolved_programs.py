@@ -15,9 +15,7 @@ from tests.controllers.toy_runs import Ride
 
 SOLVING = [name for name in catalog.names() if "solver" in catalog.parameters(name)]
 """Whoever solves programs lets the user choose the solver."""
-VARIANTS: dict[str, tuple[dict[str, Any], ...]] = {
-    "vo_mpc": ({}, {"cone": "vo", "truncation_s": 3.0}, {"model": "paper"})
-}
+VARIANTS: dict[str, tuple[dict[str, Any], ...]] = {"vo_mpc": ({}, {"cone": "vo", "truncation_s": 3.0})}
 """Parameters with which a controller solves other programs; nothing for the defaults alone."""
 CASES = [
     pytest.param(name, variant, id="-".join([name, *map(str, variant.values())]))

@@ -9,7 +9,8 @@ import pytest
 import qpsolvers
 
 from controllers import catalog
-from controllers.interface import Manoeuvre, Plan, Rule, Solves
+from controllers.driving.decision_rules import Rule
+from controllers.interface import Manoeuvre, Plan, Solves
 from controllers.mpc.driver import VelocityObstacleMpc
 from cosim.toy_world import ToyCrossing, ToyRoad, walk
 from tests.controllers.faulty_solvers import fails, installed
@@ -216,9 +217,9 @@ def test_a_solver_by_name_drives_the_same_way(solver: str) -> None:
     assert np.abs(ours.track[0] - other.track[0]).max() < 0.1
 
 
-@pytest.mark.parametrize(("parameters", "solver"), [({}, "daqp"), ({"model": "paper"}, "osqp")])
-def test_the_default_solver_is_the_one_that_runs(parameters: dict[str, str], solver: str) -> None:
-    record = ride(ONE_LANE, [walk(62.0, -6.0, 0.0, 1.3)], duration=5.0, parameters=parameters)
+@pytest.mark.parametrize(("controller", "solver"), [("vo_mpc", "daqp"), ("vo_paper", "osqp")])
+def test_the_default_solver_is_the_one_that_runs(controller: str, solver: str) -> None:
+    record = ride(ONE_LANE, [walk(62.0, -6.0, 0.0, 1.3)], duration=5.0, controller=controller)
     solves = [plan.solves for plan in record.plans if plan.solves is not None]
     assert {one.solver for one in solves} == {solver}
     assert sum(one.programs for one in solves) > 10
@@ -228,11 +229,11 @@ def test_the_default_solver_is_the_one_that_runs(parameters: dict[str, str], sol
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"steps": 1}, "steps must be at least 2"),
-        ({"first_step_s": 0.9}, "first_step_s must be above 0 and at most last_step_s"),
-        ({"margin_across_m": -0.1}, "margin_across_m must be at least 0"),
-        ({"truncation_s": 0.0}, "truncation_s must be above 0"),
-        ({"disc_radius_m": -1.0}, "disc_radius_m must be above 0"),
+        ({"steps": 1}, "steps = 1: at least 2 expected"),
+        ({"first_step_s": 0.9}, "first_step_s = 0.9 must be at most last_step_s"),
+        ({"margin_across_m": -0.1}, "margin_across_m = -0.1: at least 0 expected"),
+        ({"truncation_s": 0.0}, "truncation_s = 0.0: more than 0 expected"),
+        ({"disc_radius_m": -1.0}, "disc_radius_m = -1.0: more than 0 expected"),
         ({"cone": "round"}, "cone = 'round'"),
         ({"shape": "star"}, "shape = 'star'"),
     ],
@@ -242,9 +243,9 @@ def test_a_parameter_out_of_range_is_refused_by_name(parameters: dict[str, Any],
         catalog.build("vo_mpc", **parameters)
 
 
-@pytest.mark.parametrize("model", ["closed_loop", "paper"])
-def test_a_solver_that_is_not_there_is_refused(model: str) -> None:
+@pytest.mark.parametrize("name", ["vo_mpc", "vo_paper"])
+def test_a_solver_that_is_not_there_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=r"unknown solver 'no such'; installed are.*osqp"):
-        catalog.build("vo_mpc", solver="no such", model=model)
+        catalog.build(name, solver="no such")
     with pytest.raises(ValueError, match=r"pip install 'qpsolvers\[gurobi\]'"):
-        catalog.build("vo_mpc", solver="gurobi", model=model)
+        catalog.build(name, solver="gurobi")

@@ -88,8 +88,9 @@ def ride(
     duration: float = 12.0,
     lane: int = 0,
     parameters: Mapping[str, Any] | None = None,
+    controller: str = "vo_mpc",
 ) -> Ride:
-    """Drive ``vo_mpc`` with those parameters."""
+    """Drive a controller with those parameters."""
     world = ToyWorld(
         road,
         [ToyPedestrian(f"p{i}", motion) for i, motion in enumerate(walkers)],
@@ -99,5 +100,5 @@ def ride(
         lane=lane,
     )
     record = Ride()
-    run(world, {"ego": catalog.build("vo_mpc", **(parameters or {}))}, record)
+    run(world, {"ego": catalog.build(controller, **(parameters or {}))}, record)
     return record

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from controllers.interface import Manoeuvre, Rule
+from controllers.driving.decision_rules import Rule
+from controllers.interface import Manoeuvre
 from cosim.request import RunRequest
 from cosim.run import run
 

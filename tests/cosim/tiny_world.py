@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from controllers.driving.decision_rules import Rule
 from controllers.interface import (
     Body,
     Command,
@@ -21,7 +22,6 @@ from controllers.interface import (
     Perception,
     Plan,
     RoadAhead,
-    Rule,
     Vehicles,
     constant_command,
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -258,9 +257,8 @@ def _driven_claims(one: Optima) -> Iterable[Claim]:
     """Return what the controllers do with the scene, behind actuators."""
     ahead, place = one.ahead.cost < one.behind.cost, one.scene.crossing_y
     meant = "before" if ahead else "after"
-    controllers: tuple[tuple[str, dict[str, Any]], ...] = (("vo_mpc", {"model": "paper"}), ("vo_ga", {}))
-    for name, parameters in controllers:
-        track = ride(one.scene, name, top_speed_mps=TOP_SPEED, **parameters)
+    for name in ("vo_paper", "vo_ga"):
+        track = ride(one.scene, name, top_speed_mps=TOP_SPEED)
         there, met = track.reaches(place), 6.0 + scenes.LISTED_AT_ONE
         speeds = track.columns[3]
         extreme = float(speeds.max() if ahead else speeds.min())
@@ -333,10 +331,8 @@ def _motions(one: Optima) -> list[drawings.Motion]:
         drawings.of_states(f"distance over time: J = {exact.cost:.3f}", scenes.problem(scene).states(kept)),
     ]
     time, along, across, speed = ride(
-        scene, "vo_mpc", duration=float(scene.steps), model="paper", top_speed_mps=TOP_SPEED
+        scene, "vo_paper", duration=float(scene.steps), top_speed_mps=TOP_SPEED
     ).columns
     upright = np.full(len(time), 0.5 * np.pi)
-    driven = drawings.Motion(
-        "vo_mpc, model=paper, behind actuators", time, -across, along, speed, upright, False
-    )
+    driven = drawings.Motion("vo_paper, behind actuators", time, -across, along, speed, upright, False)
     return [*motions, driven]
