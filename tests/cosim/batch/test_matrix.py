@@ -78,6 +78,7 @@ def test_a_parameter_of_one_scenario_does_not_multiply_the_other(tmp_path: Path)
         ({"controllers": ["vo_mcp"]}, ["vo_mcp", "did you mean 'vo_mpc'"]),
         ({"set": {"pedestrians_per_our": 5}}, ["pedestrians_per_our", "did you mean 'pedestrians_per_hour'"]),
         ({"vary": {"steps": [10]}}, ["steps: no such parameter", "sumo has none"]),
+        ({"controllers": ["vo_mpc"], "set": {"model": "paper"}}, ["model: no such", "--controller vo_paper"]),
         ({"set": {"ego_share": 2.0}}, ["share", "at most 1"]),
         ({"set": {"ego_share": "many"}}, ["ego_share", "number"]),
         ({"set": {"ego_share": 0.1, "ego_vehicle": "x"}}, ["exclude each other"]),
