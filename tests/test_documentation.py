@@ -154,7 +154,7 @@ def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
 def test_parameters_within_a_sentence_exist(name: str) -> None:
     known = {"ego_route", "ego_vehicle", "ego_share"}  # of a study: docs/batches.md
     for controller in catalog.names():
-        known |= catalog.parameters(controller).keys()
+        known |= catalog.parameters(controller).keys() | catalog.moved(controller).keys()
     for scenario in library.names():
         known |= library.parameter_values(library.load(scenario)).keys()
     for text in re.findall(r"`--set ([a-z_]+)=", (ROOT / name).read_text()):
