@@ -79,7 +79,7 @@ def told(model: type[SettingsModel], error: ValidationError) -> str:
     expected = [_expected(field, one) for one in (first, *others) if one["loc"][:1] == (key,)]
     if NoneType in alternatives(field.annotation):
         expected.append("none")
-    return f"{key} = {first['input']!r}: {' or '.join(dict.fromkeys(expected))} expected"
+    return f"{key} = {first['input']!r}: expected {' or '.join(dict.fromkeys(expected))}"
 
 
 def unknown(model: type[SettingsModel], key: str) -> str:

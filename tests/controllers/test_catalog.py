@@ -95,17 +95,17 @@ def test_texts_become_values_of_the_default_s_type() -> None:
 
 def test_a_wrong_type_is_refused() -> None:
     assert _refusal(catalog.parse, "aeb", {"friction": "icy"}) == (
-        "controller 'aeb': friction = 'icy': a number expected"
+        "controller 'aeb': friction = 'icy': expected a number"
     )
-    assert "a number or none expected" in _refusal(catalog.build, "constant_speed", speed_mps="fast")
-    assert "number expected" in _refusal(catalog.build, "aeb", friction=True)
-    assert "number expected" in _refusal(catalog.parse, "aeb", {"friction": "nan"})
+    assert "expected a number or none" in _refusal(catalog.build, "constant_speed", speed_mps="fast")
+    assert "expected a number" in _refusal(catalog.build, "aeb", friction=True)
+    assert "expected a finite number" in _refusal(catalog.parse, "aeb", {"friction": "nan"})
 
 
 def test_a_value_out_of_range_is_refused() -> None:
-    assert "friction = -1: more than 0 expected" in _refusal(catalog.build, "aeb", friction=-1)
-    assert "more than 0 expected" in _refusal(catalog.build, "aeb", friction=0.0)
-    assert "speed_mps = -3.0: at least 0 or none expected" in _refusal(
+    assert "friction = -1: expected more than 0" in _refusal(catalog.build, "aeb", friction=-1)
+    assert "expected more than 0" in _refusal(catalog.build, "aeb", friction=0.0)
+    assert "speed_mps = -3.0: expected at least 0 or none" in _refusal(
         catalog.build, "constant_speed", speed_mps=-3.0
     )
 

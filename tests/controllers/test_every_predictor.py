@@ -109,7 +109,7 @@ def test_a_controller_keeps_its_promises_with_any_predictor(driver: str, name: s
 @pytest.mark.parametrize("driver", DRIVERS)
 def test_a_predictor_that_does_not_exist_is_refused_in_one_line(driver: str) -> None:
     with pytest.raises(
-        catalog.CatalogError, match=r"predictor = 'crystal_ball': 'constant_velocity'.* expected"
+        catalog.CatalogError, match=r"predictor = 'crystal_ball': expected 'constant_velocity'"
     ) as caught:
         catalog.build(driver, predictor="crystal_ball")
     assert "\n" not in str(caught.value)

@@ -203,14 +203,14 @@ def test_the_plan_carries_what_a_replay_draws() -> None:
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"fixed_axis_m": 0.0}, "fixed_axis_m = 0.0: more than 0 expected"),
-        ({"shift_acceleration_mps2": -1.0}, "shift_acceleration_mps2 = -1.0: more than 0 expected"),
-        ({"line_width_m": 0.0}, "line_width_m = 0.0: more than 0 expected"),
-        ({"side_margin_m": -0.1}, "side_margin_m = -0.1: at least 0 expected"),
-        ({"obstacle_gain": float("inf")}, "obstacle_gain = inf: a finite number expected"),
-        ({"axis": "round"}, "axis = 'round': 'variable' or 'fixed' expected"),
-        ({"braking": "soft"}, "braking = 'soft': 'aeb' or 'none' expected"),
-        ({"predictor": "tea leaves"}, "predictor = 'tea leaves': 'constant_velocity'"),
+        ({"fixed_axis_m": 0.0}, "fixed_axis_m = 0.0: expected more than 0"),
+        ({"shift_acceleration_mps2": -1.0}, "shift_acceleration_mps2 = -1.0: expected more than 0"),
+        ({"line_width_m": 0.0}, "line_width_m = 0.0: expected more than 0"),
+        ({"side_margin_m": -0.1}, "side_margin_m = -0.1: expected at least 0"),
+        ({"obstacle_gain": float("inf")}, "obstacle_gain = inf: expected a finite number"),
+        ({"axis": "round"}, "axis = 'round': expected 'variable' or 'fixed'"),
+        ({"braking": "soft"}, "braking = 'soft': expected 'aeb' or 'none'"),
+        ({"predictor": "tea leaves"}, "predictor = 'tea leaves': expected 'constant_velocity'"),
     ],
 )
 def test_parameters_out_of_range_are_refused_in_one_line(parameters: dict[str, Any], message: str) -> None:

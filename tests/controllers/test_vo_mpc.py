@@ -229,11 +229,11 @@ def test_the_default_solver_is_the_one_that_runs(controller: str, solver: str) -
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"steps": 1}, "steps = 1: at least 2 expected"),
+        ({"steps": 1}, "steps = 1: expected at least 2"),
         ({"first_step_s": 0.9}, "first_step_s = 0.9 must be at most last_step_s"),
-        ({"margin_across_m": -0.1}, "margin_across_m = -0.1: at least 0 expected"),
-        ({"truncation_s": 0.0}, "truncation_s = 0.0: more than 0 expected"),
-        ({"disc_radius_m": -1.0}, "disc_radius_m = -1.0: more than 0 expected"),
+        ({"margin_across_m": -0.1}, "margin_across_m = -0.1: expected at least 0"),
+        ({"truncation_s": 0.0}, "truncation_s = 0.0: expected more than 0"),
+        ({"disc_radius_m": -1.0}, "disc_radius_m = -1.0: expected more than 0"),
         ({"cone": "round"}, "cone = 'round'"),
         ({"shape": "star"}, "shape = 'star'"),
     ],

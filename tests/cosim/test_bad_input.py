@@ -36,7 +36,7 @@ def town(tmp_path: Path) -> Path:
         (["--set", "euler_steps=9"], ["--controller vo_ga or vo_paper has it"]),
         (["--set", "cone=square"], ["'hybrid'"]),
         (["--set", "=3"], ["key=value"]),
-        (["--controller", "aeb", "--set", "friction=0"], ["more than 0 expected"]),
+        (["--controller", "aeb", "--set", "friction=0"], ["expected more than 0"]),
         (
             ["--controller", "sumo", "--set", "solver=osqp"],
             ["controller 'sumo' has none", "--controller vo_mpc or vo_paper has it"],
