@@ -14,6 +14,7 @@ from pathlib import Path
 from time import process_time
 
 from analysis.encounters.case import prepare
+from analysis.markdown import table_of
 from analysis.recording.reading import read_run
 from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Motion, Person, Vehicle, line, write_run
@@ -53,7 +54,7 @@ def _to_and_fro(number: int) -> Motion:
     return at
 
 
-def measure(folder: Path) -> str:
+def measure(folder: Path) -> dict[str, object]:
     """Return one row of the table."""
     spent = []
     for _ in range(REPEATS):
@@ -65,20 +66,22 @@ def measure(folder: Path) -> str:
     wall = report.run.get("wall_s")
     share = f"{100.0 * median / float(wall):.1f} %" if wall else "not simulated"
     duration = report.run.get("duration_s") or math.nan
-    return (
-        f"| {folder.name} | {duration:.0f} | {report.run['n_encounters']} | {pairs} | "
-        f"{1000.0 * median:.0f} | {pairs / median:,.0f} | {share} |"
-    )
+    return {
+        "run": folder.name,
+        "simulated s": f"{duration:.0f}",
+        "encounters": report.run["n_encounters"],
+        "sample pairs": pairs,
+        "analysis ms": f"{1000.0 * median:.0f}",
+        "pairs per s": f"{pairs / median:,.0f}",
+        "of the run's time": share,
+    }
 
 
 def main() -> None:
     """Print the table."""
-    print("| run | simulated s | encounters | sample pairs | analysis ms | pairs per s | of the run's time |")
-    print("|---|---|---|---|---|---|---|")
     folders = [Path(name) for name in sys.argv[1:]]
     with tempfile.TemporaryDirectory() as name:
-        for folder in folders or [made_up_run(Path(name) / "made_up")]:
-            print(measure(folder), flush=True)
+        print(table_of([measure(folder) for folder in folders or [made_up_run(Path(name) / "made_up")]]))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.markdown import table, write_below
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction import named
 from controllers.prediction.forecast import Predictor
@@ -102,11 +103,10 @@ def measure(scenario: str) -> Watcher:
     return watcher
 
 
-def table(watcher: Watcher) -> str:
+def errors(watcher: Watcher) -> str:
     """Return the errors as a table."""
-    heads = [f"{value} at {horizon:g} s" for horizon in HORIZONS for value in ("mean", "p95")]
-    lines = ["| who | predictor | n | " + " | ".join(heads) + " | within reach at 1, 2, 3 s |"]
-    lines.append("|" + "---|" * (len(heads) + 4))
+    offsets = [f"{value} at {horizon:g} s" for horizon in HORIZONS for value in ("mean", "p95")]
+    lines = []
     for group in (CROSSING, STANDING, ALONG):
         for name in named.names():
             found = [watcher.errors[name, group, horizon] for horizon in HORIZONS]
@@ -115,20 +115,19 @@ def table(watcher: Watcher) -> str:
             offs = [np.array([off for off, _ in one]) for one in found]
             cells = [f"{value:.2f}" for off in offs for value in (off.mean(), np.percentile(off, 95))]
             inside = ", ".join(f"{np.mean([within for _, within in one]):.0%}" for one in found)
-            lines.append(f"| {group} | `{name}` | {len(offs[-1])} | " + " | ".join(cells) + f" | {inside} |")
-    return "\n".join(lines)
+            lines.append([group, f"`{name}`", str(len(offs[-1])), *cells, inside])
+    return table(["who", "predictor", "n", *offsets, "within reach at 1, 2, 3 s"], lines)
 
 
 def main() -> None:
     """Measure, print, and write into a page where one is given."""
     blocks = []
     for scenario in SCENARIOS:
-        blocks.append(f"### {scenario}\n\n{table(measure(scenario))}\n")
+        blocks.append(f"### {scenario}\n\n{errors(measure(scenario))}\n")
         print(blocks[-1], flush=True)
     if "--write" in sys.argv:
         page = Path(sys.argv[sys.argv.index("--write") + 1])
-        above = page.read_text("utf-8").partition(MARK)[0]
-        page.write_text(f"{above}{MARK}\n\n" + "\n".join(blocks), "utf-8")
+        write_below(page, MARK, "\n".join(blocks), "# Prediction")
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from analysis.markdown import table_of
 from measuring.bars import Bar
-from measuring.markdown import table
 
 FOLDER = Path(__file__).resolve().parent.parent
 BUSY = 1.5
@@ -81,7 +81,7 @@ def page(everything: Mapping[str, Any]) -> str:
         )
     if bars := all_bars(everything):
         heads = ("what", "bar", "measured", "verdict", "note")
-        parts += ["## Bars", table([{head: bar[head] for head in heads} for bar in bars])]
+        parts += ["## Bars", table_of([{head: bar[head] for head in heads} for bar in bars])]
     for name in measured:
         parts += _paragraphs(name, everything[name])
     return "\n\n".join(parts) + "\n"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from analysis.markdown import table as markdown_table
 from cosim.check.finding import VALID, Finding, exit_code
 from cosim.check.junit import details
 
@@ -17,6 +18,8 @@ MOST_FAILURES = 30
 MOST_ROWS = 200
 STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
+_NUMBERS = ("judged", "passed", "failed", "not counted", "invalid", "worst value")
+_HEADINGS = ("target", "criterion", *_NUMBERS)
 _WORDS = {0: "passed", 1: "failed", 3: "invalid"}
 
 
@@ -90,10 +93,11 @@ def verdict(findings: Sequence[Finding]) -> str:
 def table(findings: Sequence[Finding]) -> Table:
     """Return the table for a terminal."""
     shown = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("target", "criterion"):
-        shown.add_column(heading, overflow="fold")
-    for heading in ("judged", "passed", "failed", "not counted", "invalid", "worst value"):
-        shown.add_column(heading, justify="right")
+    for heading in _HEADINGS:
+        if heading in _NUMBERS:
+            shown.add_column(heading, justify="right")
+        else:
+            shown.add_column(heading, overflow="fold")
     for line in lines(findings)[:MOST_ROWS]:
         shown.add_row(*_cells(line))
     return shown
@@ -116,13 +120,8 @@ def append_step_summary(findings: Sequence[Finding], environment: Mapping[str, s
 
 def markdown(findings: Sequence[Finding]) -> str:
     """Return the check as Markdown."""
-    said = [f"### cosim check {verdict(findings)}", ""]
-    said += [
-        "| target | criterion | judged | passed | failed | not counted | invalid | worst value |",
-        "|---|---|--:|--:|--:|--:|--:|--:|",
-        *("| " + " | ".join(map(_escaped, _cells(line))) + " |" for line in lines(findings)[:MOST_ROWS]),
-        "",
-    ]
+    rows = [[_escaped(cell) for cell in _cells(line)] for line in lines(findings)[:MOST_ROWS]]
+    said = [f"### cosim check {verdict(findings)}", "", markdown_table(_HEADINGS, rows, right=_NUMBERS), ""]
     wrong = _wrong(findings)
     for one in wrong[:MOST_FAILURES]:
         said += [f"**{_escaped(one.criterion_id)}**", "", "```", *details(one), "```", ""]
@@ -143,4 +142,4 @@ def _cells(line: Line) -> list[str]:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")
+    return text.replace("<", "&lt;").replace("\n", " ")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib.metadata import version
 
+from analysis.markdown import table
 from cosim.conformance.case import Result, Values
 
 HEADINGS = ("case", "claim", "expected", "measured", "control, which must fail", "verdict")
@@ -42,9 +43,7 @@ def summary(results: Sequence[Result]) -> str:
 
 def markdown(results: Sequence[Result]) -> str:
     """Return the table and its summary as Markdown."""
-    lines = [summary(results) + ".", "", _line(HEADINGS), _line(("---",) * len(HEADINGS))]
-    lines += [_line(row) for row in table_rows(results)]
-    return "\n".join(lines) + "\n"
+    return f"{summary(results)}.\n\n{table(HEADINGS, table_rows(results))}\n"
 
 
 def described(values: Values) -> str:
@@ -60,7 +59,3 @@ def _number(value: float | str) -> str:
     if float(value).is_integer():
         return str(int(value))
     return "0" if abs(value) < 0.0005 else f"{value:.3f}"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from analysis.errors import AnalysisError
+from analysis.markdown import table, write_below
 from analysis.protocols.table import FILE, read, score
 from sumo_scenarios.suites.tables import GroupTable, read_suite
 from sumo_scenarios.suites.tables import names as suite_names
@@ -32,8 +33,7 @@ def write_page(folder: Path, page: Path) -> None:
     if not files:
         raise AnalysisError(f"{folder}: no {FILE}; python -m cosim.suites NAME --out {folder}/NAME makes one")
     rows = [row for file in files for row in read(file)]
-    above = page.read_text("utf-8").partition(TABLES)[0].rstrip("\n") if page.exists() else "# Test protocols"
-    page.write_text(f"{above}\n\n{TABLES}\n\n{markdown(rows)}", encoding="utf-8", newline="\n")
+    write_below(page, TABLES, markdown(rows), "# Test protocols")
 
 
 def markdown(rows: Sequence[Cells]) -> str:
@@ -44,10 +44,10 @@ def markdown(rows: Sequence[Cells]) -> str:
     for suite in suites:
         own = [row for row in rows if row["suite"] == suite]
         drove = [name for name in controllers if any(row["controller"] == name for row in own)]
-        table = read_suite(suite)
-        blocks += [f"### {suite}\n", f"{table.title}; {table.label}.\n", _groups(own, table.groups, drove)]
-        if table.points:
-            blocks.append(_scores(own, table.points, drove))
+        found = read_suite(suite)
+        blocks += [f"### {suite}\n", f"{found.title}; {found.label}.\n", _groups(own, found.groups, drove)]
+        if found.points:
+            blocks.append(_scores(own, found.points, drove))
     return "\n".join(blocks)
 
 
@@ -133,8 +133,8 @@ def _passed(rows: Iterable[Cells]) -> int:
 
 
 def _table(lines: Sequence[Sequence[str]]) -> str:
-    head, *body = ["| " + " | ".join(line) + " |" for line in lines]
-    return "\n".join([head, "|" + " --- |" * len(lines[0]), *body, ""])
+    heads, *rows = lines
+    return table(heads, rows) + "\n"
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from typing import Any
 
 import pandas as pd
 
+from analysis.markdown import table as markdown_table
+
 ORDER = ("vo_mpc", "sumo", "aeb")
 
 _LINES = (
@@ -60,10 +62,8 @@ def markdown(table: pd.DataFrame, pooled: pd.DataFrame) -> str:
 def _block(title: str, group: pd.DataFrame) -> str:
     rows = {row["controller"]: row for row in group.to_dict("records")}
     names = [name for name in ORDER if name in rows] + sorted(set(rows) - set(ORDER))
-    lines = [f"### {title}", "", "| | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
-    for label, text in _LINES:
-        lines.append(f"| {label} | " + " | ".join(_cell(text, rows[name]) for name in names) + " |")
-    return "\n".join(lines)
+    lines = [[label, *(_cell(text, rows[name]) for name in names)] for label, text in _LINES]
+    return f"### {title}\n\n{markdown_table(['', *names], lines)}"
 
 
 def _cell(text: str, row: dict[Hashable, Any]) -> str:

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.errors import StudyError
+from analysis.markdown import table, write_below
 from analysis.study.design import Condition, Study, read_study
 from analysis.study.runs import find_run_folders
-from studies.markdown import table
 from studies.methods.rows import Row, rows
 
 TABLES = "## Tables"
@@ -69,11 +69,7 @@ def write_page(folder: Path, page: Path) -> None:
     folders = find_run_folders(folder)
     if not folders:
         raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    above = _INTRODUCTION
-    if page.exists():
-        above = page.read_text(encoding="utf-8").partition(TABLES)[0].rstrip("\n") + "\n"
-    text = f"{above}\n{TABLES}\n\n{markdown(read_study(folders))}"
-    page.write_text(text, encoding="utf-8", newline="\n")
+    write_below(page, TABLES, markdown(read_study(folders)), _INTRODUCTION)
 
 
 def _block(condition: Condition, found: Sequence[Row]) -> str:

@@ -11,8 +11,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from analysis.markdown import table
 from cosim.errors import InputError
-from studies.markdown import table
 from studies.papers.catalog import found
 from studies.papers.claim import Claim, Status
 from studies.papers.execution import CLAIMS, FIGURES

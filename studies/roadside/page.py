@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from analysis.errors import StudyError
+from analysis.markdown import table, write_below
 from analysis.statistics.intervals import share_interval
 from analysis.study.runs import find_run_folders, read_runs
-from studies.markdown import table
 from studies.roadside.cells import Cell, against, cells
 from studies.roadside.figure import draw
 
@@ -61,10 +61,9 @@ def write_page(folder: Path, page: Path) -> None:
         raise StudyError(f"{folder}: no runs; cosim batch makes them")
     found = cells(read_runs(folders))
     figure = page.with_suffix(".svg")
-    above = page.read_text("utf-8").partition(TABLES)[0].rstrip("\n") if page.exists() else "# Roadside"
     draw(found, figure)
-    text = f"{above}\n\n{TABLES}\n\n![Contacts and delay over latency]({figure.name})\n\n{markdown(found)}"
-    page.write_text(text, encoding="utf-8", newline="\n")
+    text = f"![Contacts and delay over latency]({figure.name})\n\n{markdown(found)}"
+    write_below(page, TABLES, text, "# Roadside")
 
 
 def _texts(cell: Cell, base: Cell | None) -> list[str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.markdown import table
+from analysis.markdown import table_of
 
 
 def read(folder: Path) -> pd.DataFrame:
@@ -82,5 +82,4 @@ def lines(runs: pd.DataFrame) -> list[dict[str, str]]:
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    found = lines(read(Path(sys.argv[1])))
-    print(table(list(found[0]), [list(line.values()) for line in found]))
+    print(table_of(lines(read(Path(sys.argv[1])))))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from analysis.markdown import table
 from studies.zoo.bars import JUDGED, bars
 from studies.zoo.catalog import Plan
 from studies.zoo.recipe import Recipe
 from studies.zoo.results import Run
-from studies.zoo.tables import CLASSES, CONTACTS, bars_table, contact_cells, markdown, pooled
+from studies.zoo.tables import CLASSES, CONTACTS, bars_table, contact_cells, pooled
 
 TITLE = "# The zoo: networks that nobody tuned for"
 MOST_REASON = 160
@@ -96,7 +97,7 @@ def _failures(failed: Sequence[Run]) -> list[str]:
     if not failed:
         return []
     rows = [(run.controller, str(run.seed), _cut(run.reason), f"`{run.command}`") for run in failed]
-    return [markdown(("driver", "seed", "why the run is invalid", "again"), rows)]
+    return [table(("driver", "seed", "why the run is invalid", "again"), rows)]
 
 
 def _contacts(runs: Sequence[Run]) -> list[str]:
@@ -110,10 +111,9 @@ def _contacts(runs: Sequence[Run]) -> list[str]:
         [*contact_cells(run, contact)[: len(heads)], "no" if run.reason else "yes", f"`{run.command}`"]
         for run, contact in mine
     ]
-    table = markdown([*heads, "run valid", "again"], rows)
     return [
         f"These are the contacts of `{JUDGED}`; `contacts.csv` of the results lists those of all drivers.",
-        table,
+        table([*heads, "run valid", "again"], rows),
     ]
 
 

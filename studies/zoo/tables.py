@@ -6,6 +6,7 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from analysis.markdown import table
 from studies.zoo.bars import Bar
 from studies.zoo.results import Contact, Run
 from studies.zoo.tally import Tally, of
@@ -46,28 +47,12 @@ def cells(name: str, tally: Tally) -> list[str]:
 
 def pooled(runs: Sequence[Run], controllers: Iterable[str], network: str | None = None) -> str:
     """Return a table with one row a controller, of one network or of all."""
-    return markdown(HEADS, [cells(name, of(runs, name, network)) for name in controllers])
+    return table(HEADS, [cells(name, of(runs, name, network)) for name in controllers])
 
 
 def bars_table(bars: Sequence[Bar]) -> str:
     """Return the bars with what was measured."""
-    return markdown(("bar", "measured", "verdict"), [(bar.what, bar.measured, bar.verdict) for bar in bars])
-
-
-def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table.
-
-    Examples
-    --------
-    >>> print(markdown(["a", "b"], [["1", "x|y"]]))
-    | a | b |
-    |---|---|
-    | 1 | x\\|y |
-    """
-    lines = [heads, ["---"] * len(heads), *([cell.replace("|", "\\|") for cell in row] for row in rows)]
-    texts = [f"| {' | '.join(line)} |" for line in lines]
-    texts[1] = texts[1].replace(" ", "")
-    return "\n".join(texts)
+    return table(("bar", "measured", "verdict"), [(bar.what, bar.measured, bar.verdict) for bar in bars])
 
 
 def contact_cells(run: Run, contact: Contact) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -26,5 +26,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         "## Agreement: the naive programs are the same problems",
         "Largest differences of the exact optima (DAQP) of both forms; and OSQP's errors of the first "
         "command (m/s², rad) against them, both at the controller's tolerance.",
-        table(rows),
+        table_of(rows),
     ]

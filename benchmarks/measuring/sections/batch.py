@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -21,5 +21,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         "## A batch against plain processes",
         f"Runs of {found['simulated_s']:g} simulated seconds, start and tables of the batch included; "
         f"medians of {found['rounds']} rounds in turns. Shells once, reckoned from {shells} runs.",
-        table(rows),
+        table_of(rows),
     ]

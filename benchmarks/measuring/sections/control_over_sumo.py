@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -38,7 +38,7 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"{city['step_s']:g} s after everybody has departed; mean ms per step, medians of the repeats. "
         "*Control* is sense, decide, plan and act; `advance()` is *advance* and *SUMO's step* together. "
         "SUMO without an ego: the same configuration in a loop that does nothing but step.",
-        table(rows),
+        table_of(rows),
         "The same by part, median and 99th percentile in ms (measured apart, with the clock's own cost):",
-        table(parts),
+        table_of(parts),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -59,17 +59,17 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
     ]
     return [
         "## Control step: decide and plan",
-        table(whole),
+        table_of(whole),
         "Ratios of medians over the same perceptions, interleaved in one process; median, least and most of "
         "the repetitions; the ratio of total times beside it. "
         "By part, median and 99th percentile in ms (measured apart, with the clock's own cost); sensing, "
         "acting and recording are in the section about the loop with SUMO:",
-        table(parts),
+        table_of(parts),
         "Programs: how many, and how long it takes to solve one and to check its certificate. "
         "The 99th percentile is over every solve of every repetition; *of medians*: each program's median "
         "over the repetitions first, which leaves out what else the machine does.",
-        table(programs),
+        table_of(programs),
         "Memory of the control step (tracemalloc), after a warm-up, at 30 intervals and 5 pedestrians; a "
         "step's peak is what it has allocated at most at one time.",
-        table(growth),
+        table_of(growth),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -23,5 +23,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
             for solver, k in found[f"{name}_exponent"].items()
         )
         since = f" from {found['fewest_people']} on" if name == "pedestrians" else ""
-        text += [table(rows), f"Law of growth with {name}{since}, cost ~ size^k: {laws}."]
+        text += [table_of(rows), f"Law of growth with {name}{since}, cost ~ size^k: {laws}."]
     return text

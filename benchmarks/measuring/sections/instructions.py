@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -24,5 +24,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         "## Instructions",
         f"Valgrind's callgrind, {found['case']} (N/pedestrians), mean of {found['steps']} control steps from "
         f"number {found['first']} of one approach on; what the machine does beside it changes no count.",
-        table(rows),
+        table_of(rows),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -30,5 +30,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         "A grid city, every ego with `vo_mpc` as it is by default, planning every 0.1 s; each run in a "
         "process of its own on one core, recording included; mean ms per step, after everybody has departed. "
         "Numbers of egos are means: one whose route ends leaves the road.",
-        table(rows),
+        table_of(rows),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -24,5 +24,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"first {found['settled_s']:g} s memory grows by {found['mb_per_hour']:+.1f} MB per simulated hour, "
         f"the recording included. SUMO alone, stepping through the same demand, grows by "
         f"{found['alone_mb_per_hour']:+.1f} MB per hour and ends at {found['alone_end_mb']:.0f} MB.",
-        table(rows),
+        table_of(rows),
     ]

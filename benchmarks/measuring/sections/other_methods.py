@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from measuring.markdown import table
+from analysis.markdown import table_of
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
@@ -40,4 +40,4 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
             "The genetic algorithm (50 individuals, 100 generations) ends at a cost that is higher than ours "
             f"by {found['genetic_excess']:.0%} of it in the median."
         )
-    return ["## Other methods", table(rows), " ".join(text)]
+    return ["## Other methods", table_of(rows), " ".join(text)]
