@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 
+from analysis.files import write_json
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING
 from controllers.interface import Decision, Perception, Plan
 from cosim.loop import ToWorld
@@ -119,10 +118,3 @@ class Recorder:
                 errors.append(error)
         if errors:
             raise errors[0]
-
-
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a JSON file with a stable layout; a file with this name is always complete."""
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
-    part.replace(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import Any
 
 from pyarrow import ArrowInvalid
 
+from analysis.files import read_json, write_json
 from analysis.recording.columns import SCHEMA_VERSION
 from cosim import compose, loop, output, provenance
 from cosim.broadcast import Broadcast
@@ -20,7 +20,7 @@ from cosim.drivers import Departures
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.loop import LoopTimes
 from cosim.parquet_sink import PART, recover
-from cosim.recorder import Recorder, write_json
+from cosim.recorder import Recorder
 from cosim.request import RunRequest
 
 Progress = Callable[[float, float | None], None]
@@ -127,7 +127,7 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
             recover(part)
         except (OSError, ArrowInvalid):
             part.unlink(missing_ok=True)  # not even its beginning was written
-    description: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    description = read_json(folder / "run.json")
     description.update(valid=False, invalid_reason=reason)
     _write_description(folder, description)
     return description

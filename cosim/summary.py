@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich import box
 from rich.table import Table
 
+from analysis.files import read_csv
 from cosim.errors import SimulationError
 
 Row = Mapping[str, str]
@@ -51,8 +51,7 @@ def read_row(folder: Path) -> Row:
     """Return the single row of ``runs.csv`` in a run's folder."""
     path = folder / "runs.csv"
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = read_csv(path)
     except OSError as error:
         raise SimulationError(f"{path} cannot be read: {error.strerror}") from error
     if len(rows) != 1:

@@ -6,21 +6,18 @@ moment and loses nothing but the runs in flight.
 
 from __future__ import annotations
 
-import csv
 import fcntl
-import io
-import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from analysis.files import PART, read_json, write_csv, write_json, write_text
 from cosim.batch.identity import Identity, differences
 from cosim.batch.job import Job
 from cosim.batch.outcome import NOTE, RUN, Outcome
 from cosim.errors import InputError
-from cosim.recorder import write_json
 
 STUDY = "study.toml"
 """Copy of the study file; marks the folder of a study."""
@@ -54,7 +51,7 @@ class Ledger:
         self.folder = folder
         try:
             if folder.is_dir():
-                foreign = any(path.name not in (LOCK, f"{STUDY}.part") for path in folder.iterdir())
+                foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())
                 if foreign and not (folder / STUDY).is_file():
                     raise InputError(
                         f"--out {folder}: expected an empty or new folder, or the one of this study; "
@@ -86,7 +83,7 @@ class Ledger:
             except BlockingIOError as error:
                 raise InputError(f"--out {self.folder}: another batch is at work in this folder") from error
             try:
-                _write(self.folder / STUDY, study_file.read_text("utf-8") if text is None else text)
+                write_text(self.folder / STUDY, study_file.read_text("utf-8") if text is None else text)
                 for name in (RUNS, FAILED):
                     (self.folder / name).mkdir(exist_ok=True)
                 self._clear()
@@ -215,15 +212,12 @@ class Ledger:
     def failures(self) -> list[dict[str, Any]]:
         """Return the failed runs, sorted by name."""
         paths = sorted((self.folder / FAILED).glob(f"*/{FAILURE}"))
-        return [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+        return [read_json(path) for path in paths]
 
     def write_failures(self) -> None:
         """Write ``failed.csv``, one row for each failed run."""
-        buffer = io.StringIO()
-        writer = csv.DictWriter(buffer, _COLUMNS, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(self.failures())
-        _write(self.folder / FAILURES, buffer.getvalue())
+        rows = [[one.get(column, "") for column in _COLUMNS] for one in self.failures()]
+        write_csv(self.folder / FAILURES, _COLUMNS, rows)
 
     def description(self, name: str) -> dict[str, Any]:
         """Return the content of a finished run's ``run.json``."""
@@ -243,8 +237,8 @@ class Ledger:
 def _read(folder: Path) -> tuple[dict[str, Any], str]:
     """Return a run's description, and the hash of the code that made it."""
     try:
-        description = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        note = json.loads((folder / NOTE).read_text(encoding="utf-8"))
+        description = read_json(folder / "run.json")
+        note = read_json(folder / NOTE)
         return description, str(note["source"])
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{folder}: cannot be read ({error}); remove it to have it made again") from error
@@ -254,9 +248,3 @@ def _short(told: Sequence[str]) -> str:
     most = 3
     further = f" and {len(told) - most} further differences" if len(told) > most else ""
     return "; ".join(told[:most]) + further
-
-
-def _write(path: Path, text: str) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8", newline="\n")
-    part.replace(path)

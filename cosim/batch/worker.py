@@ -107,8 +107,8 @@ def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
 
 
 def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
+    from analysis.files import write_json
     from cosim.execution import execute
-    from cosim.recorder import write_json
     from cosim.run import TELEPORTED
 
     source = source_digest(job.configuration.controller)  # as it is when the code is loaded

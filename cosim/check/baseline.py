@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from analysis.errors import AnalysisError
+from analysis.files import read_json
 from analysis.results.measures import run_measures
 from analysis.study.regression import Pairing, regression_rows
 from analysis.study.runs import StudyRun, find_run_folders, read_runs
@@ -65,8 +65,8 @@ def read_baseline(folder: Path) -> Baseline:
         runs = [run for run in read_runs(folders) if run.valid]
         found = {}
         for run in runs:
-            note = json.loads((run.folder / NOTE).read_text("utf-8"))
-            description = json.loads((run.folder / "run.json").read_text("utf-8"))
+            note = read_json(run.folder / NOTE)
+            description = read_json(run.folder / "run.json")
             settings = tuple(sorted((str(key), str(value)) for key, value in note["settings"].items()))
             sensing = dict(note["varied"]).get("sensing")
             found[run.scenario_id, run.controller, settings, sensing, run.seed] = run, description

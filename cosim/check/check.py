@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -13,6 +10,7 @@ from pathlib import Path
 
 from analysis.criteria.reading import EXAMPLE
 from analysis.criteria.table import CRITERIA
+from analysis.files import write_csv, write_json
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
 from cosim import output
@@ -107,14 +105,10 @@ class Check:
 
     def _write(self, findings: Sequence[Finding]) -> None:
         try:
-            buffer = io.StringIO()
-            writer = csv.writer(buffer, lineterminator="\n")
-            writer.writerow(CRITERIA.names())
-            writer.writerows(cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format))
+            rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
             self.folder.mkdir(parents=True, exist_ok=True)
-            _replace(self.folder / CRITERIA.file, buffer.getvalue())
-            package = describe([CRITERIA], "a check")
-            _replace(self.folder / PACKAGE, json.dumps(package, indent=1, ensure_ascii=False) + "\n")
+            write_csv(self.folder / CRITERIA.file, CRITERIA.names(), rows)
+            write_json(self.folder / PACKAGE, describe([CRITERIA], "a check"))
             if self.request.junit is not None:
                 write_junit(self.request.junit, findings)
             append_step_summary(findings)
@@ -204,9 +198,3 @@ def _check_folder(folder: Path, out: Path | None) -> None:
 def _check_junit(path: Path | None) -> None:
     if path is not None and path.is_dir():
         raise InputError(f"--junit {path}: expected a file, this is a folder")
-
-
-def _replace(path: Path, text: str) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8", newline="\n")
-    part.replace(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
+from analysis.files import read_csv
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study.tables import CONFIGS
 from cosim.batch.batch import Batch
@@ -154,7 +154,7 @@ class Evaluation:
 
     @cached_property
     def _statistics(self) -> Mapping[tuple[str, str, str], Cells]:
-        rows = _rows(self._batch.ledger.folder / CONFIGS.file)
+        rows = read_csv(self._batch.ledger.folder / CONFIGS.file)
         return {(row["config_id"], row["metric"], row["kind"]): row for row in rows}
 
     @cached_property
@@ -205,7 +205,7 @@ def _judged_rows(about: Finding, criterion: Criterion, run: Made) -> Iterator[Fi
         yield replace(about, status="invalid", note=run.reason)
         return
     table = ENCOUNTERS if criterion.scope == "encounter" else RUNS
-    rows = chosen_rows(criterion, _rows(run.folder / table.file))
+    rows = chosen_rows(criterion, read_csv(run.folder / table.file))
     counts = not criterion.allow_undefined
     if not rows:
         yield replace(about, status="undefined", counts=counts, note=f"no {criterion.scope} to judge")
@@ -251,8 +251,3 @@ def with_verdict(about: Finding, case: Case, verdict: Verdict) -> Finding:
         points=verdict.points,
         note="; ".join(filter(None, notes)) or None,
     )
-
-
-def _rows(path: Path) -> list[Cells]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))

@@ -8,6 +8,7 @@ from itertools import groupby
 from pathlib import Path
 from xml.etree import ElementTree
 
+from analysis.files import completing
 from cosim.check.finding import Finding
 
 # Characters that XML 1.0 has not, wherever a name or a reason has them from.
@@ -31,9 +32,8 @@ def write_junit(path: Path, findings: Sequence[Finding]) -> None:
     ElementTree.indent(root)
     content = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(content)
-    part.replace(path)
+    with completing(path) as part:
+        part.write_bytes(content)
 
 
 def _counts(findings: Sequence[Finding], names: Mapping[str, str]) -> dict[str, str]:

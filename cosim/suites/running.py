@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from analysis.errors import AnalysisError
+from analysis.files import read_json
 from analysis.protocols.table import Row, write
 from analysis.protocols.verdict import Verdict
 from cosim.batch.batch import BatchRequest, Result, prepared
@@ -92,7 +92,6 @@ def _judged(
 
 def _description(folder: Path) -> dict[str, Any]:
     try:
-        content: dict[str, Any] = json.loads((folder / "run.json").read_text("utf-8"))
+        return read_json(folder / "run.json")
     except FileNotFoundError:
         return {}
-    return content

@@ -7,7 +7,6 @@ decelerations and jerks the largest.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from analysis.files import read_json
 from analysis.thresholds import LOW_TTC_S
 
 KEYS = ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour", "controller"]
@@ -31,7 +31,7 @@ def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
     runs: list[pd.DataFrame] = []
     encounters: list[pd.DataFrame] = []
     for folder in sorted(folders):
-        description = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        description = read_json(folder / "run.json")
         demand = description["parameters"]["scenario"]
         for name, rows in (("runs.csv", runs), ("encounters.csv", encounters)):
             frame = pd.read_csv(folder / name)

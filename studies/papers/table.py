@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from rich import box
 from rich.table import Table
 
+from analysis.files import write_csv
 from cosim.errors import InputError
 from studies.papers.claim import Claim, Status
 
@@ -19,12 +19,7 @@ COLUMNS = tuple(field.name for field in fields(Claim))
 
 def write_claims(path: Path, claims: Sequence[Claim]) -> None:
     """Write the claims as CSV; the file appears whole or not at all."""
-    part = path.with_suffix(".part")
-    with part.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(astuple(claim) for claim in claims)
-    os.replace(part, path)
+    write_csv(path, COLUMNS, [astuple(claim) for claim in claims])
 
 
 def read_claims(path: Path) -> list[Claim]:

@@ -6,12 +6,12 @@ is printed as Markdown, for docs/performance.md.
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 
 import pandas as pd
 
+from analysis.files import read_json
 from analysis.markdown import table_of
 
 
@@ -25,7 +25,7 @@ def read(folder: Path) -> pd.DataFrame:
     """
     rows = []
     for path in sorted(folder.rglob("run.json")):
-        about = json.loads(path.read_text(encoding="utf-8"))
+        about = read_json(path)
         if not about["valid"]:
             continue
         run = pd.read_csv(path.with_name("runs.csv")).iloc[0]

@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from analysis.files import read_json
 from cosim.batch.identity import source_digest
 from cosim.output import DEFAULT_PARENT
 from studies.zoo import page, results, tables, town
@@ -134,7 +135,7 @@ def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe], sources: Mapping
     now = json.loads(json.dumps(now))
     path = folder / PLAN
     if path.exists():
-        before = json.loads(path.read_text("utf-8"))
+        before = read_json(path)
         differing = [key for key in now if key != "networks" and before.get(key) != now[key]]
         if differing:
             raise ZooError(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.files import read_csv, read_json
 from studies.zoo.catalog import EGO_SHARE, Plan
 from studies.zoo.driving import RESULTS, STATE, seeds_of
 from studies.zoo.recipe import Recipe
@@ -74,14 +73,12 @@ def read(recipe: Recipe, plan: Plan, folder: Path) -> list[Run]:
         Of this network.
     """
     results = folder / RESULTS
-    made = {
-        _key(json.loads((one / "job.json").read_text("utf-8"))): one for one in _folders(results / "runs")
-    }
+    made = {_key(read_json(one / "job.json")): one for one in _folders(results / "runs")}
     failures: dict[tuple[str, int], tuple[str, Path]] = {}
     for one in _folders(results / "failed"):
-        failure = json.loads((one / "failure.json").read_text("utf-8"))
+        failure = read_json(one / "failure.json")
         failures[_key(failure)] = (str(failure["reason"]), one / "run")
-    state = json.loads((folder / STATE).read_text("utf-8")) if (folder / STATE).exists() else {}
+    state = read_json(folder / STATE) if (folder / STATE).exists() else {}
     otherwise = str(state.get("said") or "not run")
     runs = []
     for controller in plan.controllers:
@@ -144,8 +141,7 @@ def _key(note: Mapping[str, object]) -> tuple[str, int]:
 def _rows(path: Path) -> list[dict[str, str]]:
     if not path.exists():
         return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_csv(path)
 
 
 def _number(text: str) -> float | None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from analysis.files import write_csv
 from analysis.markdown import table
 from studies.zoo.bars import Bar
 from studies.zoo.results import Contact, Run
@@ -67,17 +67,17 @@ def contact_cells(run: Run, contact: Contact) -> list[str]:
 def write(folder: Path, runs: Sequence[Run]) -> None:
     """Write ``networks.csv``, ``contacts.csv`` and ``failures.csv``; failed runs included."""
     pairs = dict.fromkeys((run.network, run.controller) for run in runs)
-    _write(
+    write_csv(
         folder / "networks.csv",
         ("network", *HEADS),
         ([network, *cells(controller, of(runs, controller, network))] for network, controller in pairs),
     )
-    _write(
+    write_csv(
         folder / "contacts.csv",
         (*CONTACTS, *CLASSES, "command"),
         ([*contact_cells(run, one), run.command] for run in runs for one in run.contacts),
     )
-    _write(
+    write_csv(
         folder / "failures.csv",
         ("network", "controller", "seed", "reason", "command"),
         ([run.network, run.controller, str(run.seed), run.reason, run.command] for run in runs if run.reason),
@@ -100,10 +100,3 @@ def _with_classes(tally: Tally) -> str:
 
 def _decimal(value: float | None) -> str:
     return "" if value is None else f"{value:.1f}"
-
-
-def _write(path: Path, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heads)
-        writer.writerows(rows)
