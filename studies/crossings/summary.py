@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from analysis.files import read_json
+from analysis.statistics.intervals import mean_interval, share_upper_bound
 from analysis.thresholds import LOW_TTC_S
 
 KEYS = ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour", "controller"]
@@ -131,18 +131,18 @@ def _per_ego(runs: pd.DataFrame, column: str) -> float:
 
 def _upper(count: int, n: int) -> float:
     """Return the one-sided exact 95 % upper bound of a share."""
-    if n == 0:
-        return np.nan
-    return float(stats.binomtest(count, n, alternative="less").proportion_ci(0.95).high)
+    bound = share_upper_bound(count, n)
+    return np.nan if bound is None else bound
 
 
 def _paired(runs: pd.DataFrame, base: pd.DataFrame) -> tuple[float, float, float, int]:
     """Return mean and 95 % t interval of the delay difference to the baseline, paired by demand and seed."""
     mine = runs.set_index(PAIR)["ego_delay_mean_s"]
-    difference = (mine - base.set_index(PAIR)["ego_delay_mean_s"]).dropna()
+    difference = (mine - base.set_index(PAIR)["ego_delay_mean_s"]).dropna().to_numpy(dtype=np.float64)
     n = len(difference)
+    mean = float(difference.mean()) if n else np.nan
     if n < 2:
-        return (float(difference.mean()) if n else np.nan), np.nan, np.nan, n
-    half = float(stats.t.ppf(0.975, n - 1) * difference.std(ddof=1) / np.sqrt(n))
-    mean = float(difference.mean())
-    return mean, mean - half, mean + half, n
+        return mean, np.nan, np.nan, n
+    interval = mean_interval(difference)
+    # Without an interval all differences are equal, as they are for the baseline itself.
+    return (mean, mean, mean, n) if interval is None else (mean, interval.low, interval.high, n)

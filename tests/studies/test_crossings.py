@@ -71,6 +71,8 @@ def test_delays_are_compared_by_seed() -> None:
     assert row["delay_minus_sumo_s"] == pytest.approx(-4.0)
     assert row["delay_minus_sumo_high_s"] == pytest.approx(-4.0 + 4.303 * 2.0 / np.sqrt(3.0), abs=1e-3)
     assert row["pairs"] == 3
+    own = table.loc["sumo", ["delay_minus_sumo_s", "delay_minus_sumo_low_s", "delay_minus_sumo_high_s"]]
+    assert list(own) == [0.0, 0.0, 0.0]
 
 
 def test_rates_carry_their_exact_upper_bound() -> None:
