@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class AnalysisError(ValueError):
     """Bad input to an analysis; its text is one line for the user."""
@@ -21,3 +24,13 @@ class StudyError(AnalysisError):
 
 class MetricError(AnalysisError):
     """A metric whose file is not complete, or that returns what it does not declare."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a question that names the known name nearest to a wrong one, or nothing if none is near.
+
+    >>> did_you_mean("horizn", ["horizon", "solver"])
+    "did you mean 'horizon'? "
+    """
+    near = difflib.get_close_matches(name, list(known), n=1)
+    return f"did you mean {near[0]!r}? " if near else ""

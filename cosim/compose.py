@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -10,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from analysis.errors import did_you_mean
 from controllers import catalog
 from cosim.drivers import Drivers
 from cosim.errors import InputError
@@ -179,8 +179,7 @@ def _controller_parameters(
         if key not in known:
             of_scenario = library.parameter_names(scenario)
             of_sensing = tuple(sensing_catalog.parameters(sensing))
-            near = difflib.get_close_matches(key, [*of_scenario, *known, *of_sensing], n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
+            hint = did_you_mean(key, [*of_scenario, *known, *of_sensing])
             for flag, have in (("sensing", sensing_catalog.having(key)), ("controller", catalog.having(key))):
                 hint = f"--{flag} {' or '.join(have)} has it; " if have else hint
             raise InputError(

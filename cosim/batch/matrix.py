@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from analysis.errors import did_you_mean
 from cosim import inventory
 from cosim.batch.job import Configuration, Job
 from cosim.batch.study import StudyTable, Value, parse_seeds
@@ -125,8 +125,7 @@ def _check_keys(
             continue
         if key in moved:
             raise InputError(f"{key}: no such parameter any more: {moved[key]}")
-        near = difflib.get_close_matches(key, sorted(known), n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
+        hint = did_you_mean(key, sorted(known))
         of_scenarios = dict.fromkeys(itertools.chain(*(place.parameters for place in places)))
         exist = [f"the study's scenarios have {', '.join([*of_scenarios, *EGO_KEYS])}"]
         exist += [f"{name} has {', '.join(names) or 'none'}" for name, names in controllers.items()]

@@ -126,8 +126,7 @@ def _all(study: Study) -> str:
 
 
 def _measures(names: list[str]) -> list[Measure]:
-    import difflib
-
+    from analysis.errors import did_you_mean
     from analysis.results.measures import run_measures
     from cosim.errors import InputError
 
@@ -136,8 +135,7 @@ def _measures(names: list[str]) -> list[Measure]:
         return [measure for measure in known.values() if measure.key]
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
+            hint = did_you_mean(name, known)
             keys = ", ".join(measure.name for measure in known.values() if measure.key)
             raise InputError(
                 f"--metric {name}: no such measure; {hint}available: the key measures ({keys}), the other "

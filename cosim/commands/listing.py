@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
+from analysis.errors import did_you_mean
 from cosim.commands import terminal
 from cosim.commands.options import Debug
 from cosim.errors import InputError
@@ -59,8 +59,7 @@ def show(
         from cosim.suites import listing
 
         return _print(listing.cases(what))
-    near = get_close_matches(what, list(Kind), n=1)
-    hint = f"did you mean '{near[0]}'? " if near else ""
+    hint = did_you_mean(what, (str(kind) for kind in Kind))
     raise InputError(f"list {what}: {hint}expected one of {', '.join(Kind)}, or {SUITE}NAME")
 
 

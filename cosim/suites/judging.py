@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import fnmatch
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from analysis.errors import did_you_mean
 from analysis.protocols.impact import measure
 from analysis.protocols.verdict import Demand, Verdict, compared, decide
 from cosim.errors import InputError
@@ -52,8 +52,7 @@ def cases(name: str, only: str = "") -> Sequence[Case]:
         return every
     found = [one for one in every if any(fnmatch.fnmatchcase(text, only) for text in _texts(one))]
     if not found:
-        near = difflib.get_close_matches(only, sorted({text for one in every for text in _texts(one)}), n=1)
-        hint = f"did you mean '{near[0]}'? " if near else ""
+        hint = did_you_mean(only, sorted({text for one in every for text in _texts(one)}))
         groups = ", ".join(dict.fromkeys(one.group.name for one in every))
         raise InputError(f"suite:{suite}: no case fits '{only}'; {hint}its groups are: {groups}")
     return found

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.errors import ScenarioError, did_you_mean
 from sumo_scenarios.suites.tables import GroupTable, read_suite
 
 PREFIX = "suite:"
@@ -89,6 +88,5 @@ def find(reference: str) -> Case:
             f"{reference}: expected one case of the suite, for instance {every[0].reference}; "
             f"cosim list {PREFIX}{suite} shows all {len(every)}"
         )
-    near = difflib.get_close_matches(name, [case.name for case in every], n=1)
-    hint = f"did you mean '{near[0]}'? " if near else ""
+    hint = did_you_mean(name, [case.name for case in every])
     raise ScenarioError(f"{reference}: no such case; {hint}cosim list {PREFIX}{suite} shows all {len(every)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.errors import ScenarioError, did_you_mean
 
 FOLDER = Path(__file__).parent
 DEFINITION = "suite.toml"
@@ -128,8 +127,7 @@ def read_suite(name: str) -> SuiteTable:
         If there is no such suite, or its table is wrong.
     """
     if name not in names():
-        near = difflib.get_close_matches(name, names(), n=1)
-        hint = f"did you mean '{near[0]}'? " if near else ""
+        hint = did_you_mean(name, names())
         raise ScenarioError(f"suite:{name}: no such suite; {hint}there are: {', '.join(names())}")
     path = FOLDER / name / DEFINITION
     try:
