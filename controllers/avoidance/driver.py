@@ -26,6 +26,7 @@ from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.driving.following import Following
 from controllers.driving.lane_path import LanePath, Odometer, through
+from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
@@ -50,8 +51,6 @@ COMFORTABLE = 3.0
 """With which the fallback brakes where that is enough [m/s^2]."""
 STOPPED_BEFORE = 1.0
 """Distance at which the fallback stops before somebody [m]."""
-STANDING, HOLDING = 0.05, -0.5
-"""Slower is standing [m/s], and what keeps a standing ego standing [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -360,7 +359,7 @@ def _tracked(ego: EgoState, kept: Kept, times: FloatArray) -> FloatArray:
         slope = (planned[i + 1] - planned[i]) / step
         result[i] = slope + (planned[i] - speed) / SPEED_TIME
         if speed < STANDING and planned[i + 1] < STANDING:
-            result[i] = HOLDING
+            result[i] = HOLDING_GENTLY
         wanted = min(max(float(result[i]), -ego.drive.max_deceleration), ego.drive.max_acceleration)
         actual += share * (wanted - actual)
         speed = max(speed + step * actual, 0.0)
@@ -374,7 +373,7 @@ def _fallback(perception: Perception, kept: Kept, times: FloatArray) -> FloatArr
     """
     ego, people, body = perception.ego, perception.pedestrians, perception.ego.body
     if ego.speed < STANDING:
-        return np.full(len(times), HOLDING)
+        return np.full(len(times), HOLDING_GENTLY)
     met = np.array([name in kept.option.threats for name in people.names], dtype=bool)
     ahead = met & (people.along > body.front)
     beside = np.abs(people.across - ego.across) < 0.5 * body.width + people.radius

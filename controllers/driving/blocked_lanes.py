@@ -6,11 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.driving.traffic import Footprints, footprints
 from controllers.interface import Lane, Perception
-
-STANDING = 0.1
-"""Slower is standing [m/s]."""
 
 
 @dataclass(slots=True)
@@ -46,7 +44,7 @@ class BlockedLanes:
         """Return the perception with lanes that end where they are blocked."""
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
-        standing = np.flatnonzero(np.hypot(vehicles.along_speed, vehicles.across_speed) < STANDING)
+        standing = np.flatnonzero(np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING)
         names = {vehicles.names[i]: int(i) for i in standing}
         self._since = {name: self._since.get(name, time) for name in names}
         parked = [i for name, i in names.items() if time - self._since[name] >= self.patience]

@@ -7,17 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.driving.standing import HOLDING, STANDING
 from controllers.interface import Drive, EgoState, FloatArray, Perception
 from controllers.prediction.contact import box_contact_times, disc_contact_times, sampled_contact_times
 from controllers.prediction.forecast import Forecast, Predictor
 
 GRAVITY = 9.80665
-STANDING = 0.05
-"""Slower is standing [m/s]."""
 START_SPEED = 2.0
 """A standing car does not start where driving at this speed would meet somebody [m/s]."""
-HOLDING = -2.0
-"""What keeps a standing car standing [m/s^2]."""
 HELD_FOR = 3.0
 """Braking goes on while somebody would be met within this time at the speed it began with [s]."""
 FRONT_DEPTH = 0.5

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import desired_gap, free_acceleration, limit_now
-from controllers.driving.leaders import STANDING
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Lane, Neighbour, Perception
 
 
@@ -69,7 +69,7 @@ def _acceleration(speed: float, limit: float, leader: Neighbour | None, style: D
     if leader is None or math.isinf(leader.gap):
         return free
     # Who waits to get around somebody standing waits with room to steer, and still wants to go then.
-    standstill = style.room_to_change if leader.speed < STANDING else style.standstill_gap
+    standstill = style.room_to_change if leader.speed < VEHICLE_STANDING else style.standstill_gap
     wanted = desired_gap(speed, max(leader.speed, 0.0), standstill, style.headway, style)
     following = free - style.acceleration * (wanted / max(leader.gap, 0.1)) ** 2
     return max(following, -style.deceleration)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.right_of_way import StopPlace
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import EgoState, Neighbour, Perception
 
-STANDING = 0.1
-"""A leader slower than this is standing [m/s]."""
 LANE_END = "lane end"
 
 
@@ -44,7 +43,7 @@ def neighbours_ahead(
     ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
     passed = [one for one in seen if one not in ahead]
     own_gap = style.standstill_gap
-    if gaps.ahead is not None and gaps.ahead.speed < STANDING:
+    if gaps.ahead is not None and gaps.ahead.speed < VEHICLE_STANDING:
         if target_lane != road.reference:
             own_gap = style.room_to_swing
         elif leaving:
@@ -69,7 +68,7 @@ def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, 
     A standing vehicle that only juts out into the lane can be driven past; a moving one never is.
     """
     others, ego = perception.vehicles, perception.ego
-    if neighbour.speed >= STANDING or neighbour.name not in others.names:
+    if neighbour.speed >= VEHICLE_STANDING or neighbour.name not in others.names:
         return True
     index = others.names.index(neighbour.name)
     turned = float(others.heading_error[index])

@@ -24,6 +24,7 @@ from controllers.driving.lane_decision import ChangeSettings, LaneDecision
 from controllers.driving.lane_manoeuvre import LaneManoeuvre
 from controllers.driving.plan_memory import PlanMemory, sampled_command
 from controllers.driving.right_of_way import RightOfWay
+from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.interface import (
     Body,
     Command,
@@ -253,9 +254,9 @@ class VelocityObstacleMpc:
             steering.command,
             ego.plan_interval + FRESH,
         )
-        if ego.speed < 0.05 and float(speed.speed.max()) < 0.3:
+        if ego.speed < STANDING and float(speed.speed.max()) < 0.3:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
-            return replace(command, acceleration=np.full(len(command.times), -0.5))
+            return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
         planner = self._planner(perception)
         red_line = planner.right_of_way.red_line
         if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:

@@ -12,6 +12,7 @@ from controllers.conflicts import expectation, occlusion
 from controllers.driving import road_profile, traffic
 from controllers.driving.plan_memory import PlanMemory
 from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Lane, Perception
 from controllers.mpc.longitudinal import SpeedLimits, SpeedTask
 from controllers.mpc.passing_settings import PassingSettings
@@ -26,8 +27,8 @@ BESIDE = 0.1
 counts [m]."""
 SIDE_CLEARANCE_FROM = 2.0
 """From this speed on the whole distance is kept, below it in proportion [m/s]."""
-SLOW, STANDING = 1.0, 0.1
-"""Slower is slow, and standing [m/s]."""
+SLOW = 1.0
+"""Slower is slow [m/s]."""
 CAREFUL_BEFORE = 5.0
 """Somebody who lets the ego go is passed slowly from this far before him on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
@@ -152,7 +153,7 @@ class SpeedTasks:
         A vehicle that stands across its way may wait for the ego, and no waiting helps.
         """
         vehicles = perception.vehicles
-        standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < STANDING
+        standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
         stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
         line, _ = self._line(perception, lane, rest, [stop for stop in self.stops if stop.name not in stand])
         box = traffic.footprints(vehicles)

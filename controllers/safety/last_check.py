@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.standing import STANDING
 from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
@@ -33,8 +34,8 @@ GRAZING = 0.03
 """Somebody who is nearer than the margin already counts as touched where he gets nearer by this [m]."""
 WALK_ON = 0.7
 """Nobody who walks stands at once: after this time, whoever is not expected to enter the ego's way [s]."""
-STANDING, STARTING = 0.05, 0.5
-"""A slower ego stands, and a slower one starts [m/s]."""
+STARTING = 0.5
+"""A slower ego starts [m/s]."""
 WALKING, WALKERS_MARGIN = 0.1, 0.3
 """Whoever is faster walks [m/s], and may step aside: this distance to him counts as touching [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)

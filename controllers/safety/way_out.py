@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.standing import STANDING
 from controllers.interface import Command, FloatArray, Perception, constant_command
 from controllers.prediction.discs import Discs
 from controllers.safety import free_way
@@ -41,8 +42,6 @@ AHEAD = 0.1
 """The wheels are where the way wants them so far ahead [m]."""
 IN_LANE, ALONG_LANE = 0.4, 0.15
 """The ego is back in its lane this near to its centre line and direction [m, rad]."""
-STANDING = 0.05
-"""Slower is standing [m/s]."""
 TURNED = 0.15
 """Wheels that are farther from where they should be are turned first [rad]."""
 CHECKED, CHECKED_WALKERS = 8, 20

@@ -15,6 +15,7 @@ from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.driving.following import BEND, SPEED_LIMIT, limit_now
+from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
@@ -44,10 +45,6 @@ from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 
 SPEED_GAIN, GAP_GAIN = 1.0, 0.25
 """How deviations of the speed and of the gap are corrected [1/s, 1/s^2]."""
-STANDING = 0.05
-"""Slower is standing [m/s]."""
-HOLDING = -0.5
-"""What keeps a standing ego standing [m/s^2]."""
 STAYS_FOR = 0.5
 """An ego stays where it is if its plan has not begun to move within this time [s]."""
 ALIKE = 0.05
@@ -191,7 +188,7 @@ class SpeedPlanDriver:
             np.min(list(asked.accelerations.values()), axis=0), road[_entry(steps, asked.times)]
         )
         if ego.speed < STANDING and (_stays(kept, moment.now) or float(road.max()) <= 0.0):
-            acceleration = np.minimum(acceleration, HOLDING)
+            acceleration = np.minimum(acceleration, HOLDING_GENTLY)
         threat = ""
         if self._brake is not None:
             planned_for = frozenset(one.name for one in ahead) | yielding.names

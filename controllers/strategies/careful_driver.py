@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.lane_keeping import instants
+from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
 from controllers.prediction.contact import disc_contact_times
@@ -22,14 +23,10 @@ from controllers.settings import ControllerSettings, NotNegative, Positive
 BoolArray = NDArray[np.bool_]
 
 GRAVITY = 9.80665
-STANDING = 0.05
-"""Slower is standing [m/s]."""
 START_SPEED = 2.0
 """A standing driver does not start where driving at this speed would meet somebody [m/s]."""
 WALKING = 0.5
 """Who moves faster across the road when he comes into view is crossing it [m/s]."""
-HOLDING = -2.0
-"""What keeps a standing car standing [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
@@ -47,8 +48,6 @@ OUTLOOK_STEP = 0.2
 """Of the motion that is looked at for conflicts [s]."""
 AGAIN_AFTER = 0.3
 """A course that has become impossible, or was not found, is looked for again after this [s]."""
-HOLDING = -2.0
-"""What keeps a standing car standing [m/s^2]."""
 DRAWN = 8
 """Candidates that a replay may draw."""
 STANDOFF = 1.0

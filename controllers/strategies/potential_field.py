@@ -18,6 +18,7 @@ import numpy as np
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
 from controllers.field.potential_field import Gains
@@ -39,10 +40,6 @@ NOBODY: Final = np.zeros(0, dtype=np.int64)
 NO_FREE_PATH = "no free path"
 WAITING_ENDS = 2.0
 """Deceleration at which an ego without a free way begins to brake [m/s^2]."""
-HOLDING = -2.0
-"""What keeps a standing car standing [m/s^2]."""
-STANDING = 0.05
-"""Slower is standing [m/s]."""
 CREEPING = 2.0
 """So slow, an ego also stops for who would walk into its side [m/s]."""
 FREE_FOR = 0.3
