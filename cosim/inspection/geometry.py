@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.polylines import inside
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR, TURNAROUND
 from cosim.sensing.sight import distance_to_pieces
@@ -107,7 +108,7 @@ def swept_walking_areas(network: Network) -> list[Finding]:
         number += 1
         near = areas.get(connection.via[0][1:].rsplit("_", 2)[0], [])
         body = swept(path)
-        if any(_inside(outline, body).any() for outline in near):
+        if any(inside(outline, body).any() for outline in near):
             bad.append(connection.via[0])
     if not bad:
         return [Finding("swept paths", Level.GOOD, "no turning car reaches over a walking area")]
@@ -177,17 +178,6 @@ def _nearest(points: FloatArray, segments: FloatArray) -> float:
     if not len(segments):
         return math.inf
     return min((distance_to_pieces(x, y, segments) for x, y in points.tolist()), default=math.inf)
-
-
-def _inside(outline: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
-    """Return which points are inside a polygon."""
-    inside = np.zeros(len(points), dtype=np.bool_)
-    for (x0, y0), (x1, y1) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        if y0 == y1:
-            continue
-        between = (points[:, 1] >= min(y0, y1)) & (points[:, 1] < max(y0, y1))
-        inside ^= between & (points[:, 0] < x0 + (points[:, 1] - y0) * (x1 - x0) / (y1 - y0))
-    return inside
 
 
 def _some(names: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.polylines import arc_lengths
 from cosim.inspection.roads import ON_FOOT
 from cosim.sensing.sight import distance_to_pieces
 from cosim.sumo.network import NetLane, Network
@@ -110,7 +111,7 @@ def _distance(old: NetLane, new: NetLane) -> float:
 
 def _stations(lane: NetLane) -> NDArray[np.float64]:
     """Return SUMO's position at each point of the shape [m]; a lane may be longer than it is drawn."""
-    drawn = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(lane.shape, axis=0).T))])
+    drawn = arc_lengths(lane.shape)
     return drawn * (lane.length / max(float(drawn[-1]), 1e-9))
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.polylines import arc_lengths
 from cosim.pedestrians.line import LOOK_AHEAD
 from cosim.pedestrians.scene import FloatArray, Scene, State
 
@@ -56,6 +57,6 @@ class Recorded:
         """Return the recorded points along the next metres."""
         later = self.points[self.points[:, 0] > time - self.start, 1:]
         way = np.concatenate([[[state.x, state.y]], later])
-        gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
+        gone = arc_lengths(way)
         steps = np.arange(0.0, min(LOOK_AHEAD, float(gone[-1])) + 1e-9, 0.5)
         return np.column_stack([np.interp(steps, gone, way[:, axis]) for axis in (0, 1)])

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.polylines import arc_lengths
 from controllers.interface import Body, Drive
 from cosim.sumo.arcs import Arcs, Pose, between
-from cosim.sumo.path import SPACING, Path, arc_lengths, evenly
+from cosim.sumo.path import SPACING, Path, evenly
 
 FloatArray = NDArray[np.float64]
 

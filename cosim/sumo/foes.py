@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from analysis.polylines import arc_lengths
 from controllers.interface import JunctionFoe
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
@@ -207,7 +208,7 @@ class FoeFinder:
     def _sampled(self, connection: Connection) -> FloatArray:
         shapes = [self._network.lanes[name].shape for name in connection.via]
         line = np.concatenate(shapes)
-        stations = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+        stations = arc_lengths(line)
         grid = np.arange(0.0, stations[-1] + SAMPLE, SAMPLE)
         return np.column_stack([np.interp(grid, stations, line[:, axis]) for axis in (0, 1)])
 

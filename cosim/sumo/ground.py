@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.polylines import arc_lengths, inside
 from cosim.pedestrians.jaywalking import Roadside
 from cosim.pedestrians.line import Line
 from cosim.sumo.lanes import LaneShape
 from cosim.sumo.network import NetLane, Network
-from cosim.sumo.path import arc_lengths
 
 FloatArray = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ class Ground:
         for index in self._near(x, y):
             if index < 0:
                 name, outline = self._areas[-index - 1]
-                if _contains(outline, x, y):
+                if inside(outline, np.array([[x, y]])).all():
                     best = min(best, (2, name, False))
                 continue
             strip = self._strips[index]
@@ -207,7 +207,7 @@ class Ground:
             strip = self._strips[index]
             return _from_line(strip.shape, x, y) - strip.half
         _, outline = self._areas[-index - 1]
-        if _contains(outline, x, y):
+        if inside(outline, np.array([[x, y]])).all():
             return 0.0
         return _from_line(np.concatenate([outline, outline[:1]]), x, y)
 
@@ -227,16 +227,6 @@ def _from_line(shape: FloatArray, x: float, y: float, ends: bool = True) -> floa
     best = int(np.argmin(distance))
     beyond = (best == 0 and share[0] < 0.0) or (best == len(share) - 1 and share[-1] > 1.0)
     return math.inf if beyond and not ends else float(distance[best])
-
-
-def _contains(outline: FloatArray, x: float, y: float) -> bool:
-    """Return whether a place is in a polygon: a ray from it crosses the outline an odd number of times."""
-    x0, y0 = outline[:, 0], outline[:, 1]
-    x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
-    spans = (y0 > y) != (y1 > y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
-    return bool(np.count_nonzero(spans & (at > x)) % 2)
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

@@ -11,10 +11,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.polylines import arc_lengths
 from controllers.interface import CrossingKind
 from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
-from cosim.sumo.path import Path, arc_lengths, crossing_point
+from cosim.sumo.path import Path, crossing_point
 
 FloatArray = NDArray[np.float64]
 

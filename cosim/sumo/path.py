@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from analysis.polylines import arc_lengths
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -298,11 +300,6 @@ def interpolated(at: float, places: FloatArray, values: FloatArray) -> float:
 def evenly(length: float) -> FloatArray:
     """Return distances from 0 to a length [m], at most `SPACING` apart."""
     return np.linspace(0.0, length, max(int(np.ceil(length / SPACING)), 2) + 1)
-
-
-def arc_lengths(polyline: FloatArray) -> FloatArray:
-    """Return the arc length [m] from the beginning to each point of a polyline, (n, 2)."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(polyline, axis=0).T))])
 
 
 def _smoothed(values: FloatArray) -> FloatArray:

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from analysis.polylines import arc_lengths
 from controllers.interface import Body, Drive
 from cosim.plant import body_of
 from cosim.sumo.bends import CAR, RESERVE, highest_speed, turning_of, widened
-from cosim.sumo.path import Path, arc_lengths
+from cosim.sumo.path import Path
 
 TIGHT = st.floats(0.6, 3.0)
 
