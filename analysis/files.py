@@ -35,14 +35,13 @@ def write_text(path: Path, text: str) -> Path:
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> Path:
-    """Write JSON in a stable layout and return its path.
+    """Write JSON and return its path; a number that is not finite is a ``ValueError``, JSON has none."""
+    return write_text(path, json_text(content))
 
-    Raises
-    ------
-    ValueError
-        For a number that is not finite; JSON has none.
-    """
-    return write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Return what `write_json` writes."""
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from analysis import markdown
 from analysis.encounters import finding
 from analysis.recording.columns import RECORDED_TABLES
 from analysis.results.measures import POOLED, run_measures
@@ -54,9 +55,8 @@ def _lines() -> Iterator[str]:
     yield ""
     yield "Changed by `cosim analyse DIR --set name=value`, echoed in `config.json`."
     yield ""
-    yield "| name | value |"
-    yield "|---|---|"
-    yield from (f"| `{name}` | {value:g} |" for name, value in Thresholds().as_dict().items())
+    values = Thresholds().as_dict().items()
+    yield markdown.table(("name", "value"), [(f"`{name}`", f"{value:g}") for name, value in values])
     yield ""
     yield from _measures()
     for table in (*RUN_TABLES, CONFIGS, COMPARISONS):
@@ -93,14 +93,14 @@ def _measures() -> Iterator[str]:
         "when the pedestrian was on the crossing or in the ego's path, or was touched."
     )
     yield ""
-    yield "| measure | kind | unit | speaks of | key | worse | meaning |"
-    yield "|---|---|---|---|---|---|---|"
-    for one in run_measures():
-        if one in POOLED or one.key:
-            key = "key" if one.key else ""
-            yield (
-                f"| `{one.name}` | {one.kind} | {one.unit} | {one.group} | {key} | {one.worse} | {one.text} |"
-            )
+    yield markdown.table(
+        ("measure", "kind", "unit", "speaks of", "key", "worse", "meaning"),
+        [
+            (f"`{one.name}`", one.kind, one.unit, one.group, "key" if one.key else "", one.worse, one.text)
+            for one in run_measures()
+            if one in POOLED or one.key
+        ],
+    )
     yield ""
 
 
@@ -109,11 +109,11 @@ def _table(table: Table, also: str) -> Iterator[str]:
     yield ""
     yield f"{table.description}. Key: {', '.join(table.key)}{also}."
     yield ""
-    yield "| column | type | unit | meaning |"
-    yield "|---|---|---|---|"
+    rows = []
     for column in table.columns:
         choices = f" ({', '.join(column.choices)})" if column.choices else ""
-        yield f"| `{column.name}` | {column.kind} | {column.unit} | {column.description}{choices} |"
+        rows.append((f"`{column.name}`", column.kind, column.unit, f"{column.description}{choices}"))
+    yield markdown.table(("column", "type", "unit", "meaning"), rows)
     yield ""
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from analysis.criteria.criterion import OPERATORS, SCOPES, STATISTICS, Criterion
-from analysis.errors import AnalysisError
+from analysis.errors import AnalysisError, did_you_mean
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.tables.column import Column, Table
@@ -68,7 +67,7 @@ def _criterion(table: Mapping[str, Any]) -> Criterion:
     for key in table:
         if key not in _KEYS:
             raise CriterionError(
-                f"unknown key {key!r}; {_near(key, _KEYS)}keys that exist: {', '.join(_KEYS)}"
+                f"unknown key {key!r}; {did_you_mean(key, _KEYS)}keys that exist: {', '.join(_KEYS)}"
             )
     for key in ("scope", "metric", "operator"):
         _one_text(table, key)
@@ -120,7 +119,9 @@ def _one_text(table: Mapping[str, Any], key: str) -> str:
 
 def _chosen(key: str, value: str, choices: Sequence[str]) -> str:
     if value not in choices:
-        raise CriterionError(f"{key} {value!r}: {_near(value, choices)}expected one of {' '.join(choices)}")
+        raise CriterionError(
+            f"{key} {value!r}: {did_you_mean(value, choices)}expected one of {' '.join(choices)}"
+        )
     return value
 
 
@@ -184,7 +185,7 @@ def _statistic(table: Mapping[str, Any], measure: Measure) -> str:
             f"there are {', '.join(fitting)}"
         )
     raise CriterionError(
-        f"statistic {value!r}: {_near(str(value), fitting)}expected one of {', '.join(fitting)}"
+        f"statistic {value!r}: {did_you_mean(str(value), fitting)}expected one of {', '.join(fitting)}"
     )
 
 
@@ -212,7 +213,7 @@ def _where(scope: str, value: Any) -> Mapping[str, bool | float | str]:
 
 def _no_metric(name: str, scope: str, known: Iterable[str]) -> str:
     names = list(known)
-    near = _near(name, names)
+    near = did_you_mean(name, names)
     elsewhere = [other for other, table in _TABLES.items() if other != scope and name in table.names()]
     if scope != "configuration" and any(one.name == name for one in (*run_measures(), *encounter_measures())):
         elsewhere.append("configuration")
@@ -220,8 +221,3 @@ def _no_metric(name: str, scope: str, known: Iterable[str]) -> str:
         near = f"it exists with scope = {' or '.join(repr(one) for one in elsewhere)}; {near}"
     where = {"encounter": ENCOUNTERS.file, "run": RUNS.file, "configuration": "configs.csv"}[scope]
     return f"{name!r} is no metric of {where}; {near}docs/metrics.md lists them"
-
-
-def _near(name: str, known: Iterable[str]) -> str:
-    found = difflib.get_close_matches(name, list(known), n=1)
-    return f"did you mean {found[0]!r}? " if found else ""

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import BoolArray, FloatArray, signed_distance
+from analysis.polylines import arc_lengths
 from analysis.recording.tracks import Grid, Track
+from analysis.stretches import stretches
 
 IntArray = NDArray[np.int64]
 
@@ -143,7 +145,7 @@ def _moved(track: Track, index: IntArray) -> tuple[IntArray, IntArray]:
 def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:
     """Return the samples that are about ``spacing`` apart along the path, first and last included."""
     x, y = track.x[index], track.y[index]
-    path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    path = arc_lengths(np.column_stack([x, y]))
     keep = np.concatenate([[True], np.diff(np.floor(path / spacing)) > 0.0])
     keep[-1] = True
     return np.asarray(index[keep])
@@ -176,12 +178,11 @@ def _visits(time: FloatArray, samples: IntArray, outside: FloatArray) -> list[Vi
     full = np.full(len(time), np.inf)
     full[samples] = outside
     inside: BoolArray = full <= 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
     visits = []
-    for first, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for first, last in stretches(inside):
         enter = float(time[0]) if first == 0 else _zero(time, full, first - 1)
-        leave = float("nan") if end == len(time) else _zero(time, full, end - 1)
-        visits.append(Visit(enter, leave, first, end - 1))
+        leave = float("nan") if last == len(time) - 1 else _zero(time, full, last)
+        visits.append(Visit(enter, leave, first, last))
     return visits
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.geometry import FloatArray
+from analysis.polylines import inside
 from analysis.recording.reading import Area, RecordedRun
 from analysis.recording.tracks import Grid, Track
 
@@ -52,7 +52,7 @@ def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: P
         return "crossing"
     if any(_on_ribbon(area, x, y) for area in places.crossings):
         return "crossing"
-    if any(_in_outline(area.shape, x, y) for area in places.walking_areas):
+    if any(inside(area.shape, np.array([[x, y]])).all() for area in places.walking_areas):
         return "walking_area_or_kerb"
     if not places.lanes_known or any(_on_ribbon(area, x, y) for area in places.carriageway):
         return "carriageway"
@@ -75,15 +75,3 @@ def _on_ribbon(area: Area, x: float, y: float) -> bool:
     beside[0] &= along[0] >= 0.0
     beside[-1] &= along[-1] <= 1.0
     return bool(beside.any())
-
-
-def _in_outline(shape: FloatArray, x: float, y: float) -> bool:
-    """Return whether a point is inside a polygon (even-odd rule)."""
-    if len(shape) < 3:
-        return False
-    x0, y0 = shape[:, 0], shape[:, 1]
-    x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
-    spans = (y0 > y) != (y1 > y)
-    rise = np.where(spans, y1 - y0, 1.0)
-    left = x < x0 + (y - y0) / rise * (x1 - x0)
-    return bool(np.count_nonzero(spans & left) % 2)

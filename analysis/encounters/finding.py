@@ -19,6 +19,7 @@ from analysis.encounters.crossings import Traversal
 from analysis.geometry import BoolArray
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
+from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 
 IntArray = NDArray[np.int64]
@@ -99,7 +100,7 @@ def _of_pair(ego: Track, person: Track, around: Surroundings) -> list[Encounter]
         if not any(_same(encounter, one) for one in accepted):
             accepted.append(encounter)
     near = np.hypot(ego.x[own] - person.x[other], ego.y[own] - person.y[other]) <= reach
-    for begin, end in _stretches(near):
+    for begin, end in stretches(near):
         if any(one.first <= first + end and first + begin <= one.last for one in accepted):
             continue
         encounter = _make(ego, person, first + begin, first + end, None, around)
@@ -165,19 +166,13 @@ def _nearest_stretch(
     near: BoolArray, first: int, ego_enters: int, person_enters: int
 ) -> tuple[int, int] | None:
     """Return the stretch nearest to the instants of entry, as fine indices; ``None`` without any."""
-    stretches = [(first + a, first + b) for a, b in _stretches(near)]
+    found = [(first + a, first + b) for a, b in stretches(near)]
     low, high = min(ego_enters, person_enters), max(ego_enters, person_enters)
 
     def away(stretch: tuple[int, int]) -> int:
         return max(stretch[0] - high, low - stretch[1], 0)
 
-    return min(stretches, key=away, default=None)
-
-
-def _stretches(inside: BoolArray) -> list[tuple[int, int]]:
-    """Return first and last index of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return min(found, key=away, default=None)
 
 
 def _slice(track: Track, first: int, last: int) -> slice:

@@ -11,6 +11,7 @@ from analysis.encounters.case import Case
 from analysis.encounters.finding import Encounter
 from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.tracks import Track
+from analysis.stretches import stretches
 
 IntArray = NDArray[np.int64]
 
@@ -57,12 +58,10 @@ def crossing_stay(case: Case, encounter: Encounter) -> tuple[int, int] | None:
     if not encounter.crossing_id:
         return None
     inside = phase_samples(case, encounter, "crossing")
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
-    stays = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     start, end = encounter.first - encounter.person.first, encounter.last - encounter.person.first
     if encounter.area is not None:
         start, end = encounter.area.person.first, encounter.area.person.last
-    stays = [stay for stay in stays if stay[0] <= end and start <= stay[1]]
+    stays = [stay for stay in stretches(inside) if stay[0] <= end and start <= stay[1]]
     return stays[-1] if stays else None
 
 

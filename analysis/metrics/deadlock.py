@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
-from analysis.recording.ego_steps import standing_stretches
+from analysis.stretches import stretches
 from analysis.tables import column
 
 UNIT = "1"
@@ -30,7 +30,7 @@ def compute(case: Case) -> Values:
     for track in case.egos:
         rows = track.rows[:: case.grid.factor]
         time, gap = number["time_s"][rows], number["gap_ahead_m"][rows]
-        for first, last in standing_stretches(number["speed_mps"][rows], limits.standing_speed_mps):
+        for first, last in stretches(number["speed_mps"][rows] <= limits.standing_speed_mps):
             lasted = time[last] - time[first]
             if lasted <= limits.deadlock_s or (gap[first : last + 1] < limits.deadlock_free_gap_m).any():
                 continue

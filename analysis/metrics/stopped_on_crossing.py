@@ -9,7 +9,7 @@ Undefined: never; 0 where the map has no crossings.
 from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
-from analysis.recording.ego_steps import standing_stretches
+from analysis.stretches import stretches
 from analysis.tables import column
 
 UNIT = "1"
@@ -27,6 +27,6 @@ def compute(case: Case) -> Values:
             first, last = passage.visit.first, passage.visit.last
             speed = passage.track.speed[first : last + 1]
             time = case.grid.time[passage.track.first + first : passage.track.first + last + 1]
-            for start, end in standing_stretches(speed, limits.standing_speed_mps):
+            for start, end in stretches(speed <= limits.standing_speed_mps):
                 count += bool(time[end] - time[start] >= limits.stopped_on_crossing_s)
     return {"n_stopped_on_crossing": count}

@@ -12,6 +12,7 @@ from typing import Any
 
 from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
+from analysis.files import read_csv
 from analysis.page.replay import has_recording
 from analysis.page.tables import read_rows
 from analysis.study.design import Study
@@ -142,8 +143,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
     if not path.is_file():
         return []
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            return list(csv.DictReader(file))
+        return read_csv(path)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise StudyError(f"{path}: cannot be read ({error})") from None
 

@@ -17,6 +17,7 @@ from scipy.spatial import ConvexHull
 
 from analysis.encounters.case import Case, prepare
 from analysis.errors import RecordingError
+from analysis.files import read_json, write_text
 from analysis.geometry import FloatArray
 from analysis.page.overlay import drawings
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, RecordedTable
@@ -79,7 +80,7 @@ def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
 
 def _thresholds(folder: Path) -> Thresholds:
     try:
-        stored = json.loads((folder / "config.json").read_text("utf-8")).get("thresholds") or {}
+        stored = read_json(folder / "config.json").get("thresholds") or {}
     except (OSError, ValueError):
         stored = {}
     known = set(names())
@@ -292,9 +293,5 @@ def write_replays(recording: Recording, encounters: Sequence[tuple[int, str]], f
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for encounter_id, key in encounters:
-        path = folder / f"{key}.js"
-        part = path.with_name(path.name + ".part")
-        part.write_text(script(key, replay_of(recording, encounter_id)), "ascii", newline="\n")
-        part.replace(path)
-        paths.append(path)
+        paths.append(write_text(folder / f"{key}.js", script(key, replay_of(recording, encounter_id))))
     return paths

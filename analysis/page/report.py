@@ -12,6 +12,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.errors import RecordingError, StudyError
+from analysis.files import write_text
 from analysis.page import origin, tables
 from analysis.page.distributions import distributions
 from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
@@ -109,10 +110,7 @@ def write_report(
         made=origin.made_with(study, root),
         replays=f"{DATA}/{REPLAYS}",
     )
-    path = out / PAGE
-    part = path.with_name(path.name + ".part")
-    part.write_text(content, "utf-8", newline="\n")
-    part.replace(path)
+    path = write_text(out / PAGE, content)
     missing = sum(not has_recording(one.run.folder) for one in listed)
     return Written(path, len(replayed), len(listed), missing)
 

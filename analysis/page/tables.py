@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import StudyError
+from analysis.files import read_csv
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import RUNS
 from analysis.study.design import Study
@@ -88,8 +89,7 @@ def read_rows(path: Path, table: Table) -> list[dict[str, Any]]:
         When the file cannot be read or lacks a column.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = read_csv(path)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise StudyError(f"{path}: cannot be read ({error})") from None
     try:

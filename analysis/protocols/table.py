@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.errors import AnalysisError
+from analysis.files import write_csv
 from analysis.protocols.verdict import Verdict
 
 FILE = "protocol.csv"
@@ -61,12 +62,7 @@ class Row:
 
 def write(folder: Path, rows: Iterable[Row]) -> Path:
     """Write ``protocol.csv`` and return its path."""
-    path = folder / FILE
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(row.cells() for row in rows)
-    return path
+    return write_csv(folder / FILE, COLUMNS, [row.cells() for row in rows])
 
 
 def read(path: Path) -> list[dict[str, str]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.geometry import BoolArray, FloatArray
+from analysis.geometry import FloatArray
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
@@ -66,10 +66,3 @@ def ego_steps(run: RecordedRun, egos: Sequence[Track], grid: Grid, thresholds: T
         lateral_acceleration=lateral,
         deceleration=np.maximum(-number["acceleration_mps2"], 0.0),
     )
-
-
-def standing_stretches(speed: FloatArray, standing_speed: float) -> list[tuple[int, int]]:
-    """Return first and last index of each stretch at or below the standing speed."""
-    standing: BoolArray = speed <= standing_speed
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], standing, [False]]).astype(np.int8)))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]

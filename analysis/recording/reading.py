@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from analysis.errors import RecordingError
+from analysis.files import PART
 from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.columns import (
     EGOS,
@@ -170,7 +171,7 @@ def _read_table(folder: Path, declared: RecordedTable) -> Columns:
 
 def _load(path: Path, declared: RecordedTable) -> pa.Table:
     if not path.is_file():
-        cut = path.with_name(path.name + ".part")
+        cut = path.with_name(path.name + PART)
         hint = f" (the run was cut off: {cut.name} is there)" if cut.exists() else ""
         raise RecordingError(f"{path}: no such file{hint}")
     try:

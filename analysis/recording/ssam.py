@@ -7,7 +7,6 @@ to their disc's diameter. Links and lanes are 0: conflicts are found from geomet
 
 from __future__ import annotations
 
-import csv
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.errors import AnalysisError
+from analysis.files import completing, write_csv
 from analysis.geometry import FloatArray
 from analysis.recording.reading import Columns, RecordedRun, read_run
 
@@ -76,17 +76,10 @@ def export_ssam(folder: Path) -> tuple[Path, Path]:
     bodies = {body for table in tables for body in zip(table.names, table.kinds, strict=True)}
     numbers = {body: number for number, body in enumerate(sorted(bodies), start=1)}
     trajectories, ids = folder / TRAJECTORY_FILE, folder / ID_FILE
-    part = trajectories.with_name(trajectories.name + ".part")
-    with part.open("wb") as file:
+    with completing(trajectories) as part, part.open("wb") as file:
         file.writelines(_records(run, tables, numbers))
-    part.replace(trajectories)
-    part = ids.with_name(ids.name + ".part")
-    with part.open("w", encoding="utf-8", newline="") as text:
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(("ssam_id", "sumo_id", "type"))
-        writer.writerows((number, name, kind) for (name, kind), number in numbers.items())
-    part.replace(ids)
-    return trajectories, ids
+    rows = [(number, name, kind) for (name, kind), number in numbers.items()]
+    return trajectories, write_csv(ids, ("ssam_id", "sumo_id", "type"), rows)
 
 
 def read_trajectories(path: Path) -> Iterator[tuple[float, list[SsamBody]]]:

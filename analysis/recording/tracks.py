@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import BoolArray, FloatArray
+from analysis.polylines import arc_lengths
 from analysis.recording.reading import Columns, RecordedRun
 from analysis.thresholds import Thresholds
 
@@ -119,7 +120,7 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
                     y_speed=fine_speed * np.sin(fine_heading),
                     speed=fine_speed,
                     acceleration=_refine(number["acceleration_mps2"][piece], grid.factor),
-                    path=path_length(x, y),
+                    path=arc_lengths(np.column_stack([x, y])),
                     length=length,
                     width=width,
                 )
@@ -160,17 +161,12 @@ def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
                     y_speed=y_speed,
                     speed=np.hypot(x_speed, y_speed),
                     acceleration=np.full_like(x, np.nan),
-                    path=path_length(x, y),
+                    path=arc_lengths(np.column_stack([x, y])),
                     length=length,
                     width=width,
                 )
             )
     return tracks
-
-
-def path_length(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the way from the first point on [m]."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
 
 
 def _by_name(rows: Columns, key: str, chosen: IntArray | None = None) -> Iterator[tuple[str, IntArray]]:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +9,7 @@ from typing import Any
 
 from analysis.encounters.case import Case, prepare
 from analysis.errors import RecordingError
+from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run
 from analysis.results.metric_catalog import find_metrics
@@ -56,14 +54,14 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     case = prepare(read_run(folder), thresholds)
     encounters, run = encounter_and_run_rows(case)
     overlaps = overlap_rows(case)
-    content = {
-        ENCOUNTERS.file: _csv(ENCOUNTERS, encounters),
-        RUNS.file: _csv(RUNS, [run]),
-        VEHICLE_OVERLAPS.file: _csv(VEHICLE_OVERLAPS, overlaps),
-        "config.json": _json(_config(case)),
-        "datapackage.json": _json(describe(RUN_TABLES, "one recorded run")),
-    }
-    files = [_write(folder / name, text) for name, text in content.items()]
+    tables: tuple[tuple[Table, Sequence[Row]], ...] = (
+        (ENCOUNTERS, encounters),
+        (RUNS, [run]),
+        (VEHICLE_OVERLAPS, overlaps),
+    )
+    files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
+    files.append(write_json(folder / "config.json", _config(case)))
+    files.append(write_json(folder / "datapackage.json", describe(RUN_TABLES, "one recorded run")))
     return RunReport(folder, run, encounters, overlaps, files)
 
 
@@ -106,23 +104,3 @@ def _config(case: Case) -> dict[str, Any]:
         "ego_size_m": sorted({(round(t.length, 6), round(t.width, 6)) for t in case.egos}),
         "samples_per_step": case.grid.factor,
     }
-
-
-def _csv(table: Table, rows: Sequence[Row]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(table.names())
-    writer.writerows(cells(table, rows))
-    return buffer.getvalue()
-
-
-def _json(content: Mapping[str, Any]) -> str:
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _write(path: Path, text: str) -> Path:
-    """Write a file so that one with its name is always complete."""
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, "utf-8", newline="\n")
-    part.replace(path)
-    return path

@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.csv as pa_csv
 
 from analysis.errors import StudyError
+from analysis.files import PART, read_json
 from analysis.results.measures import encounter_measures, is_wall_clock
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
@@ -68,7 +69,7 @@ def find_run_folders(root: Path) -> list[Path]:
             found.append(Path(place))
             folders.clear()
         folders[:] = [
-            name for name in folders if not name.startswith(".") and not name.endswith((".part", ".tmp"))
+            name for name in folders if not name.startswith(".") and not name.endswith((PART, ".tmp"))
         ]
     return sorted(found)
 
@@ -93,7 +94,7 @@ def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
 def _read(folder: Path) -> StudyRun:
     path = folder / "run.json"
     try:
-        meta = json.loads(path.read_text("utf-8"))
+        meta = read_json(path)
     except OSError as error:
         raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError as error:
@@ -215,7 +216,7 @@ def _read_encounters(path: Path) -> tuple[dict[str, float], dict[str, FloatArray
 
 def _thresholds(path: Path) -> str:
     try:
-        return json.dumps(json.loads(path.read_text("utf-8")).get("thresholds"), sort_keys=True)
+        return json.dumps(read_json(path).get("thresholds"), sort_keys=True)
     except FileNotFoundError:
         return ""
     except (OSError, ValueError) as error:

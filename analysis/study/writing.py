@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from analysis.errors import StudyError
+from analysis.files import completing, json_text, read_json, write_csv
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study.comparison_rows import comparison_rows
@@ -55,27 +56,16 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> No
         COMPARISONS.file: _rows(COMPARISONS, comparison_rows(study, baseline)),
         PACKAGE: iter([_package(out)]),
     }
-    parts = {name: out / f"{name}.part" for name in content}
-    try:
+    with ExitStack() as stack:
         for name, texts in content.items():
-            with parts[name].open("w", encoding="utf-8", newline="") as file:
+            part = stack.enter_context(completing(out / name))
+            with part.open("w", encoding="utf-8", newline="") as file:
                 file.writelines(texts)
-        for name, part in parts.items():
-            part.replace(out / name)
-    finally:
-        for part in parts.values():
-            part.unlink(missing_ok=True)
 
 
 def write_comparison(path: Path, rows: Sequence[Row]) -> None:
     """Write some rows of comparisons to a file of their own."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            file.writelines(_rows(COMPARISONS, rows))
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_csv(path, COMPARISONS.names(), _cells(COMPARISONS, rows))
 
 
 class _Line:
@@ -91,9 +81,13 @@ def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]
 
 
 def _rows(table: Table, rows: Iterable[Row]) -> Iterator[str]:
+    yield from _table(table.names(), _cells(table, rows))
+
+
+def _cells(table: Table, rows: Iterable[Row]) -> Iterable[Sequence[str]]:
     # Six significant digits: p values and rates of rare events are small, and the last digits of a sum
     # are not the same on every processor.
-    yield from _table(table.names(), cells(table, list(rows), number="{:.6g}".format))
+    return cells(table, list(rows), number="{:.6g}".format)
 
 
 def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
@@ -117,12 +111,12 @@ def _package(out: Path) -> str:
     package = describe(STUDY_TABLES, "a study of many runs")
     mine = {table.name for table in STUDY_TABLES}
     package["resources"] += [one for one in _described(out / PACKAGE) if one.get("name") not in mine]
-    return json.dumps(package, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(package)
 
 
 def _described(path: Path) -> list[dict[str, Any]]:
     try:
-        return list(json.loads(path.read_text("utf-8"))["resources"])
+        return list(read_json(path)["resources"])
     except FileNotFoundError:
         return []
     except (OSError, ValueError, KeyError, TypeError) as error:

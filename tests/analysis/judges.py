@@ -18,8 +18,10 @@ from analysis import geometry
 from analysis.encounters.case import prepare
 from analysis.encounters.conflict_area import conflict_areas
 from analysis.encounters.prediction import required_deceleration
+from analysis.markdown import table_of
+from analysis.polylines import arc_lengths
 from analysis.recording.reading import read_run
-from analysis.recording.tracks import Grid, Track, path_length
+from analysis.recording.tracks import Grid, Track
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 Array = np.ndarray
@@ -260,7 +262,7 @@ def _track(start: Array, velocity: Array, heading: float, length: float, width: 
         y_speed=velocity[1] * ones,
         speed=np.hypot(*velocity) * ones,
         acceleration=0.0 * ones,
-        path=path_length(*position.T),
+        path=arc_lengths(position),
         length=length,
         width=width,
     )
@@ -393,14 +395,19 @@ JUDGES: tuple[Callable[[], Agreement], ...] = (
 
 def main() -> None:
     """Print the table."""
-    print("| measure | judge | cases | compared | largest difference | mean difference | disagreements |")
-    print("|---|---|---|---|---|---|---|")
-    for judge in JUDGES:
-        found = judge()
-        print(
-            f"| {found.measure} | {found.judge} | {found.cases} | {found.defined} | "
-            f"{found.largest:.2g} {found.unit} | {found.mean:.2g} {found.unit} | {found.disagreements} |"
-        )
+    rows = [
+        {
+            "measure": found.measure,
+            "judge": found.judge,
+            "cases": found.cases,
+            "compared": found.defined,
+            "largest difference": f"{found.largest:.2g} {found.unit}",
+            "mean difference": f"{found.mean:.2g} {found.unit}",
+            "disagreements": found.disagreements,
+        }
+        for found in (judge() for judge in JUDGES)
+    ]
+    print(table_of(rows))
 
 
 if __name__ == "__main__":

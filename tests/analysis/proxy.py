@@ -16,6 +16,7 @@ import numpy as np
 import sumo
 
 from analysis.encounters.case import Case, prepare
+from analysis.markdown import table
 from analysis.recording.reading import read_run
 from analysis.recording.ssm import SsmConflict, read_ssm
 from analysis.thresholds import Thresholds
@@ -168,8 +169,6 @@ LEADER = Foe(position=60.0, speed=6.0, size=1.8, ahead_of_ego=True)
 
 def main() -> None:
     """Print the table."""
-    print("| measure | cases | largest difference | mean difference |")
-    print("|---|---|---|---|")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         net = build(folder)
@@ -182,9 +181,9 @@ def main() -> None:
             place = folder / title.replace(" ", "")
             place.mkdir()
             rows.append((f"TTC at each step, {title}", time_to_collision_differences(place, net, foe)))
-    for title, difference in rows:
-        size = np.abs(difference)
-        print(f"| {title} | {len(size)} | {size.max():.4f} s | {size.mean():.4f} s |")
+    sizes = [(title, np.abs(difference)) for title, difference in rows]
+    cells = [(title, str(len(size)), f"{size.max():.4f} s", f"{size.mean():.4f} s") for title, size in sizes]
+    print(table(("measure", "cases", "largest difference", "mean difference"), cells))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ import pytest
 from analysis.encounters.moments import stopping_distance
 from analysis.metrics import injury_risk_mm2025, injury_risk_rosen2009
 from analysis.recording.columns import INTERVENTIONS
-from analysis.recording.ego_steps import standing_stretches
 from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
 
@@ -187,7 +186,3 @@ def test_a_slow_ego_stops_while_the_braking_still_rises() -> None:
     assert stopping_distance(speed, 0.0, 7.59, 0.6)[0] == pytest.approx(
         (2 / 3) * float(np.sqrt(2 / jerk)), rel=1e-9
     )
-
-
-def test_standing_stretches_are_those_at_or_below_the_limit() -> None:
-    assert standing_stretches(np.array([0.0, 0.1, 1.0, 0.05]), 0.1) == [(0, 1), (3, 3)]
