@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
 
 from analysis.errors import ThresholdError
 
@@ -109,30 +109,31 @@ def names() -> tuple[str, ...]:
     return tuple(field.name for field in fields(Thresholds))
 
 
-def with_settings(settings: Iterable[str], start: Thresholds | None = None) -> Thresholds:
-    """Return the thresholds changed by texts of the form ``name=value``.
+def with_settings(settings: Mapping[str, str]) -> Thresholds:
+    """Return the thresholds of which some have other values than usual.
+
+    Parameters
+    ----------
+    settings
+        Texts of the numbers, by name.
 
     Raises
     ------
     ThresholdError
-        For a text without ``=``, an unknown name, or a value that is not a non-negative finite number.
+        For an unknown name, or a value that is not a non-negative finite number.
 
     Examples
     --------
-    >>> with_settings(["severity_ttc_serious_s=1.2"]).severity_ttc_serious_s
+    >>> with_settings({"severity_ttc_serious_s": "1.2"}).severity_ttc_serious_s
     1.2
     """
     changes: dict[str, float] = {}
-    for text in settings:
-        name, equals, value = text.partition("=")
-        name = name.strip()
-        if not equals:
-            raise ThresholdError(f"threshold {text!r}: expected name=value")
+    for name, value in settings.items():
         if name not in names():
             near = difflib.get_close_matches(name, names(), n=3) or list(names())
             raise ThresholdError(f"no threshold is called {name!r}; there are {', '.join(near)}")
-        changes[name] = _number(name, value.strip())
-    changed = replace(start or Thresholds(), **changes)
+        changes[name] = _number(name, value)
+    changed = Thresholds(**changes)
     if changed.substep_s <= 0.0:
         raise ThresholdError("threshold substep_s must be above 0")
     return changed

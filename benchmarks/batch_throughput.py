@@ -48,10 +48,10 @@ IN_TURN = """
 import sys
 from pathlib import Path
 from cosim.execution import execute
-from cosim.request import RunRequest
+from cosim.request import RunRequest, parse_settings
 
-out, first, step, last, scenario, controller, *settings = sys.argv[1:]
-settings = dict(one.split("=") for one in settings)
+out, first, step, last, scenario, controller, *texts = sys.argv[1:]
+settings = parse_settings(texts)
 for seed in range(int(first), int(last) + 1, int(step)):
     execute(RunRequest(scenario, controller, seed, settings, out=Path(out) / str(seed)))
 """

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import libsumo
 
+from cosim.errors import InputError
+from cosim.request import parse_settings
 from sumo_scenarios.library import ScenarioError, load, prepare, with_parameters
 
 HARD_BRAKING_MPS2 = 5.0
@@ -27,11 +29,11 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     arguments = parser.parse_args()
     try:
-        texts = dict(text.split("=", 1) for text in arguments.set)
+        texts = parse_settings(arguments.set)
         scenario, leftover = with_parameters(load(arguments.scenario), texts)
         if leftover:
             raise ScenarioError(f"unknown parameter: {', '.join(leftover)}")
-    except ValueError as error:
+    except (InputError, ScenarioError) as error:
         print(error, file=sys.stderr)
         return 2
     speed_sum, vehicle_steps, hard, pedestrian_steps, steps = 0.0, 0, 0, 0, 0

@@ -16,7 +16,9 @@ from time import process_time
 import libsumo
 
 from cosim.conformance.stage import rectangle, separation
+from cosim.errors import InputError
 from cosim.pedestrians.scene import RADIUS
+from cosim.request import parse_settings
 from cosim.sumo.network import read_network
 from cosim.sumo.scripted_persons import ScriptedPersons
 from sumo_scenarios.library import Scenario, ScenarioError, load, prepare, with_parameters
@@ -94,11 +96,11 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     arguments = parser.parse_args()
     try:
-        texts = dict(text.split("=", 1) for text in arguments.set)
+        texts = parse_settings(arguments.set)
         scenario, leftover = with_parameters(load(arguments.scenario), texts)
         if leftover:
             raise ScenarioError(f"unknown parameter: {', '.join(leftover)}")
-    except ValueError as error:
+    except (InputError, ScenarioError) as error:
         print(error, file=sys.stderr)
         return 2
     flow = Flow()

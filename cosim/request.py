@@ -61,8 +61,18 @@ class RunRequest:
             raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 1}, got {self.seed}")
 
 
-def parse_settings(texts: Iterable[str]) -> dict[str, str]:
+def parse_settings(texts: Iterable[str], example: str = "pedestrians_per_hour=600") -> dict[str, str]:
     """Return the names and values of ``key=value`` texts; the last one of a name counts.
+
+    Parameters
+    ----------
+    texts : as given after ``--set``
+    example : for the message of the error
+
+    Raises
+    ------
+    InputError
+        For a text without a name or without ``=``.
 
     Examples
     --------
@@ -73,6 +83,6 @@ def parse_settings(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
-            raise InputError(f"--set {text!r}: expected key=value, for instance pedestrians_per_hour=600")
+            raise InputError(f"--set {text!r}: expected key=value, for instance {example}")
         settings[key.strip().replace("-", "_")] = value.strip()
     return settings

@@ -122,7 +122,7 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
         return  # their scenarios, controllers and parameters are looked up then
     settings = values.get("settings") or []
     if name == "analyse":
-        with_settings(settings)
+        with_settings(parse_settings(settings))
     if name == "run":
         texts = parse_settings(settings)
         assert values["controller"] in catalog.names()

@@ -38,10 +38,11 @@ def analyse(
     from analysis.results.analyse import analyse_run
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
+    from cosim.request import parse_settings
     from cosim.summary import read_row, run_table
 
     try:
-        thresholds = with_settings(settings or [])
+        thresholds = with_settings(parse_settings(settings or [], "severity_ttc_serious_s=1.2"))
     except AnalysisError as error:
         raise InputError(f"--set {error}") from error
     console = terminal.console()

@@ -330,6 +330,9 @@ def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exis
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert "severity_ttc" in refused(capsys, "analyse", "gone", "--set", "severity_ttc=1.2")
+    assert "for instance severity_ttc_serious_s=1.2" in refused(
+        capsys, "analyse", "gone", "--set", "severity_ttc"
+    )
     assert "blind_step" in refused(capsys, "conformance", "no_such_case")
 
 

@@ -115,7 +115,7 @@ def test_wall_clock_values_are_told_apart_by_name(tmp_path: Path) -> None:
 
 def test_every_threshold_and_curve_is_echoed(tmp_path: Path) -> None:
     folder = busy_run(tmp_path)
-    analyse_run(folder, with_settings(["severity_ttc_serious_s=1.2"]))
+    analyse_run(folder, with_settings({"severity_ttc_serious_s": "1.2"}))
     config = json.loads((folder / "config.json").read_text())
     assert config["thresholds"] == {**Thresholds().as_dict(), "severity_ttc_serious_s": 1.2}
     assert config["pedestrian_radius_m"] == [0.25]
@@ -123,18 +123,17 @@ def test_every_threshold_and_curve_is_echoed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("name", "value", "says"),
     [
-        ("severity_ttc_serious_s", "expected name=value"),
-        ("severity_ttc_serius_s=1", "severity_ttc_serious_s"),
-        ("mdrac_reaction_s=soon", "expected a number"),
-        ("mdrac_reaction_s=nan", "a finite number"),
-        ("substep_s=0", "above 0"),
+        ("severity_ttc_serius_s", "1", "severity_ttc_serious_s"),
+        ("mdrac_reaction_s", "soon", "expected a number"),
+        ("mdrac_reaction_s", "nan", "a finite number"),
+        ("substep_s", "0", "above 0"),
     ],
 )
-def test_a_wrong_threshold_is_refused_with_one_line(text: str, says: str) -> None:
+def test_a_wrong_threshold_is_refused_with_one_line(name: str, value: str, says: str) -> None:
     with pytest.raises(ThresholdError, match=re.escape(says)) as caught:
-        with_settings([text])
+        with_settings({name: value})
     assert "\n" not in str(caught.value)
 
 
