@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from analysis.markdown import table
 from controllers.parameters import Parameter
 from cosim import inventory
 from cosim.inventory import Entry
@@ -44,15 +45,12 @@ def _section(
         yield ""
         parameters = described(entry.name)
         if parameters:
-            yield "| parameter | default | unit | bounds | meaning |"
-            yield "|---|---|---|---|---|"
-            yield from map(_row, parameters)
+            yield table(("parameter", "default", "unit", "bounds", "meaning"), map(_cells, parameters))
             yield ""
 
 
-def _row(one: Parameter) -> str:
-    cells = (f"`{one.name}`", f"`{inventory.as_text(one.default)}`", one.unit, one.bounds, one.meaning)
-    return f"| {' | '.join(cells)} |"
+def _cells(one: Parameter) -> tuple[str, ...]:
+    return f"`{one.name}`", f"`{inventory.as_text(one.default)}`", one.unit, one.bounds, one.meaning
 
 
 if __name__ == "__main__":
