@@ -21,10 +21,10 @@ import numpy as np
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction import named
 from controllers.prediction.forecast import Predictor
-from cosim.compose import compose
-from cosim.loop import ToWorld, run
-from cosim.request import RunRequest
-from cosim.world import Snapshot
+from cosim.running.compose import compose
+from cosim.running.request import RunRequest
+from cosim.step.loop import ToWorld, run
+from cosim.step.world import Snapshot
 
 SCENARIOS = {
     "midblock_zebra": {"ego_count": "3", "duration_s": "180"},

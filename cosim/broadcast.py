@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from controllers.interface import Decision, Perception, Plan
-from cosim.loop import Record, ToWorld
-from cosim.world import Snapshot
+from cosim.step.loop import Record, ToWorld
+from cosim.step.world import Snapshot
 
 
 class Broadcast:

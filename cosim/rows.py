@@ -1,6 +1,6 @@
 """What the rows of a recording are made of: the sources of ``analysis/recording/columns.py`` begin here.
 
-``sensing.parquet`` is made of :class:`cosim.world.Sensed` as it is.
+``sensing.parquet`` is made of :class:`cosim.step.world.Sensed` as it is.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from controllers.interface import Decision, FloatArray, Perception, Plan
-from cosim.loop import ToWorld
-from cosim.world import EgoTruth, PersonsTruth, VehiclesTruth
+from cosim.step.loop import ToWorld
+from cosim.step.world import EgoTruth, PersonsTruth, VehiclesTruth
 
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 """Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""

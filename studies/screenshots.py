@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 1280, 860
 
 def main(study: Path, out: Path) -> int:
     """Write the report of a study, and ``report.png`` and ``replay.png`` of it."""
-    from cosim.commands.report import write
+    from cosim.cli.report import write
     from cosim.errors import CosimError
 
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)

@@ -18,8 +18,7 @@ from analysis.results.rows import measure
 from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
-from cosim.cli import app
-from cosim.commands import (
+from cosim.cli import (
     analyse,
     batch,
     check,
@@ -31,8 +30,9 @@ from cosim.commands import (
     report,
     run,
 )
-from cosim.commands import inspect as inspect_command
-from cosim.request import parse_settings
+from cosim.cli import inspect as inspect_command
+from cosim.cli.command_line import app
+from cosim.running.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
 from sumo_scenarios import library

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from cosim.conformance.stage import Rectangle, rectangle, separation
 from cosim.conformance.track import Pose
-from cosim.frames import degrees_of
+from cosim.step.frames import degrees_of
 from cosim.sumo.actuation import Executed
 
 

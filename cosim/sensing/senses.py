@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cosim.sensing.interface import Belief, Scene, Sensing, Sensor, Site, State
-from cosim.world import Sensed
+from cosim.step.world import Sensed
 
 _STATES = {int(state): state.name.lower() for state in State}
 

@@ -13,7 +13,7 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from cosim.errors import SimulationError
-from cosim.frames import degrees_of
+from cosim.step.frames import degrees_of
 from cosim.sumo.lanes import Lanes, LaneShape
 
 OBEY_SPEED = 32

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from controllers.interface import Command, Drive, Perception
 from cosim.errors import InputError, SimulationError
-from cosim.frames import heading_of, rear_axle_of
-from cosim.plant import Plant, body_of
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
+from cosim.step.frames import heading_of, rear_axle_of
+from cosim.step.plant import Plant, body_of
+from cosim.step.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from cosim.sumo.actuation import Actuation, Executed, Method
 from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
@@ -30,7 +31,6 @@ from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
-from cosim.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 

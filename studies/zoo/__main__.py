@@ -19,8 +19,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from cosim.batch.identity import source_digest
-from cosim.output import DEFAULT_PARENT
+from cosim.batches.identity import source_digest
+from cosim.recording.folders import DEFAULT_PARENT
 from studies.zoo import page, results, tables, town
 from studies.zoo.bars import bars
 from studies.zoo.catalog import CONTROLLERS, EGO_SHARE, QUICK, Plan, all_recipes, chosen

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from controllers.interface import Body, Controller, Drive, EgoState, FloatArray, Perception
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from tests.controllers.scenes import ego
 
 Scene = Callable[[EgoState, float], Perception]

@@ -7,7 +7,7 @@ import pytest
 
 from controllers.interface import Body, Drive, constant_command
 from controllers.speed_plans.actuator_prediction import CommandHistory, predicted_state
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from tests.controllers.scenes import ego
 
 LAG = 0.4

@@ -11,15 +11,15 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import Body, Decision, Drive, Perception, Plan
-from cosim.loop import run
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
 from cosim.pedestrians.walker import Walker as ScriptedWalker
-from cosim.plant import Plant
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.plant import Plant
+from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk

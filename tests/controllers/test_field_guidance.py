@@ -10,7 +10,7 @@ import pytest
 from controllers.field.field_guidance import Guidance, drive
 from controllers.field.potential_field import Field, standing
 from controllers.interface import Body, Command, Drive, RoadAhead
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from tests.controllers.scenes import bend, ego, straight_road
 
 ROAD = straight_road(2, 0)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from controllers.driving import lane_keeping
 from controllers.interface import Body, Command, Drive, FloatArray, RoadAhead
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from tests.controllers.scenes import LANE_WIDTH, bend, ego, perception, straight_road
 
 RADIUS = 8.0

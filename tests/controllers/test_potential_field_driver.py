@@ -11,9 +11,9 @@ import pytest
 from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
 from controllers.catalog import CatalogError
-from cosim.loop import run
 from cosim.pedestrians.crossing_direction import CrossingDirection
-from cosim.toy_world import (
+from cosim.step.loop import run
+from cosim.step.toy_world import (
     Motion,
     ToyCrossing,
     ToyPedestrian,

@@ -9,7 +9,7 @@ import pytest
 from controllers import catalog
 from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Body, Drive, Signal, SignalState
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from tests.controllers.scenes import FRONT, ego, perception
 
 

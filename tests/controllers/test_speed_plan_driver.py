@@ -14,8 +14,8 @@ from controllers.interface import CrossingKind, Drive, EgoState, Perception, Sig
 from controllers.prediction import named
 from controllers.speed_plans.intermediate_speed import safe_distance
 from controllers.speed_plans.trapezoid_profile import PlanningLimits
-from cosim.loop import run
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
 from tests.controllers.driving import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride

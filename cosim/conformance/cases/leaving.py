@@ -7,7 +7,7 @@ from typing import Any
 from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Moved
 from cosim.conformance.stage import pose_of, scene, wait_for
-from cosim.frames import degrees_of
+from cosim.step.frames import degrees_of
 from cosim.sumo.actuation import Actuation
 
 STEP = 0.1

@@ -21,10 +21,10 @@ from controllers.interface import (
 )
 from controllers.speed_plans.jerk_limit import Planner
 from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
-from cosim.loop import ToWorld
-from cosim.loop import run as run_loop
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld
+from cosim.step.loop import run as run_loop
+from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld
+from cosim.step.world import Snapshot
 
 SAMPLE = 0.01
 """How finely a drive is recorded [s]."""

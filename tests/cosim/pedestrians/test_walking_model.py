@@ -11,7 +11,6 @@ from hypothesis import strategies as some
 
 from controllers import catalog
 from controllers.interface import Body, Drive, FloatArray
-from cosim.loop import run
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.social_force import SocialForce
@@ -19,8 +18,9 @@ from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
-from cosim.plant import Plant
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.loop import run
+from cosim.step.plant import Plant
+from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 

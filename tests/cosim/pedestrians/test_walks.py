@@ -33,8 +33,8 @@ from cosim.pedestrians.start import AtTime, EgoNear, Impact, Start, WhenClear, W
 from cosim.pedestrians.steady import Steady
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
-from cosim.plant import Plant
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.plant import Plant
+from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 ACROSS = Line(50.0, -4.0, 50.0, 4.0)

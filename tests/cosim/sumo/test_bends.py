@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.interface import Body, Drive
-from cosim.plant import body_of
+from cosim.step.plant import body_of
 from cosim.sumo.bends import CAR, RESERVE, highest_speed, turning_of, widened
 from cosim.sumo.path import Path, arc_lengths
 
