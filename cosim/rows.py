@@ -1,6 +1,6 @@
 """What the rows of a recording are made of: the sources of ``analysis/recording/columns.py`` begin here.
 
-``sensing.parquet`` is made of :class:`cosim.step.world.Sensed` as it is.
+``sensing.parquet`` is made of :class:`cosim.sensing.interface.Sensed` as it is.
 """
 
 from __future__ import annotations

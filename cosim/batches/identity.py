@@ -19,7 +19,8 @@ from cosim.recording.provenance import Inputs
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
     *("analysis/criteria", "analysis/protocols", "analysis/statistics", "analysis/study"),
-    *("cosim/batches", "cosim/checks", "cosim/cli", "cosim/conformance", "cosim/results", "cosim/suites"),
+    *("cosim/batches", "cosim/checks", "cosim/cli", "cosim/conformance", "cosim/presentation"),
+    "cosim/suites",
 )
 """How paths of our own source begin that no number of a run depends on."""
 STRATEGIES = "controllers/strategies/"

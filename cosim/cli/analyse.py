@@ -38,7 +38,7 @@ def analyse(
     from analysis.results.analyse import analyse_run
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
-    from cosim.results.numbers import read_row, run_table
+    from cosim.presentation.numbers import read_row, run_table
 
     try:
         thresholds = with_settings(settings or [])

@@ -61,7 +61,7 @@ def compare(
     from analysis.study.runs import find_run_folders
     from analysis.study.writing import write_comparison
     from cosim.errors import InputError
-    from cosim.results.wording import notes, sentence, table
+    from cosim.presentation.wording import notes, sentence, table
 
     try:
         study = read_study(find_run_folders(folder))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cosim.results.numbers import Row
+    from cosim.presentation.numbers import Row
 
 SCENARIO = "midblock_zebra"
 CONTROLLERS = ("vo_mpc", "sumo", "aeb")
@@ -21,7 +21,7 @@ def main(seed: int = 1) -> int:
     from cosim.cli.progress import shown_progress
     from cosim.cli.report import write
     from cosim.errors import CosimError
-    from cosim.results.numbers import comparison_table
+    from cosim.presentation.numbers import comparison_table
     from cosim.running.execution import Outcome, execute
     from cosim.running.request import RunRequest
 
@@ -54,7 +54,7 @@ def main(seed: int = 1) -> int:
 
 def _derived(rows: Mapping[str, Row]) -> dict[str, list[str]]:
     """Return the lines of the table that are made of several columns, one text per controller."""
-    from cosim.results.numbers import number
+    from cosim.presentation.numbers import number
 
     base = number(rows[BASELINE], "ego_delay_mean_s") if BASELINE in rows else None
     shares, differences = [], []

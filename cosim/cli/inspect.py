@@ -49,7 +49,7 @@ def inspect(
     folders.check(scaffold, "--scaffold")
     found = look(path)
     if picture is not None:
-        from cosim.results.pictures import check_picture, require_matplotlib
+        from cosim.presentation.pictures import check_picture, require_matplotlib
 
         require_matplotlib("--picture")
         check_picture(picture)

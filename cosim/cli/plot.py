@@ -41,8 +41,8 @@ def plot(
     """
     from analysis.errors import AnalysisError
     from cosim.errors import InputError
+    from cosim.presentation.pictures import FORMATS, require_matplotlib
     from cosim.recording import folders
-    from cosim.results.pictures import FORMATS, require_matplotlib
 
     require_matplotlib("cosim plot")
     if kind not in FORMATS:

@@ -31,7 +31,7 @@ def replay(
     """
     from analysis.errors import AnalysisError
     from cosim.errors import InputError
-    from cosim.results.pictures import check_picture, require_matplotlib
+    from cosim.presentation.pictures import check_picture, require_matplotlib
 
     require_matplotlib("cosim replay")
     from analysis.encounters.case import prepare

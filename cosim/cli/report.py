@@ -86,8 +86,8 @@ def write(
         raise unavailable(error) from error
     from analysis.errors import AnalysisError
     from cosim.errors import InputError
+    from cosim.presentation.wording import sentence
     from cosim.recording.folders import create_named
-    from cosim.results.wording import sentence
 
     if out is None:
         out = folders[0] if len(folders) == 1 else create_named(None, "report")

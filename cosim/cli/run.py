@@ -131,7 +131,7 @@ def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
 
 
 def _show(outcome: Outcome) -> int:
-    from cosim.results.numbers import run_table
+    from cosim.presentation.numbers import run_table
 
     console = terminal.console()
     if outcome.row is not None:

@@ -10,7 +10,7 @@ from typing import Any
 from analysis.errors import AnalysisError
 from analysis.results.analyse import analyse_run
 from cosim.errors import SimulationError
-from cosim.results.numbers import Row, read_row
+from cosim.presentation.numbers import Row, read_row
 from cosim.running.request import RunRequest
 from cosim.running.simulation import Progress, RunResult, keep_recorded, run
 

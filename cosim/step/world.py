@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Body, Command, Perception
+from cosim.sensing.interface import Sensed
 
 FloatArray = NDArray[np.float64]
 
@@ -124,25 +125,6 @@ class VehiclesTruth:
     def y_speed(self) -> FloatArray:
         """[m/s]."""
         return np.asarray(self.speed * np.sin(self.heading))
-
-
-@dataclass(frozen=True, slots=True)
-class Sensed:
-    """What one ego knew of the pedestrians near it when it planned last; arrays of length n."""
-
-    time: float
-    ego: str
-    names: tuple[str, ...]
-    told: NDArray[np.bool_]
-    """Whether the controller was told of this pedestrian."""
-    state: tuple[str, ...]
-    """State of the measurement: ``cosim.sensing.interface.State`` in lower case."""
-    age: FloatArray
-    """Age of the measurement in use; nan if not told [s]."""
-    error: FloatArray
-    """Distance between estimated and true position; nan if not told [m]."""
-    uncertainty: FloatArray
-    """Estimated standard deviation of the position along either axis; nan if not told [m]."""
 
 
 @dataclass(frozen=True, slots=True)

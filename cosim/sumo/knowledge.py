@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from controllers.interface import Body, Eyesight
 from cosim.sensing.eyesight import eyesight_of
-from cosim.sensing.interface import Scene, Sensing, Site
+from cosim.sensing.interface import Scene, Sensed, Sensing, Site
 from cosim.sensing.senses import Senses
 from cosim.step.plant import Plant
-from cosim.step.world import Sensed
 from cosim.sumo.network import Network
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Persons, Surroundings
 

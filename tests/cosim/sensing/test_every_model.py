@@ -10,11 +10,11 @@ import pytest
 from controllers import catalog as controllers
 from controllers.interface import CrossingKind, Decision, Perception, Plan
 from cosim.sensing import catalog
-from cosim.sensing.interface import Belief, Scene, State
+from cosim.sensing.interface import Belief, Scene, Sensed, State
 from cosim.step import loop
 from cosim.step.loop import ToWorld
 from cosim.step.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
-from cosim.step.world import Sensed, Snapshot
+from cosim.step.world import Snapshot
 from tests.cosim.sensing.scenes import SITE, Walker, exactly, scene
 
 every_model = pytest.mark.parametrize("model", catalog.names())
