@@ -16,7 +16,7 @@ from time import process_time
 import libsumo
 
 from cosim.conformance.stage import rectangle, separation
-from cosim.pedestrians.scene import RADIUS
+from cosim.pedestrians.behaviour import RADIUS
 from cosim.sumo.network import read_network
 from cosim.sumo.scripted_persons import ScriptedPersons
 from sumo_scenarios.library import Scenario, ScenarioError, load, prepare, with_parameters

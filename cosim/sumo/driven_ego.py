@@ -9,7 +9,7 @@ from typing import Any
 from controllers.interface import Command, constant_command
 from cosim.step.plant import Plant
 from cosim.step.world import EgoTruth
-from cosim.sumo.actuation import Executed
+from cosim.sumo.placement import Executed
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
 

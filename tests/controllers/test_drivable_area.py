@@ -13,9 +13,9 @@ from controllers import catalog
 from controllers.interface import Body, Decision, Drive, Perception, Plan
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker as ScriptedWalker
 from cosim.step.loop import run
 from cosim.step.plant import Plant
@@ -143,7 +143,7 @@ def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
     for i in range(4):
         line = Line(45.0 + 10.0 * i, -3.0 - i, 45.0 + 10.0 * i, 40.0)
         walker = ScriptedWalker(line, Pace(1.25), Steady(), AtTime(0.0), line.length)
-        crowd.append(ToyWalk(SocialForce(walker, seed=i), ego))
+        crowd.append(ToyWalk(Swerving(walker, seed=i), ego))
     ride = _ride(NARROW, crowd, duration=14.0)
     assert ride.clearance() > 0.25
 

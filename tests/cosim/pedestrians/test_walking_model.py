@@ -13,9 +13,9 @@ from controllers import catalog
 from controllers.interface import Body, Drive, FloatArray
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 from cosim.step.loop import run
@@ -89,7 +89,7 @@ def test_nobody_is_pushed_faster_than_people_run() -> None:
 def test_in_the_loop_a_walker_keeps_off_a_car_that_goes_past() -> None:
     line = Line(31.0, -4.0, 31.0, 40.0)
     walker = Walker(line, Pace(1.25), Steady(), AtTime(0.0), line.length)
-    motion = ToyWalk(SocialForce(walker, seed=3), Plant(Body(), Drive(), 0.0, 0.0, 0.0, 13.0))
+    motion = ToyWalk(Swerving(walker, seed=3), Plant(Body(), Drive(), 0.0, 0.0, 0.0, 13.0))
     world = ToyWorld(ToyRoad(lane_width=3.5), [ToyPedestrian("walker", motion)], speed=13.0, duration=4.0)
     ride = Ride()
     run(world, {"ego": catalog.build("constant_speed")}, ride)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cosim.pedestrians.scene import Behaviour, RoadUser, Scene, State
+from cosim.pedestrians.behaviour import Behaviour, RoadUser, Scene, State
 from cosim.step.plant import Plant
 
 ELSEWHERE = (0.0, 1e4, 0.0, 0.0)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from cosim.pedestrians.behaviour import RADIUS, FloatArray, RoadUser, Scene, State
 from cosim.pedestrians.line import Line
-from cosim.pedestrians.scene import RADIUS, FloatArray, RoadUser, Scene, State
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 
@@ -20,8 +20,8 @@ TICK = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class SocialForce:
-    """A pedestrian who is pushed off the line by the nearest vehicle.
+class Swerving:
+    """The manner ``social_force``: a pedestrian who is pushed off the line by the nearest vehicle.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ _LATERAL_SPEED = 10.0
 
 
 class Method(StrEnum):
-    """How the ego is made to follow the plant."""
+    """How the ego is made to follow the plant: what the parameter ``actuation`` chooses from."""
 
     HYBRID = "hybrid"
     MOVE = "move"
@@ -94,7 +94,7 @@ class _Ego:
     """From where the front bumper is to where it was put, in the last move [m]."""
 
 
-class Actuation:
+class Placement:
     """Drives any number of vehicles.
 
     Parameters
