@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from controllers.interface import Controller
 from cosim.errors import InputError
-from cosim.step.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 
 
 def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> None:

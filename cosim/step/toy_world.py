@@ -1,15 +1,12 @@
 """A straight road without SUMO: fast tests, and experiments with exact initial conditions.
 
-The road runs east from x = 0, lanes count from the right (south) and lane 0's centre line is y = 0.
-Pedestrians and vehicles are scripted; the ego is the same plant as in SUMO. Perception is exact, unless a
-sensing model is given.
+The ego is the same plant as in SUMO. Perception is exact, unless a sensing model is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +15,9 @@ from controllers.interface import (
     Body,
     Command,
     Crossing,
-    CrossingKind,
     Drive,
     EgoState,
     Lane,
-    Neighbour,
-    NeighbourGaps,
     PedestrianPhase,
     Pedestrians,
     Perception,
@@ -32,84 +26,14 @@ from controllers.interface import (
     constant_command,
 )
 from cosim.sensing.eyesight import eyesight_of
-from cosim.sensing.interface import Scene, Sensing, Site
+from cosim.sensing.interface import Scene, Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sensing.senses import Senses
 from cosim.step.plant import Plant
+from cosim.step.toy_road import ReactingMotion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, gaps_among
 from cosim.step.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 
 FloatArray = NDArray[np.float64]
-Motion = Callable[[float], tuple[float, float, float, float]]
-"""Time [s] -> x, y, x speed, y speed [m, m/s]."""
-
-
-@runtime_checkable
-class ReactingMotion(Protocol):
-    """The motion of somebody who sees the ego. It remembers, so: one per pedestrian and run."""
-
-    def __call__(self, time: float) -> tuple[float, float, float, float]:
-        """Return place and velocity at the time last told, or at the start."""
-        ...
-
-    def react(self, time: float, ego: Plant) -> None:
-        """Move on to that time; the ego is seen as it is then."""
-        ...
-
-
-def walk(
-    x: float, y: float, x_speed: float, y_speed: float, start: float = 0.0, stop: float = np.inf
-) -> Motion:
-    """Return the motion of somebody who stands at (x, y), walks from ``start`` to ``stop``, then stands."""
-
-    def at(time: float) -> tuple[float, float, float, float]:
-        walked = min(max(time - start, 0.0), stop - start)
-        moving = start <= time < stop
-        return (
-            x + x_speed * walked,
-            y + y_speed * walked,
-            x_speed if moving else 0.0,
-            y_speed if moving else 0.0,
-        )
-
-    return at
-
-
-@dataclass(frozen=True, slots=True)
-class ToyPedestrian:
-    """A scripted pedestrian."""
-
-    name: str
-    motion: Motion
-    radius: float = 0.25
-
-
-@dataclass(frozen=True, slots=True)
-class ToyVehicle:
-    """A scripted vehicle; the motion is that of its front bumper."""
-
-    name: str
-    motion: Motion
-    length: float = 4.5
-    width: float = 1.8
-
-
-@dataclass(frozen=True, slots=True)
-class ToyCrossing:
-    """A crossing over all lanes, from ``x`` to ``x + width``."""
-
-    x: float
-    width: float = 4.0
-    kind: CrossingKind = CrossingKind.ZEBRA
-
-
-@dataclass(frozen=True, slots=True)
-class ToyRoad:
-    """A straight road."""
-
-    lanes: int = 1
-    lane_width: float = 3.5
-    speed_limit: float = 13.89
-    crossings: tuple[ToyCrossing, ...] = ()
 
 
 @dataclass(slots=True)
@@ -158,7 +82,7 @@ class ToyWorld:
         self.plant = Plant(self.body, self.drive, 0.0, self.lane * self.road.lane_width, 0.0, self.speed)
         self._command = constant_command(0.0, 0.0)
         self._reference = self.lane
-        self._senses = Senses(self.sensing, self._site(), self.seed)
+        self._senses = Senses(self.sensing, self.road.site(), self.seed)
 
     def sense(self) -> Sequence[Perception] | None:
         """Return the ego's perception; ``None`` after ``duration``."""
@@ -172,9 +96,9 @@ class ToyWorld:
                 self._ego(),
                 self._pedestrians(),
                 vehicles,
-                self._gaps(vehicles),
+                gaps_among(vehicles, self.body, self.road.lane_width),
                 self._road(),
-                eyesight_of(self.sensing, self._site(), self.body),
+                eyesight_of(self.sensing, self.road.site(), self.body),
             ),
         )
 
@@ -220,7 +144,7 @@ class ToyWorld:
         people = [p.motion(self.time) for p in self.pedestrians]
         cars = [v.motion(self.time) for v in self.vehicles]
         p, v = _columns(people), _columns(cars)
-        crossing = [self._crossing_of(x, y) for x, y, *_ in people]
+        crossing = [self.road.crossing_at(x, y) for x, y, *_ in people]
         return Snapshot(
             self.time,
             (ego,),
@@ -254,43 +178,19 @@ class ToyWorld:
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
         """Convert route-frame points to world coordinates."""
-        return np.column_stack((along + self.plant.x, across + self._centre(self._reference)))
+        return np.column_stack((along + self.plant.x, across + self.road.centre(self._reference)))
 
     def map_areas(self) -> Sequence[MapArea]:
         """Return lanes and crossings."""
-        width = self.road.lane_width
-        far = self.duration * 30.0
-        lanes = [
-            MapArea(f"toy_{i}", "lane", width, np.array([[0.0, i * width], [far, i * width]]))
-            for i in range(self.road.lanes)
-        ]
-        right, left = self._edges()
-        crossings = [
-            MapArea(
-                f"toy_c{i}",
-                "crossing",
-                c.width,
-                np.array([[c.x + c.width / 2, right], [c.x + c.width / 2, left]]),
-                c.kind.value,
-            )
-            for i, c in enumerate(self.road.crossings)
-        ]
-        return [*lanes, *crossings]
+        return self.road.map_areas(self.duration * 30.0)
 
     def close(self) -> None:
         """Nothing to release."""
 
-    def _centre(self, lane: int) -> float:
-        return lane * self.road.lane_width
-
-    def _edges(self) -> tuple[float, float]:
-        half = 0.5 * self.road.lane_width
-        return -half, self._centre(self.road.lanes - 1) + half
-
     def _switch_lane(self) -> None:
         _, y = self.plant.front
         nearest = round(y / self.road.lane_width)
-        off = abs(y - self._centre(self._reference))
+        off = abs(y - self.road.centre(self._reference))
         if off > 0.5 * self.road.lane_width + 0.1 and 0 <= nearest < self.road.lanes:
             self._reference = nearest
 
@@ -302,7 +202,7 @@ class ToyWorld:
             p.x,
             p.y,
             p.heading,
-            p.y - self._centre(self._reference),
+            p.y - self.road.centre(self._reference),
             p.heading,
             p.speed,
             p.acceleration,
@@ -313,10 +213,10 @@ class ToyWorld:
         )
 
     def _road(self) -> RoadAhead:
-        centre = self._centre(self._reference)
-        right, left = self._edges()
+        centre = self.road.centre(self._reference)
+        right, left = self.road.edges()
         lanes = tuple(
-            Lane(i - self.lane, self._centre(i) - centre, self.road.lane_width, np.inf)
+            Lane(i - self.lane, self.road.centre(i) - centre, self.road.lane_width, np.inf)
             for i in range(max(self._reference - 1, 0), min(self._reference + 2, self.road.lanes))
         )
         return RoadAhead(
@@ -351,15 +251,8 @@ class ToyWorld:
             if c.x + c.width > behind and c.x < self.plant.x + self.view
         ]
 
-    def _crossing_of(self, x: float, y: float) -> int:
-        right, left = self._edges()
-        for i, c in enumerate(self.road.crossings):
-            if c.x <= x <= c.x + c.width and right <= y <= left:
-                return i
-        return -1
-
     def _pedestrians(self) -> Pedestrians:
-        centre = self._centre(self._reference)
+        centre = self.road.centre(self._reference)
         near = [
             (p, m)
             for p in self.pedestrians
@@ -367,7 +260,7 @@ class ToyWorld:
         ]
         c = _columns([m for _, m in near])
         index = {i: at for at, (i, _) in enumerate(self._seen_crossings())}
-        on = np.array([index.get(self._crossing_of(m[0], m[1]), -1) for _, m in near], dtype=np.int64)
+        on = np.array([index.get(self.road.crossing_at(m[0], m[1]), -1) for _, m in near], dtype=np.int64)
         names, radius = tuple(p.name for p, _ in near), np.array([p.radius for p, _ in near])
         told, uncertainty = np.arange(len(near)), np.zeros(len(near))
         if not self.sensing.exact:
@@ -409,21 +302,13 @@ class ToyWorld:
             np.array([v.width for v in self.vehicles]),
         )
 
-    def _site(self) -> Site:
-        right, left = self._edges()
-        crossings = {
-            f"toy_c{i}": np.array([[c.x + c.width / 2, right], [c.x + c.width / 2, left]])
-            for i, c in enumerate(self.road.crossings)
-        }
-        return Site(crossings, np.zeros((0, 4)), np.zeros((0, 4)))
-
     def _vehicles(self) -> Vehicles:
         now = _columns([v.motion(self.time) for v in self.vehicles])
         before = _columns([v.motion(self.time - self.step) for v in self.vehicles])
         return Vehicles(
             tuple(v.name for v in self.vehicles),
             now[0] - self.plant.x,
-            now[1] - self._centre(self._reference),
+            now[1] - self.road.centre(self._reference),
             now[2],
             now[3],
             (now[2] - before[2]) / self.step,
@@ -431,34 +316,6 @@ class ToyWorld:
             np.array([v.length for v in self.vehicles]),
             np.array([v.width for v in self.vehicles]),
         )
-
-    def _gaps(self, vehicles: Vehicles) -> NeighbourGaps:
-        found: dict[str, Neighbour | None] = {}
-        for side, prefix in ((0, ""), (1, "left_"), (-1, "right_")):
-            centre = side * self.road.lane_width
-            in_lane = np.abs(vehicles.across - centre) < 0.5 * (self.road.lane_width + 1.0)
-            middle = vehicles.along - 0.5 * vehicles.length
-            ego_middle = 0.5 * (self.body.front - self.body.rear_overhang)
-            for ahead in (True, False):
-                some = np.flatnonzero(in_lane & ((middle >= ego_middle) == ahead))
-                best: Neighbour | None = None
-                for i in some:
-                    rear = float(vehicles.along[i] - vehicles.length[i])
-                    gap = (
-                        rear - self.body.front
-                        if ahead
-                        else -self.body.rear_overhang - float(vehicles.along[i])
-                    )
-                    if best is None or gap < best.gap:
-                        best = Neighbour(
-                            vehicles.names[i],
-                            gap,
-                            float(vehicles.along_speed[i]),
-                            float(vehicles.acceleration[i]),
-                            float(vehicles.length[i]),
-                        )
-                found[prefix + ("ahead" if ahead else "behind")] = best
-        return NeighbourGaps(**found)
 
 
 def _columns(rows: Sequence[tuple[float, float, float, float]]) -> FloatArray:

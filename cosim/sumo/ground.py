@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cosim.pedestrians.jaywalking import Roadside
 from cosim.pedestrians.line import Line
-from cosim.sumo.lanes import LaneShape
+from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.network import NetLane, Network
 from cosim.sumo.path import arc_lengths
 

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 from cosim.errors import SimulationError
 from cosim.step.frames import degrees_of
-from cosim.sumo.lanes import Lanes, LaneShape
+from cosim.sumo.lane_shape import LaneShape
+from cosim.sumo.lanes import Lanes
 
 OBEY_SPEED = 32
 """Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""

@@ -13,7 +13,7 @@ from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import LateralProgram, SteeringTask, SteeringWeights
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedTask, SpeedWeights
 from controllers.optimisation.settings import SolverSettings
-from cosim.step.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import ride
 
 N = 12

@@ -19,7 +19,8 @@ from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker as ScriptedWalker
 from cosim.step.loop import run
 from cosim.step.plant import Plant
-from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk

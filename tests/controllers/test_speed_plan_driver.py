@@ -15,7 +15,8 @@ from controllers.prediction import named
 from controllers.speed_plans.intermediate_speed import safe_distance
 from controllers.speed_plans.trapezoid_profile import PlanningLimits
 from cosim.step.loop import run
-from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.driving import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride

@@ -11,7 +11,7 @@ import qpsolvers
 from controllers import catalog
 from controllers.interface import Manoeuvre, Plan, Rule, Solves
 from controllers.mpc.driver import VelocityObstacleMpc
-from cosim.step.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.faulty_solvers import fails, installed
 from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride

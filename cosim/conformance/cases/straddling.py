@@ -10,7 +10,7 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import ride
 from cosim.conformance.stage import pose_of, scene, wait_for
 from cosim.conformance.track import Shift, Track
-from cosim.sumo.lanes import LaneShape
+from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.placement import DITHER, Method, Placement
 
 STEP = 0.1

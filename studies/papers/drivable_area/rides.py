@@ -10,7 +10,8 @@ from controllers import catalog
 from controllers.drivable_area.clearances import Shape
 from controllers.interface import Body, Decision, FloatArray, Perception, Plan
 from cosim.step.loop import ToWorld, run
-from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 from studies.papers.claim import Claim, observed
 from studies.papers.drivable_area.scenes import (

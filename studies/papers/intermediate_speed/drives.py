@@ -23,7 +23,8 @@ from controllers.speed_plans.jerk_limit import Planner
 from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 from cosim.step.loop import ToWorld
 from cosim.step.loop import run as run_loop
-from cosim.step.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle
+from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 
 SAMPLE = 0.01

@@ -30,7 +30,8 @@ from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction.direction_choice import WALKING_SPEED, velocity
 from cosim.step.loop import ToWorld, run
 from cosim.step.plant import body_of
-from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 
 GRAVITY = 9.80665

@@ -11,7 +11,8 @@ from controllers import catalog
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from cosim.step.loop import ToWorld
 from cosim.step.loop import run as run_loop
-from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 from studies.papers.velocity_obstacle.scenes import LISTED_AT_ONE, START_SPEED, Scene
 

@@ -20,7 +20,8 @@ from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 from cosim.step.loop import run
 from cosim.step.plant import Plant
-from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.toy_road import ToyPedestrian, ToyRoad
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 

@@ -34,7 +34,8 @@ from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
 from cosim.step.plant import Plant
-from cosim.step.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.toy_road import ToyPedestrian, ToyRoad
+from cosim.step.toy_world import ToyWorld
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 ACROSS = Line(50.0, -4.0, 50.0, 4.0)

@@ -13,7 +13,8 @@ from cosim.sensing import catalog
 from cosim.sensing.interface import Belief, Scene, Sensed, State
 from cosim.step import loop
 from cosim.step.loop import ToWorld
-from cosim.step.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 from tests.cosim.sensing.scenes import SITE, Walker, exactly, scene
 

@@ -15,7 +15,8 @@ import sumo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.sumo.lanes import Lanes, LaneShape
+from cosim.sumo.lane_shape import LaneShape
+from cosim.sumo.lanes import Lanes
 from cosim.sumo.placement import Placement
 
 
