@@ -10,73 +10,78 @@ import typer
 from cosim.cli import terminal
 from cosim.cli.options import Debug, Settings
 
+Targets = Annotated[
+    list[str],
+    typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Output folder; resumes an earlier check.",
+        show_default="runs/check-…",
+    ),
+]
+Junit = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML to this file.")]
+Controllers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--controller",
+        metavar="NAME",
+        help="Controller that drives the egos; repeatable.",
+        show_default="as the study, otherwise vo_mpc",
+    ),
+]
+Seeds = Annotated[
+    str | None,
+    typer.Option(metavar="1-5", help="Seeds.", show_default="as the study, otherwise 1"),
+]
+Criteria = Annotated[
+    Path | None,
+    typer.Option(
+        "--criteria", metavar="FILE.toml", help="Use these criteria instead of those of the targets."
+    ),
+]
+Part = Annotated[
+    str | None,
+    typer.Option("--filter", metavar="TEXT", help="Only scenarios or cases whose name contains this text."),
+]
+Earlier = Annotated[
+    Path | None,
+    typer.Option(
+        "--baseline", metavar="DIR", help="Fail if a key measure is worse than in this earlier check."
+    ),
+]
+Level = Annotated[
+    float,
+    typer.Option("--level", metavar="P", help="Significance level of the baseline comparison."),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
+]
+RunTimeout = Annotated[
+    float | None,
+    typer.Option("--run-timeout-s", metavar="S", help="Wall-clock limit of a run [s].", show_default="3600"),
+]
+DropRecordings = Annotated[bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")]
+
 
 def check(
-    targets: Annotated[
-        list[str],
-        typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
-    ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Output folder; resumes an earlier check.",
-            show_default="runs/check-…",
-        ),
-    ] = None,
-    junit: Annotated[
-        Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML to this file.")
-    ] = None,
-    controller: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--controller",
-            metavar="NAME",
-            help="Controller that drives the egos; repeatable.",
-            show_default="as the study, otherwise vo_mpc",
-        ),
-    ] = None,
-    seeds: Annotated[
-        str | None,
-        typer.Option(metavar="1-5", help="Seeds.", show_default="as the study, otherwise 1"),
-    ] = None,
+    targets: Targets,
+    out: Folder = None,
+    junit: Junit = None,
+    controller: Controllers = None,
+    seeds: Seeds = None,
     settings: Settings = None,
-    criteria: Annotated[
-        Path | None,
-        typer.Option(
-            "--criteria", metavar="FILE.toml", help="Use these criteria instead of those of the targets."
-        ),
-    ] = None,
-    part: Annotated[
-        str | None,
-        typer.Option(
-            "--filter", metavar="TEXT", help="Only scenarios or cases whose name contains this text."
-        ),
-    ] = None,
-    baseline: Annotated[
-        Path | None,
-        typer.Option(
-            "--baseline", metavar="DIR", help="Fail if a key measure is worse than in this earlier check."
-        ),
-    ] = None,
-    level: Annotated[
-        float,
-        typer.Option("--level", metavar="P", help="Significance level of the baseline comparison."),
-    ] = 0.05,
-    jobs: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
-    ] = None,
-    run_timeout_s: Annotated[
-        float | None,
-        typer.Option(
-            "--run-timeout-s", metavar="S", help="Wall-clock limit of a run [s].", show_default="3600"
-        ),
-    ] = None,
-    drop_recordings: Annotated[
-        bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")
-    ] = False,
+    criteria: Criteria = None,
+    part: Part = None,
+    baseline: Earlier = None,
+    level: Level = 0.05,
+    jobs: Jobs = None,
+    run_timeout_s: RunTimeout = None,
+    drop_recordings: DropRecordings = False,
     debug: Debug = False,
 ) -> int:
     """Run scenarios, studies or suites and check their results against criteria.

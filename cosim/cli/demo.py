@@ -19,9 +19,9 @@ def main(seed: int = 1) -> int:
     """Run the controllers, print the comparison, write the report and say where the files are."""
     from cosim.cli import terminal
     from cosim.cli.progress import shown_progress
-    from cosim.cli.report import write
     from cosim.errors import CosimError
     from cosim.presentation.numbers import comparison_table
+    from cosim.presentation.page import write_page
     from cosim.running.execution import Outcome, execute
     from cosim.running.request import RunRequest
 
@@ -44,7 +44,7 @@ def main(seed: int = 1) -> int:
         if outcome.invalid_reason:
             print(f"cosim: {name}: the run is invalid: {outcome.invalid_reason}", file=sys.stderr)
     try:
-        page, _ = write([outcome.folder for outcome in outcomes.values()])
+        page, _ = write_page([outcome.folder for outcome in outcomes.values()])
     except CosimError as error:
         print(f"cosim: no report: {error}", file=sys.stderr)
     else:

@@ -39,27 +39,8 @@ def plot(
     \b
     Exit codes: 0 success, 2 bad input.
     """
-    from analysis.errors import AnalysisError
-    from cosim.errors import InputError
-    from cosim.presentation.pictures import FORMATS, require_matplotlib
-    from cosim.recording import folders
+    from cosim.presentation.figures import write_figures
 
-    require_matplotlib("cosim plot")
-    if kind not in FORMATS:
-        raise InputError(f"--format: expected {' or '.join(FORMATS)}, got {kind!r}")
-    folders.check(out)
-    from analysis.encounters.case import prepare
-    from analysis.plots.figures import draw_figures
-    from analysis.plots.scene import choose
-    from analysis.recording.reading import read_run
-
-    target = folder / "plots" if out is None else out
-    try:
-        files = draw_figures(choose(prepare(read_run(folder)), ego, encounter), target, kind)
-    except AnalysisError as error:
-        raise InputError(str(error)) from error
-    except OSError as error:
-        raise InputError(f"cannot write to {target}: {error.strerror or error}") from error
-    for file in files:
+    for file in write_figures(folder, ego, encounter, out, kind):
         terminal.console().print(str(file), soft_wrap=True)
     return 0

@@ -29,24 +29,8 @@ def replay(
     \b
     Exit codes: 0 success, 2 bad input.
     """
-    from analysis.errors import AnalysisError
-    from cosim.errors import InputError
-    from cosim.presentation.pictures import check_picture, require_matplotlib
+    from cosim.presentation.figures import write_replay
 
-    require_matplotlib("cosim replay")
-    from analysis.encounters.case import prepare
-    from analysis.plots.animation import FORMATS, has_ffmpeg, write_film
-    from analysis.plots.scene import choose
-    from analysis.recording.reading import read_run
-
-    check_picture(out, FORMATS)
-    if out.suffix.lower() == ".mp4" and not has_ffmpeg():
-        raise InputError(f"{out}: .mp4 needs ffmpeg, which is not installed; use .gif instead")
-    try:
-        count = write_film(choose(prepare(read_run(folder)), None, encounter), out)
-    except AnalysisError as error:
-        raise InputError(str(error)) from error
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    count = write_replay(folder, encounter, out)
     terminal.console().print(f"{out}: {count} frames", soft_wrap=True)
     return 0

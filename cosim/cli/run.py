@@ -13,60 +13,59 @@ from cosim.cli.apart import OWN_PROCESS
 from cosim.cli.options import Debug, Out, Settings
 from cosim.running.request import RunRequest, parse_settings
 
-BESIDE_THE_LANE = 2.0
-"""An ego farther from its lane's centre line is reported [m]."""
-COARSE_STEP_S = 0.2
-"""In a longer step a pedestrian moves by more than their radius [s]."""
-
 if TYPE_CHECKING:
     from cosim.running.execution import Outcome
+
+Scenario = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENARIO", help="Scenario name or folder, suite:NAME/CASE, or SUMO configuration."
+    ),
+]
+ControllerName = Annotated[str, typer.Option(metavar="NAME", help="Controller that drives the egos.")]
+Duration = Annotated[
+    float | None,
+    typer.Option("--duration-s", metavar="S", help="Simulated time [s].", show_default="as the scenario"),
+]
+Step = Annotated[
+    float | None,
+    typer.Option("--step-s", metavar="S", help="Step length [s].", show_default="as the scenario"),
+]
+Placement = Annotated[
+    str | None,
+    typer.Option(metavar="hybrid|move", help="How SUMO's vehicle is moved.", show_default="as the scenario"),
+]
+EgoRoute = Annotated[
+    str | None, typer.Option(metavar='"E1 E2 …"', help="Add one ego that drives these edges.")
+]
+EgoVehicle = Annotated[str | None, typer.Option(metavar="ID", help="Take over this vehicle of the demand.")]
+EgoShare = Annotated[
+    float | None, typer.Option(metavar="SHARE", help="Take over this share of the passenger cars.")
+]
+SensingName = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Sensing model; see cosim list sensing.",
+        show_default="as the scenario",
+    ),
+]
 
 
 def run(
     context: typer.Context,
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            metavar="SCENARIO", help="Scenario name or folder, suite:NAME/CASE, or SUMO configuration."
-        ),
-    ],
-    controller: Annotated[
-        str, typer.Option(metavar="NAME", help="Controller that drives the egos.")
-    ] = "vo_mpc",
+    scenario: Scenario,
+    controller: ControllerName = "vo_mpc",
     seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 1,
     out: Out = None,
     settings: Settings = None,
-    duration_s: Annotated[
-        float | None,
-        typer.Option("--duration-s", metavar="S", help="Simulated time [s].", show_default="as the scenario"),
-    ] = None,
-    step_s: Annotated[
-        float | None,
-        typer.Option("--step-s", metavar="S", help="Step length [s].", show_default="as the scenario"),
-    ] = None,
-    actuation: Annotated[
-        str | None,
-        typer.Option(
-            metavar="hybrid|move", help="How SUMO's vehicle is moved.", show_default="as the scenario"
-        ),
-    ] = None,
-    ego_route: Annotated[
-        str | None, typer.Option(metavar='"E1 E2 …"', help="Add one ego that drives these edges.")
-    ] = None,
-    ego_vehicle: Annotated[
-        str | None, typer.Option(metavar="ID", help="Take over this vehicle of the demand.")
-    ] = None,
-    ego_share: Annotated[
-        float | None, typer.Option(metavar="SHARE", help="Take over this share of the passenger cars.")
-    ] = None,
-    sensing: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Sensing model; see cosim list sensing.",
-            show_default="as the scenario",
-        ),
-    ] = None,
+    duration_s: Duration = None,
+    step_s: Step = None,
+    actuation: Placement = None,
+    ego_route: EgoRoute = None,
+    ego_vehicle: EgoVehicle = None,
+    ego_share: EgoShare = None,
+    sensing: SensingName = None,
     gui: Annotated[bool, typer.Option("--gui", help="Show the run in sumo-gui.")] = False,
     debug: Debug = False,
 ) -> int:
@@ -131,37 +130,19 @@ def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
 
 
 def _show(outcome: Outcome) -> int:
+    from cosim.presentation.notes import run_notes
     from cosim.presentation.numbers import run_table
 
     console = terminal.console()
     if outcome.row is not None:
         console.print(run_table(outcome.row, [("control over SUMO's step", _ratio(outcome.description))]))
     console.print(f"\nfiles: {outcome.folder}", soft_wrap=True)
-    step_s = float(outcome.description["step_s"])
-    if step_s > COARSE_STEP_S:
-        text = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
-        typer.echo(f"cosim: note: {text}", err=True)
-    _tell_mishaps(outcome.description)
+    for note in run_notes(outcome.description):
+        typer.echo(f"cosim: note: {note}", err=True)
     if outcome.invalid_reason:
         typer.echo(f"cosim: the run is invalid: {outcome.invalid_reason}", err=True)
         return 3
     return 0
-
-
-def _tell_mishaps(description: dict[str, Any]) -> None:
-    """Report in one line each what the coupling could not do."""
-    given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
-    if given_up:
-        text = f"{len(given_up)} egos left their path and were handed back to SUMO's driver: {given_up[0]}"
-        typer.echo(f"cosim: note: {text}{', …' if len(given_up) > 1 else ''}", err=True)
-    beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
-    if beside:
-        furthest = max(beside.values())
-        text = f"egos drive up to {furthest:.1f} m beside lanes with too tight bends: {next(iter(beside))}"
-        typer.echo(f"cosim: note: {text}{', …' if len(beside) > 1 else ''}", err=True)
-    if not_taken:
-        text = f"{len(not_taken)} cars of --ego-share stay with SUMO (route cannot be driven): {not_taken[0]}"
-        typer.echo(f"cosim: note: {text}{', …' if len(not_taken) > 1 else ''}", err=True)
 
 
 def _ratio(description: dict[str, Any]) -> str:
