@@ -18,6 +18,16 @@ from cosim.step.frames import front_of, rear_axle_of, wrapped
 SUBSTEP = 0.05
 """Longest sub-step [s]."""
 
+CAR_DRIVE = Drive(
+    drive_lag=0.3,
+    steering_lag=0.1,
+    max_acceleration=2.6,
+    max_deceleration=8.0,
+    max_steering=0.6,
+    max_steering_rate=0.6,
+)
+"""Actuators of the car that egos drive; its controller is told of them in ``EgoState.drive``."""
+
 _CAR = Body()
 
 

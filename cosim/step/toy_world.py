@@ -29,7 +29,7 @@ from cosim.sensing.eyesight import eyesight_of
 from cosim.sensing.interface import Scene, Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sensing.senses import Senses
-from cosim.step.plant import Plant
+from cosim.step.plant import CAR_DRIVE, Plant
 from cosim.step.toy_road import ReactingMotion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, gaps_among
 from cosim.step.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 
@@ -66,7 +66,7 @@ class ToyWorld:
     duration: float = 20.0
     step: float = 0.1
     body: Body = field(default_factory=Body)
-    drive: Drive = field(default_factory=Drive)
+    drive: Drive = CAR_DRIVE
     view: float = 100.0
     name: str = "ego"
     sensing: Sensing = field(default_factory=Perfect)

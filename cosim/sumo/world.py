@@ -13,7 +13,7 @@ from cosim.errors import InputError, SimulationError
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.step.frames import heading_of, rear_axle_of
-from cosim.step.plant import Plant, body_of
+from cosim.step.plant import CAR_DRIVE, Plant, body_of
 from cosim.step.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
@@ -66,7 +66,7 @@ class SumoWorld:
         scenario: Scenario,
         prepared: Prepared,
         seed: int,
-        drive: Drive | None = None,
+        drive: Drive = CAR_DRIVE,
         gui: bool = False,
         sensing: Sensing | None = None,
     ) -> None:
@@ -76,7 +76,7 @@ class SumoWorld:
         self._end = prepared.begin_s + scenario.duration_s
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
-        self._drive = Drive() if drive is None else drive
+        self._drive = drive
         self._egos: dict[str, DrivenEgo] = {}
         self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
         self._visited: set[tuple[int, int]] = set()

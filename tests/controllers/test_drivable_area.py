@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import Body, Decision, Drive, Perception, Plan
+from controllers.interface import Body, Decision, Perception, Plan
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.start import AtTime
@@ -18,7 +18,7 @@ from cosim.pedestrians.steady import Steady
 from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker as ScriptedWalker
 from cosim.step.loop import run
-from cosim.step.plant import Plant
+from cosim.step.plant import CAR_DRIVE, Plant
 from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
 from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
@@ -139,7 +139,7 @@ def test_with_pedestrians_and_traffic_on_several_lanes_nobody_is_touched() -> No
 
 
 def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
-    ego = Plant(Body(), Drive(), 0.0, 0.0, 0.0, 12.0)
+    ego = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 12.0)
     crowd = []
     for i in range(4):
         line = Line(45.0 + 10.0 * i, -3.0 - i, 45.0 + 10.0 * i, 40.0)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from controllers.interface import Body, Drive, constant_command
+from controllers.interface import Body, constant_command
 from cosim.pedestrians.behaviour import (
     RADIUS,
     Behaviour,
@@ -33,7 +33,7 @@ from cosim.pedestrians.steady import Steady
 from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
-from cosim.step.plant import Plant
+from cosim.step.plant import CAR_DRIVE, Plant
 from cosim.step.toy_road import ToyPedestrian, ToyRoad
 from cosim.step.toy_world import ToyWorld
 from tests.cosim.pedestrians.toy_walk import ToyWalk
@@ -295,7 +295,7 @@ def test_a_behaviour_walks_on_the_toy_road_and_meets_the_ego_as_planned() -> Non
     who = Walker(
         line, pace, Steady(), Impact(line, 0.25, Steady().legs(pace, line.length)), line.length, ego="ego"
     )
-    motion = ToyWalk(who, Plant(Body(), Drive(), 0.0, 0.0, 0.0, 10.0))
+    motion = ToyWalk(who, Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 10.0))
     world = ToyWorld(ToyRoad(), (ToyPedestrian("somebody", motion),), speed=10.0, duration=7.0)
     contact = None
     while (perceptions := world.sense()) is not None:

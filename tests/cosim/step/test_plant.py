@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from controllers.interface import Body, Command, Drive, constant_command
 from cosim.errors import SimulationError
-from cosim.step.plant import Plant, body_of
+from cosim.step.plant import CAR_DRIVE, Plant, body_of
 
 BODY = Body()
-DRIVE = Drive()
+DRIVE = CAR_DRIVE
 
 
 def plant(speed: float, drive: Drive = DRIVE, heading: float = 0.0) -> Plant:

@@ -11,7 +11,6 @@ from controllers.interface import (
     Body,
     Command,
     Decision,
-    Drive,
     EgoState,
     Lane,
     Manoeuvre,
@@ -26,6 +25,7 @@ from controllers.interface import (
     constant_command,
 )
 from cosim.errors import SimulationError
+from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import EgoTruth, FloatArray, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 
 NONE = np.zeros(0)
@@ -59,7 +59,19 @@ class TinyWorld:
 
     def perception(self, name: str) -> Perception:
         ego = EgoState(
-            name, self.time, self.x[name], 0.0, 0.0, 0.0, 0.0, self.speed[name], 0.0, 0.0, BODY, Drive(), 0.1
+            name,
+            self.time,
+            self.x[name],
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            self.speed[name],
+            0.0,
+            0.0,
+            BODY,
+            CAR_DRIVE,
+            0.1,
         )
         persons = Pedestrians(
             ("ped",),
