@@ -167,6 +167,19 @@ def test_files_that_a_text_names_exist(name: str) -> None:
         assert (ROOT / path).exists(), f"{name} names {path}, which does not exist"
 
 
+def test_the_table_of_where_to_change_what_names_paths_that_exist() -> None:
+    text = (
+        (ROOT / "CONTRIBUTING.md").read_text().partition("## Where to change what")[2].partition("\n## ")[0]
+    )
+    rows = [line.split("|")[2] for line in text.splitlines() if line.startswith("| ")][1:]
+    assert len(rows) == 10
+    for row in rows:
+        paths = re.findall(r"`([^`]+)`", row)
+        assert paths, f"a row without a path: {row}"
+        for path in paths:
+            assert (ROOT / path).exists(), f"CONTRIBUTING.md names {path}, which does not exist"
+
+
 def test_make_targets_that_the_texts_name_exist() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     for page in PAGES:

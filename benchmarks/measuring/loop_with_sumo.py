@@ -12,7 +12,7 @@ from time import perf_counter
 import libsumo
 
 from controllers.interface import Controller, Decision, Perception, Plan
-from cosim.recorder import Recorder
+from cosim.recording.recorder import Recorder
 from cosim.running.compose import compose
 from cosim.running.request import RunRequest
 from cosim.step import loop

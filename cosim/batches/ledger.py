@@ -20,7 +20,7 @@ from cosim.batches.identity import Identity, differences
 from cosim.batches.job import Job
 from cosim.batches.outcome import NOTE, RUN, Outcome
 from cosim.errors import InputError
-from cosim.recorder import write_json
+from cosim.recording.recorder import write_json
 
 STUDY = "study.toml"
 """Copy of the study file; marks the folder of a study."""

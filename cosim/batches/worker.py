@@ -107,7 +107,7 @@ def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
 
 
 def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
-    from cosim.recorder import write_json
+    from cosim.recording.recorder import write_json
     from cosim.running.execution import execute
     from cosim.running.simulation import TELEPORTED
 

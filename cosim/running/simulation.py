@@ -13,15 +13,15 @@ from typing import Any
 from pyarrow import ArrowInvalid
 
 from analysis.recording.columns import SCHEMA_VERSION
-from cosim.broadcast import Broadcast
 from cosim.errors import CosimError, InputError, SimulationError
-from cosim.parquet_sink import PART, recover
-from cosim.recorder import Recorder, write_json
 from cosim.recording import folders, provenance
+from cosim.recording.parquet_sink import PART, recover
+from cosim.recording.recorder import Recorder, write_json
 from cosim.running import compose
 from cosim.running.compose import Composition
 from cosim.running.request import RunRequest
 from cosim.step import loop
+from cosim.step.broadcast import Broadcast
 from cosim.step.drivers import Departures
 from cosim.step.loop import LoopTimes
 

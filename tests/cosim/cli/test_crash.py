@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from cosim.parquet_sink import ParquetSink, recover
+from cosim.recording.parquet_sink import ParquetSink, recover
 
 CRASHING = """
 import os, signal, sys

@@ -11,8 +11,8 @@ import pytest
 
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TIMING, RecordedColumn, RecordedTable
 from cosim.errors import SimulationError
-from cosim.parquet_sink import ParquetSink
-from cosim.recorder import Recorder
+from cosim.recording.parquet_sink import ParquetSink
+from cosim.recording.recorder import Recorder
 from cosim.step import loop
 from tests.cosim.step.tiny_world import BODY, SteadyDriver, TinyWorld, without_planning
 
@@ -37,7 +37,7 @@ def test_every_file_has_the_columns_that_the_analysis_expects(tmp_path: Path) ->
 def test_a_column_that_is_declared_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     front = RecordedColumn("front_m", "number", "m", "rear axle to front bumper", "truth.body.front")
     egos = RecordedTable(EGOS.name, EGOS.description, (*EGOS.columns, front), EGOS.key)
-    monkeypatch.setattr("cosim.recorder.EGOS", egos)
+    monkeypatch.setattr("cosim.recording.recorder.EGOS", egos)
     record(tmp_path, TinyWorld())
     assert set(pq.read_table(tmp_path / egos.file)["front_m"].to_pylist()) == {BODY.front}
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from controllers.interface import Decision, Perception, Plan, SignalState
-from cosim.recorder import Recorder
+from cosim.recording.recorder import Recorder
 from cosim.running.execution import execute
 from cosim.running.request import RunRequest
 from cosim.step.loop import ToWorld

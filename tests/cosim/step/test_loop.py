@@ -84,9 +84,8 @@ def test_a_command_that_is_not_a_number_ends_the_run() -> None:
 
 
 def test_importing_the_step_loads_no_simulator() -> None:
-    code = (
-        "import sys, cosim.step.loop, cosim.recorder; sys.exit(bool({'libsumo', 'traci'} & set(sys.modules)))"
-    )
+    code = "import sys, cosim.step.loop, cosim.recording.recorder; "
+    code += "sys.exit(bool({'libsumo', 'traci'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 import traci
 
 from controllers.interface import Decision, Perception, Plan
-from cosim.broadcast import Broadcast
 from cosim.running import compose
 from cosim.running.request import RunRequest
 from cosim.step import loop
+from cosim.step.broadcast import Broadcast
 from cosim.step.loop import ToWorld
 from cosim.step.world import Snapshot
 from cosim.sumo.window import VIEW, line_name

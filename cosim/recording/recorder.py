@@ -13,10 +13,10 @@ import numpy as np
 
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING
 from controllers.interface import Decision, Perception, Plan
-from cosim.rows import PlannedEgo, SteppedEgo, SteppedObjects
+from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects
+from cosim.recording.table_writer import TableWriter
 from cosim.step.loop import ToWorld
 from cosim.step.world import MapArea, Mishaps, Snapshot
-from cosim.table_writer import TableWriter
 
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from analysis.recording.columns import RecordedTable
-from cosim.parquet_sink import ROWS_PER_CHUNK, Column, ParquetSink
-from cosim.source_reader import SourceReader
+from cosim.recording.parquet_sink import ROWS_PER_CHUNK, Column, ParquetSink
+from cosim.recording.source_reader import SourceReader
 
 
 class TableWriter:
