@@ -64,7 +64,7 @@ $(VENV)/installed-zoo: $(VENV)/installed
 install: $(VENV)/installed
 
 demo: $(VENV)/installed-report
-	$(BIN)/python -m cosim.demo
+	$(BIN)/python -m cosim.cli.demo
 
 test: $(VENV)/installed-dev
 	$(BIN)/python -m pytest -q -n $(JOBS)

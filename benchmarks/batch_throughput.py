@@ -24,9 +24,9 @@ from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
 
-from cosim.batch.job import Configuration, Job
-from cosim.batch.pool import RUNS_PER_PROCESS, Pool
-from cosim.batch.worker import Handling
+from cosim.batches.job import Configuration, Job
+from cosim.batches.pool import RUNS_PER_PROCESS, Pool
+from cosim.batches.worker import Handling
 
 ROUNDS = 3
 RUNS = {1: 20, 2: 40}
@@ -47,8 +47,9 @@ MOST_MB_PER_100_RUNS = 1.0
 IN_TURN = """
 import sys
 from pathlib import Path
-from cosim.execution import execute
-from cosim.request import RunRequest, parse_settings
+from cosim.running.execution import execute
+from cosim.running.request import RunRequest, parse_settings
+from cosim.running.request import RunRequest
 
 out, first, step, last, scenario, controller, *texts = sys.argv[1:]
 settings = parse_settings(texts)

@@ -25,7 +25,7 @@ from measuring.control_parts import PARTS as CONTROL_PARTS
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, Drive, alone, drive
 from measuring.solvers import SOLVERS
 
-from cosim.request import RunRequest
+from cosim.running.request import RunRequest
 
 EGO = "car.0"
 HORIZON = 30

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from measuring.stopwatch import Stopwatch, watching
 
-from cosim.compose import compose
-from cosim.request import RunRequest
+from cosim.running.compose import compose
+from cosim.running.request import RunRequest
 from cosim.sensing import sight
 from cosim.sensing.senses import Senses
 

@@ -24,7 +24,7 @@ from measuring.command import options
 from measuring.loop_with_sumo import ACT, ADVANCE, CONTROL, RECORD, SENSE, SNAPSHOT, SUMO, drive
 from measuring.solvers import DEFAULT
 
-from cosim.request import RunRequest
+from cosim.running.request import RunRequest
 from cosim.sumo.egos import drawn
 
 VEHICLES, PERSONS = 400, 200

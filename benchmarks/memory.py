@@ -26,8 +26,8 @@ from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.solvers import DEFAULT
 
-from cosim.request import RunRequest
-from cosim.run import run
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from sumo_scenarios import library
 
 SCENARIO, CONTROLLER, SEED = "midblock_zebra", "vo_mpc", 1

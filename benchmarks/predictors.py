@@ -22,10 +22,10 @@ from analysis.markdown import table, write_below
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction import named
 from controllers.prediction.forecast import Predictor
-from cosim.compose import compose
-from cosim.loop import ToWorld, run
-from cosim.request import RunRequest
-from cosim.world import Snapshot
+from cosim.running.compose import compose
+from cosim.running.request import RunRequest
+from cosim.step.loop import ToWorld, run
+from cosim.step.world import Snapshot
 
 SCENARIOS = {
     "midblock_zebra": {"ego_count": "3", "duration_s": "180"},

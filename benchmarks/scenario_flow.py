@@ -14,7 +14,7 @@ from pathlib import Path
 import libsumo
 
 from cosim.errors import InputError
-from cosim.request import parse_settings
+from cosim.running.request import parse_settings
 from sumo_scenarios.library import ScenarioError, load, prepare, with_parameters
 
 HARD_BRAKING_MPS2 = 5.0

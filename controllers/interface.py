@@ -41,12 +41,12 @@ class Body:
 class Drive:
     """What the actuators can do: first-order lags [s] and limits [m/s^2, m/s^3, rad, rad/s]."""
 
-    drive_lag: float = 0.3
-    steering_lag: float = 0.1
-    max_acceleration: float = 2.6
-    max_deceleration: float = 8.0
-    max_steering: float = 0.6
-    max_steering_rate: float = 0.6
+    drive_lag: float
+    steering_lag: float
+    max_acceleration: float
+    max_deceleration: float
+    max_steering: float
+    max_steering_rate: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,15 +18,15 @@ WIDTH, HEIGHT = 1280, 860
 
 def main(study: Path, out: Path) -> int:
     """Write the report of a study, and ``report.png`` and ``replay.png`` of it."""
-    from cosim.commands.report import write
     from cosim.errors import CosimError
+    from cosim.presentation.page import write_page
 
     browser = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if browser is None:
         print(f"screenshots: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
         return 2
     try:
-        page, _ = write([study])
+        page, _ = write_page([study])
     except CosimError as error:
         print(f"screenshots: {error}", file=sys.stderr)
         return 2

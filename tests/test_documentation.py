@@ -19,8 +19,7 @@ from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
 from controllers.settings import call, model_of
-from cosim.cli import app
-from cosim.commands import (
+from cosim.cli import (
     analyse,
     batch,
     check,
@@ -32,8 +31,9 @@ from cosim.commands import (
     report,
     run,
 )
-from cosim.commands import inspect as inspect_command
-from cosim.request import parse_settings
+from cosim.cli import inspect as inspect_command
+from cosim.cli.command_line import app
+from cosim.running.request import parse_settings
 from cosim.sensing.catalog import PERFECT, build
 from cosim.sensing.chosen import split
 from sumo_scenarios import library
@@ -166,6 +166,19 @@ def test_files_that_a_text_names_exist(name: str) -> None:
     named = r"`((?:cosim|controllers|analysis|sumo_scenarios|studies|tests|benchmarks|docs)/[\w./-]+\.\w+)"
     for path in re.findall(named, (ROOT / name).read_text()):
         assert (ROOT / path).exists(), f"{name} names {path}, which does not exist"
+
+
+def test_the_table_of_where_to_change_what_names_paths_that_exist() -> None:
+    text = (
+        (ROOT / "CONTRIBUTING.md").read_text().partition("## Where to change what")[2].partition("\n## ")[0]
+    )
+    rows = [line.split("|")[2] for line in text.splitlines() if line.startswith("| ")][1:]
+    assert len(rows) == 10
+    for row in rows:
+        paths = re.findall(r"`([^`]+)`", row)
+        assert paths, f"a row without a path: {row}"
+        for path in paths:
+            assert (ROOT / path).exists(), f"CONTRIBUTING.md names {path}, which does not exist"
 
 
 def test_make_targets_that_the_texts_name_exist() -> None:

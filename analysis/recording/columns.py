@@ -1,9 +1,9 @@
 """Every column of a recorded run, once: written by ``cosim``, read by ``analysis``.
 
 Schema, writer, reader and the tables in ``docs/metrics.md`` follow from here, so a new column is one line.
-A column's ``source`` leads to the value from the row objects of ``cosim/rows.py``. Units are in the names;
-an undefined value is null. Times are simulated seconds. ``SCHEMA_VERSION`` changes whenever a column changes
-its name or meaning.
+A column's ``source`` leads to the value from the row objects of ``cosim/recording/rows.py``. Units are in the
+names; an undefined value is null. Times are simulated seconds. ``SCHEMA_VERSION`` changes whenever a column
+changes its name or meaning.
 """
 
 from __future__ import annotations

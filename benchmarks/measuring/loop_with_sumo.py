@@ -12,10 +12,10 @@ from time import perf_counter
 import libsumo
 
 from controllers.interface import Controller, Decision, Perception, Plan
-from cosim import loop
-from cosim.compose import compose
-from cosim.recorder import Recorder
-from cosim.request import RunRequest
+from cosim.recording.recorder import Recorder
+from cosim.running.compose import compose
+from cosim.running.request import RunRequest
+from cosim.step import loop
 from measuring.control_parts import Programs, observed
 from measuring.stopwatch import OTHER, Stopwatch, watching
 from sumo_scenarios import library

@@ -10,7 +10,8 @@ import numpy as np
 
 from controllers import catalog
 from controllers.interface import Controller, Perception
-from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from measuring.solvers import DEFAULT
 
 STEP = 0.1

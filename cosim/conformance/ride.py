@@ -9,12 +9,12 @@ from typing import Any, Protocol
 
 from cosim.conformance.stage import Rectangle, rectangle, separation
 from cosim.conformance.track import Pose
-from cosim.frames import degrees_of
-from cosim.sumo.actuation import Executed
+from cosim.step.frames import degrees_of
+from cosim.sumo.placement import Executed
 
 
 class Driver(Protocol):
-    """What makes a vehicle be at a pose; `cosim.sumo.actuation.Actuation`, or a worse way of doing it."""
+    """What makes a vehicle be at a pose; `cosim.sumo.placement.Placement`, or a worse way of doing it."""
 
     def take_over(self, name: str) -> None:
         """Begin to drive."""

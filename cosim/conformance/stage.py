@@ -16,7 +16,7 @@ from typing import Any
 
 from cosim.conformance.track import Pose
 from cosim.errors import SimulationError
-from cosim.frames import heading_of
+from cosim.step.frames import heading_of
 from cosim.sumo.connection import start
 
 OPTIONS = ("--time-to-teleport", "-1", "--no-step-log", "true", "--no-warnings", "true", "--seed", "1")

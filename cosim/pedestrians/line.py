@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.pedestrians.scene import RADIUS, STANDING, FloatArray, RoadUser
+from cosim.pedestrians.behaviour import RADIUS, STANDING, FloatArray, RoadUser
 
 LOOK_AHEAD = 3.0
 """Length of the walk ahead that a pedestrian announces [m]."""

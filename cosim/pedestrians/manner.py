@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from cosim.pedestrians.behaviour import Leg, RoadUser
 from cosim.pedestrians.line import Line
-from cosim.pedestrians.scene import Leg, RoadUser
 
 SHORTEST_RAMP = 1e-6
 """Over a shorter acceleration distance the speed is reached at once [m]."""

@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from cosim.pedestrians.behaviour import Behaviour, FloatArray, Leg
 from cosim.pedestrians.crossing_direction import CrossingDirection
 from cosim.pedestrians.hesitating import Hesitating
 from cosim.pedestrians.jaywalking import Roadside, Wish, jaywalk_line
@@ -18,10 +19,9 @@ from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Manner, Pace
 from cosim.pedestrians.recorded import Recorded
 from cosim.pedestrians.running import Running
-from cosim.pedestrians.scene import Behaviour, FloatArray, Leg
-from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime, EgoNear, Impact, Start, WhenClear, WhileSignal
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
 from sumo_scenarios.distribution import Distribution
@@ -184,7 +184,7 @@ class Population:
         behaviours: list[Behaviour] = list(walkers)
         if which.kind == "social_force":
             seeds = self._stream(table, instance, "unevenness").integers(2**31, size=size).tolist()
-            behaviours = [SocialForce(walker, seed) for walker, seed in zip(walkers, seeds, strict=True)]
+            behaviours = [Swerving(walker, seed) for walker, seed in zip(walkers, seeds, strict=True)]
         name = table.name if table.start.time_s is not None else f"{table.name}#{instance}"
         names = [name] if size == 1 else [f"{name}.{member}" for member in range(size)]
         return [Scripted(name, table.kind, one) for name, one in zip(names, behaviours, strict=True)]

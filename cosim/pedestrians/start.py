@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from cosim.pedestrians.behaviour import RADIUS, Leg, RoadUser, Scene, reached
 from cosim.pedestrians.line import Line
-from cosim.pedestrians.scene import RADIUS, Leg, RoadUser, Scene, reached
 
 
 class Start(Protocol):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cosim.pedestrians.behaviour import Leg
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.scene import Leg
 
 
 @dataclass(frozen=True, slots=True)

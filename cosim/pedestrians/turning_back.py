@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from cosim.pedestrians.behaviour import Leg, begun, travelled
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.scene import Leg, begun, travelled
 
 
 @dataclass(frozen=True, slots=True)

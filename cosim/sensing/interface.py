@@ -96,6 +96,25 @@ class Belief:
     """``State`` values."""
 
 
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """What one ego knew of the pedestrians near it when it planned last; arrays of length n."""
+
+    time: float
+    ego: str
+    names: tuple[str, ...]
+    told: BoolArray
+    """Whether the controller was told of this pedestrian."""
+    state: tuple[str, ...]
+    """State of the measurement: `State` in lower case."""
+    age: FloatArray
+    """Age of the measurement in use; nan if not told [s]."""
+    error: FloatArray
+    """Distance between estimated and true position; nan if not told [m]."""
+    uncertainty: FloatArray
+    """Estimated standard deviation of the position along either axis; nan if not told [m]."""
+
+
 class Sensor(Protocol):
     """What one ego senses with during one run; it remembers."""
 

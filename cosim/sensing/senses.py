@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.sensing.interface import Belief, Scene, Sensing, Sensor, Site, State
-from cosim.world import Sensed
+from cosim.sensing.interface import Belief, Scene, Sensed, Sensing, Sensor, Site, State
 
 _STATES = {int(state): state.name.lower() for state in State}
 

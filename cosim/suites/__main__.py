@@ -16,8 +16,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run it and return the exit code: 0 passed, 1 a preventable case failed, 2 bad input, 3 a bad run."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    from cosim import inventory
     from cosim.errors import InputError, SimulationError
+    from cosim.running import inventory
     from cosim.suites import judging
 
     parser = argparse.ArgumentParser(prog="python -m cosim.suites", description="Run test protocols.")

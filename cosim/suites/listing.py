@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.inventory import Entry
+from cosim.running.inventory import Entry
 from cosim.suites import judging
 from sumo_scenarios.suites.tables import read_suite
 

@@ -11,9 +11,9 @@ from analysis.errors import AnalysisError
 from analysis.files import read_json
 from analysis.protocols.table import Row, write
 from analysis.protocols.verdict import Verdict
-from cosim.batch.batch import BatchRequest, Result, prepared
-from cosim.batch.progress import shown_checks, shown_tally
-from cosim.batch.study import study_of
+from cosim.batches.batch import BatchRequest, Result, prepared
+from cosim.batches.progress import shown_checks, shown_tally
+from cosim.batches.study import study_of
 from cosim.suites.judging import Case, judge, settled
 
 RUN_TIMEOUT_S = 300.0

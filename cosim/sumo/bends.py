@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from analysis.polylines import arc_lengths
 from controllers.interface import Body, Drive
+from cosim.step.plant import CAR_DRIVE
 from cosim.sumo.arcs import Arcs, Pose, between
 from cosim.sumo.path import SPACING, Path, evenly
 
@@ -75,14 +76,14 @@ class Bend:
 def turning_of(body: Body, drive: Drive) -> Turning:
     """Return how tightly a vehicle turns.
 
-    >>> round(turning_of(Body(), Drive()).radius, 2)
+    >>> round(turning_of(Body(), CAR_DRIVE).radius, 2)
     3.8
     """
     radius = body.wheelbase / math.tan(drive.max_steering)
     return Turning(radius, body.front, body.wheelbase, drive.max_steering_rate)
 
 
-CAR = turning_of(Body(), Drive())
+CAR = turning_of(Body(), CAR_DRIVE)
 
 
 def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from controllers.interface import Command, constant_command
-from cosim.plant import Plant
-from cosim.sumo.actuation import Executed
+from cosim.step.plant import Plant
+from cosim.step.world import EgoTruth
+from cosim.sumo.placement import Executed
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
-from cosim.world import EgoTruth
 
 COAST = constant_command(0.0, 0.0)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analysis.polylines import arc_lengths, inside
 from cosim.pedestrians.jaywalking import Roadside
 from cosim.pedestrians.line import Line
-from cosim.sumo.lanes import LaneShape
+from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.network import NetLane, Network
 
 FloatArray = NDArray[np.float64]

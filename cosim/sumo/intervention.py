@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 
-from cosim.sumo.actuation import Actuation, Executed
+from cosim.sumo.placement import Executed, Placement
 
 POSITION_TOLERANCE = 0.02
 """SUMO differs from the plant by an intervention when it is further off than this [m]."""
@@ -25,24 +25,24 @@ class Cause(StrEnum):
 
 
 def cause_of(
-    actuation: Actuation, name: str, front: tuple[float, float], executed: Executed, in_bend: bool
+    placement: Placement, name: str, front: tuple[float, float], executed: Executed, in_bend: bool
 ) -> Cause | None:
     """Return why SUMO's state of a driven vehicle differs from the plant's; ``None`` if it does not.
 
     Parameters
     ----------
-    actuation : that drives it
+    placement : that drives it
     name : of the vehicle
     front : centre of the plant's front bumper [m]
     executed : where SUMO has it
     in_bend : whether it is in a bend tighter than it can turn
     """
     away = math.dist(front, (executed.x, executed.y)) > POSITION_TOLERANCE
-    faster = executed.speed - actuation.asked_speed(name)
-    astray = actuation.astray(name)
+    faster = executed.speed - placement.asked_speed(name)
+    astray = placement.astray(name)
     if not (astray or away or abs(faster) > SPEED_TOLERANCE):
         return None
-    off_lane = not executed.lane or (away and actuation.strayed(name) > 0.0)
+    off_lane = not executed.lane or (away and placement.strayed(name) > 0.0)
     if in_bend and (astray or off_lane):
         return Cause.TIGHT_BEND
     if astray:

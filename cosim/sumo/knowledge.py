@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Body, Eyesight
-from cosim.plant import Plant
 from cosim.sensing.eyesight import eyesight_of
-from cosim.sensing.interface import Scene, Sensing, Site
+from cosim.sensing.interface import Scene, Sensed, Sensing, Site
 from cosim.sensing.senses import Senses
+from cosim.step.plant import Plant
 from cosim.sumo.network import Network
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Persons, Surroundings
-from cosim.world import Sensed
 
 FloatArray = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.step.world import MapArea
 from cosim.sumo.network import Network
-from cosim.world import MapArea
 
 FloatArray = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind, PedestrianPhase
 from cosim.errors import InputError, SimulationError
+from cosim.pedestrians.behaviour import RoadUser, Scene, State
 from cosim.pedestrians.population import Population, Scripted
-from cosim.pedestrians.scene import RoadUser, Scene, State
-from cosim.plant import Plant
+from cosim.step.plant import Plant
 from cosim.sumo.ground import Ground, Spot
 from cosim.sumo.network import Network
 from cosim.sumo.surroundings import PERSON_RANGE, Persons, Surroundings

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import PedestrianPhase
-from cosim.frames import heading_of
+from cosim.step.frames import heading_of
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.frames import heading_of
-from cosim.pedestrians.scene import RoadUser, Way
+from cosim.pedestrians.behaviour import RoadUser, Way
+from cosim.step.frames import heading_of
 from cosim.sumo.egos import ROADLESS_CLASSES
 from cosim.sumo.network import Network
 from cosim.sumo.path import Path

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.frames import wrapped
-from cosim.plant import Plant
+from cosim.step.frames import wrapped
+from cosim.step.plant import Plant
 from cosim.sumo.lane_path import LanePath, PathCrossing, PathJunction, PathSignal
 from cosim.sumo.route import VIEW
 from cosim.sumo.track import Track

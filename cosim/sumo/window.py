@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from controllers.interface import Decision, Perception, Plan
-from cosim.loop import ToWorld
+from cosim.step.loop import ToWorld
+from cosim.step.world import Snapshot
 from cosim.sumo.connection import Connection
-from cosim.world import Snapshot
 
 Colour = tuple[int, int, int, int]
 

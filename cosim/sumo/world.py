@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from controllers.interface import Command, Drive, Perception
 from cosim.errors import InputError, SimulationError
-from cosim.frames import heading_of, rear_axle_of
-from cosim.plant import Plant, body_of
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
-from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.step.frames import heading_of, rear_axle_of
+from cosim.step.plant import CAR_DRIVE, Plant, body_of
+from cosim.step.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
@@ -23,6 +23,7 @@ from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
+from cosim.sumo.placement import Executed, Method, Placement
 from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
@@ -30,7 +31,6 @@ from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
-from cosim.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 
@@ -66,7 +66,7 @@ class SumoWorld:
         scenario: Scenario,
         prepared: Prepared,
         seed: int,
-        drive: Drive | None = None,
+        drive: Drive = CAR_DRIVE,
         gui: bool = False,
         sensing: Sensing | None = None,
     ) -> None:
@@ -76,7 +76,7 @@ class SumoWorld:
         self._end = prepared.begin_s + scenario.duration_s
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
-        self._drive = Drive() if drive is None else drive
+        self._drive = drive
         self._egos: dict[str, DrivenEgo] = {}
         self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
         self._visited: set[tuple[int, int]] = set()
@@ -99,7 +99,7 @@ class SumoWorld:
                 self._sources.check(self._sumo)
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
-            self._actuation = Actuation(self._sumo, self.step, Method(scenario.actuation))
+            self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
             self._scripted.join(self._sumo, self.step)
             self._knowledge = self._known_by(sensing or Perfect(), seed)
@@ -136,10 +136,10 @@ class SumoWorld:
             return
         with self._connection.reporting(f"changing the driver of {name} at {self._time:.2f} s"):
             if command.hand_back:
-                self._actuation.release(name)
+                self._placement.release(name)
             else:
                 self._scripted.forget_vehicle(name)
-                self._actuation.take_over(name)
+                self._placement.take_over(name)
         ego.handed_back = command.hand_back
 
     def advance(self) -> None:
@@ -153,9 +153,9 @@ class SumoWorld:
                     plant.follow(ego.command, ego.elapsed, self.step)
                     ego.track.update(*plant.front)
                     lane = ego.track.lane_in_bend()
-                    self._actuation.drive(ego.name, *plant.front, plant.heading, plant.speed, lane)
+                    self._placement.drive(ego.name, *plant.front, plant.heading, plant.speed, lane)
                     self._connection.pending = True
-                    if not self._actuation.strayed(ego.name) <= GIVEN_UP:
+                    if not self._placement.strayed(ego.name) <= GIVEN_UP:
                         self._give_up(ego)
                 ego.elapsed += self.step
             self._step()
@@ -200,7 +200,7 @@ class SumoWorld:
             self._teleports,
             self._knowledge.now,
             Mishaps(
-                self._actuation.routes_restored_of_all,
+                self._placement.routes_restored_of_all,
                 self._off_the_way,
                 tuple(self._given_up),
                 tuple(self._not_taken),
@@ -284,7 +284,7 @@ class SumoWorld:
             self._forget(name)
 
     def _forget(self, name: str) -> None:
-        self._actuation.forget(name)
+        self._placement.forget(name)
         self._knowledge.forget(name)
         del self._egos[name]
 
@@ -301,19 +301,19 @@ class SumoWorld:
             ego.travelled += speed * self.step
             ego.intervention = ""
         else:
-            ego.executed = self._actuation.executed(ego.name)
+            ego.executed = self._placement.executed(ego.name)
             bend = ego.track.bend(plant.body.front)
             ego.intervention = (
-                cause_of(self._actuation, ego.name, before, ego.executed, bend is not None) or ""
+                cause_of(self._placement, ego.name, before, ego.executed, bend is not None) or ""
             )
             if bend is not None:
                 self._tight_bends[bend.lane] = max(bend.off, self._tight_bends.get(bend.lane, 0.0))
-            astray = self._actuation.astray(ego.name)
+            astray = self._placement.astray(ego.name)
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
             if ego.astray_for > PATIENCE:
                 self._give_up(ego)
             else:
-                self._off_the_way += self._actuation.strayed(ego.name) > 0.0
+                self._off_the_way += self._placement.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         if ego.handed_back:
@@ -322,7 +322,7 @@ class SumoWorld:
 
     def _give_up(self, ego: DrivenEgo) -> None:
         """Let SUMO drive an ego that has left its way, from where it was last on it."""
-        self._actuation.release(ego.name)
+        self._placement.release(ego.name)
         ego.handed_back = ego.given_up = True
         self._given_up.append(ego.name)
 
@@ -381,7 +381,7 @@ class SumoWorld:
         track.update(seen.x, seen.y)
         track.number = 0
         let_go(self._sumo, name)
-        self._actuation.take_over(name)
+        self._placement.take_over(name)
         self._observer.follow(name)
         self._egos[name] = DrivenEgo(name, plant, track, seen, own_limit(self._sumo, name), plant.front)
         self._any_ego = True

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.pedestrians.scene import RADIUS, STANDING, RoadUser
+from cosim.pedestrians.behaviour import RADIUS, STANDING, RoadUser
 from cosim.sumo.traffic_near import Body, TrafficNear
 
 LOOK_AHEAD = 2.5

@@ -35,13 +35,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(papers: Sequence[str], out: Path | None) -> int:
     # After main has begun, so that the number of BLAS threads is set before NumPy is loaded.
-    from cosim import output
-    from cosim.commands import terminal
-    from cosim.commands.interruption import termination_interrupts
+    from cosim.cli import terminal
+    from cosim.cli.interruption import termination_interrupts
+    from cosim.recording import folders
     from studies.papers import catalog, execution, table
 
     chosen = catalog.chosen(papers)
-    folder = output.create_named(out, "papers")
+    folder = folders.create_named(out, "papers")
 
     def finished(one: catalog.Experiment, seconds: float) -> None:
         print(f"{one.paper} done after {seconds:.0f} s", file=sys.stderr)

@@ -20,8 +20,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from analysis.files import read_json
-from cosim.batch.identity import source_digest
-from cosim.output import DEFAULT_PARENT
+from cosim.batches.identity import source_digest
+from cosim.recording.folders import DEFAULT_PARENT
 from studies.zoo import page, results, tables, town
 from studies.zoo.bars import bars
 from studies.zoo.catalog import CONTROLLERS, EGO_SHARE, QUICK, Plan, all_recipes, chosen

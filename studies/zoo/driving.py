@@ -9,7 +9,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.batch.study import study_of, study_text
+from cosim.batches.study import study_of, study_text
 from studies.zoo import town
 from studies.zoo.catalog import Plan
 from studies.zoo.programs import ZooError

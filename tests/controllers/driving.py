@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from controllers.interface import Body, Controller, Drive, EgoState, FloatArray, Perception
-from cosim.plant import Plant
+from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import ego
 
 Scene = Callable[[EgoState, float], Perception]
@@ -23,7 +23,7 @@ def drive(
     limits: Drive | None = None,
 ) -> FloatArray:
     """Return time, travelled, across, speed and acceleration at the beginning of every 0.05 s."""
-    limits = limits or Drive()
+    limits = limits or CAR_DRIVE
     plant = Plant(Body(), limits, 0.0, 0.0, 0.0, speed)
     rows = []
     for step in range(round(duration / interval)):

@@ -26,6 +26,7 @@ from controllers.interface import (
     Vehicles,
     constant_command,
 )
+from cosim.step.plant import CAR_DRIVE
 
 LANE_WIDTH = 3.5
 VIEW = 150.0
@@ -73,7 +74,7 @@ def ego(
     """Return a default car."""
     return EgoState(
         "ego", time, 0.0, across, heading_error, across, heading_error, speed, acceleration, steering,
-        Body(), limits or Drive(), plan_interval,
+        Body(), limits or CAR_DRIVE, plan_interval,
     )  # fmt: skip
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from controllers.interface import Body, Drive, constant_command
+from controllers.interface import Body, constant_command
 from controllers.speed_plans.actuator_prediction import CommandHistory, predicted_state
-from cosim.plant import Plant
+from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import ego
 
 LAG = 0.4
-DRIVE = Drive(drive_lag=LAG)
+DRIVE = replace(CAR_DRIVE, drive_lag=LAG)
 
 
 @pytest.mark.parametrize("dead_time", [0.0, 0.3])
@@ -52,7 +54,7 @@ def test_a_delay_shorter_than_the_lag_is_the_lag() -> None:
 
 
 def test_ideal_actuators_need_no_prediction() -> None:
-    seen = ego(10.0, acceleration=1.0, limits=Drive(drive_lag=0.0))
+    seen = ego(10.0, acceleration=1.0, limits=replace(CAR_DRIVE, drive_lag=0.0))
     state = predicted_state(seen, 0.0, CommandHistory())
     assert (state.speed, state.ahead, state.delay) == (10.0, 0.0, 0.0)
 
@@ -60,7 +62,7 @@ def test_ideal_actuators_need_no_prediction() -> None:
 def test_a_stop_in_the_commands_under_way_ends_there() -> None:
     history = CommandHistory()
     history.add(0.0, np.zeros(1), np.array([-8.0]))
-    seen = ego(1.0, time=0.5, limits=Drive(drive_lag=0.0))
+    seen = ego(1.0, time=0.5, limits=replace(CAR_DRIVE, drive_lag=0.0))
     state = predicted_state(seen, 0.5, history)
     assert state.speed == 0.0
     assert state.ahead == pytest.approx(1.0 / 16.0)

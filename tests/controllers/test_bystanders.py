@@ -9,7 +9,7 @@ import pytest
 
 from controllers.conflicts.bystanders import FREE, NEAR, SLOW, Bystanders, bystanders, swing_out
 from controllers.interface import Body, Perception
-from cosim.toy_world import ToyRoad, walk
+from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, perception, straight_road
 from tests.controllers.toy_runs import Ride, ride
 

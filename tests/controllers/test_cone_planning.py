@@ -7,20 +7,21 @@ import pytest
 
 from controllers.conflicts.collision_cone import ConeSettings, Motion, Outline, Walkers, rows
 from controllers.conflicts.velocity_obstacle import Cone
-from controllers.interface import Body, Drive
+from controllers.interface import Body
 from controllers.mpc.cone_program import NEAR, ConeProgram
 from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import LateralProgram, SteeringTask, SteeringWeights
 from controllers.mpc.longitudinal import LongitudinalProgram, SpeedLimits, SpeedTask, SpeedWeights
 from controllers.optimisation.settings import SolverSettings
-from cosim.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.plant import CAR_DRIVE
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import ride
 
 N = 12
 DT = growing_grid(N, 0.1, 0.7)
 TIMES = np.cumsum(DT)
 FREE = np.full(N, np.inf)
-BODY, DRIVE = Body(), Drive()
+BODY, DRIVE = Body(), CAR_DRIVE
 ROAD = ToyRoad(crossings=(ToyCrossing(60.0),))
 SPEED = SpeedTask(10.0, 0.0, 0.0, np.full(N, 13.0), np.full(N, 10.0), FREE, -FREE, FREE, FREE)
 STEERING = SteeringTask(

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import Body, Decision, Drive, Perception, Plan
-from cosim.loop import run
+from controllers.interface import Body, Decision, Perception, Plan
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker as ScriptedWalker
-from cosim.plant import Plant
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.plant import CAR_DRIVE, Plant
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk
@@ -138,12 +139,12 @@ def test_with_pedestrians_and_traffic_on_several_lanes_nobody_is_touched() -> No
 
 
 def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
-    ego = Plant(Body(), Drive(), 0.0, 0.0, 0.0, 12.0)
+    ego = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 12.0)
     crowd = []
     for i in range(4):
         line = Line(45.0 + 10.0 * i, -3.0 - i, 45.0 + 10.0 * i, 40.0)
         walker = ScriptedWalker(line, Pace(1.25), Steady(), AtTime(0.0), line.length)
-        crowd.append(ToyWalk(SocialForce(walker, seed=i), ego))
+        crowd.append(ToyWalk(Swerving(walker, seed=i), ego))
     ride = _ride(NARROW, crowd, duration=14.0)
     assert ride.clearance() > 0.25
 

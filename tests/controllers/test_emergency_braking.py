@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,11 +11,12 @@ from hypothesis import strategies as st
 
 from controllers import catalog
 from controllers.driving.emergency_braking import stopping_distance
-from controllers.interface import Drive, EgoState, Perception
+from controllers.interface import EgoState, Perception
+from cosim.step.plant import CAR_DRIVE
 from tests.controllers.driving import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 
-IDEAL = Drive(drive_lag=0.0, steering_lag=0.0)
+IDEAL = replace(CAR_DRIVE, drive_lag=0.0, steering_lag=0.0)
 BOTH_SPEEDS = pytest.mark.parametrize(("kilometres_per_hour", "distance"), [(40.0, 10.08), (50.0, 15.07)])
 
 

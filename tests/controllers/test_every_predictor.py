@@ -14,8 +14,9 @@ from controllers import catalog
 from controllers.interface import FloatArray, Perception
 from controllers.prediction import named
 from controllers.prediction.forecast import Forecast, Predictor
-from cosim.loop import run
-from cosim.toy_world import Motion, ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.loop import run
+from cosim.step.toy_road import Motion, ToyPedestrian, ToyRoad
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import golden
 from tests.controllers.toy_runs import Ride
 

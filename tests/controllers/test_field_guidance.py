@@ -9,8 +9,8 @@ import pytest
 
 from controllers.field.field_guidance import Guidance, drive
 from controllers.field.potential_field import Field, standing
-from controllers.interface import Body, Command, Drive, RoadAhead
-from cosim.plant import Plant
+from controllers.interface import Body, Command, RoadAhead
+from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import bend, ego, straight_road
 
 ROAD = straight_road(2, 0)
@@ -35,14 +35,14 @@ def test_the_lateral_acceleration_and_the_wheel_stay_within_limits(speed: float,
     found = drive(sharp, 1, ego(speed, heading_error=heading), ROAD, np.full(61, speed), 0.05, guidance)
     bends = np.tan(found.angle[:, 0]) / Body().wheelbase
     assert np.abs(bends).max() * speed**2 <= 3.0 + 1e-9
-    assert np.abs(found.angle).max() <= Drive().max_steering
+    assert np.abs(found.angle).max() <= CAR_DRIVE.max_steering
 
 
 @pytest.mark.parametrize("speed", [6.0, 14.0, 25.0])
 def test_the_plant_goes_where_the_drive_says(speed: float) -> None:
     shape = replace(LANE, obstacles=PERSON)
     found = drive(shape, 1, ego(speed), ROAD, np.full(81, speed), 0.05)
-    plant = Plant(Body(), Drive(), 0.0, 0.0, 0.0, speed)
+    plant = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, speed)
     command = Command(found.times[:-1], np.zeros(80), found.angle[:, 0])
     plant.follow(command, 0.0, 4.0)
     assert plant.x == pytest.approx(found.along[-1, 0], abs=0.1)

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.driving import lane_keeping
-from controllers.interface import Body, Command, Drive, FloatArray, RoadAhead
-from cosim.plant import Plant
+from controllers.interface import Body, Command, FloatArray, RoadAhead
+from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import LANE_WIDTH, bend, ego, perception, straight_road
 
 RADIUS = 8.0
@@ -42,7 +42,7 @@ def _drive(
     road: RoadAhead, speed: float, target: float, interval: float, duration: float, place: Place = _straight
 ) -> FloatArray:
     """Return time, across and lateral acceleration at every 0.05 s of a drive at constant speed."""
-    plant = Plant(Body(), Drive(), 0.0, 0.0, 0.0, speed)
+    plant = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, speed)
     whole = np.pad(road.curvature, (0, 400))
     rows = []
     for step in range(round(duration / interval)):

@@ -22,7 +22,7 @@ from controllers.interface import (
 )
 from controllers.safety.last_check import SHIELDED, LastCheck
 from controllers.safety.rollout import braked, course, planned, poses
-from cosim.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
 

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from controllers.driving.lane_manoeuvre import minimum_jerk
-from controllers.interface import Body, Drive, FloatArray
+from controllers.interface import Body, FloatArray
 from controllers.mpc.horizon import growing_grid
 from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask, SteeringWeights
 from controllers.optimisation.settings import SolverSettings
+from cosim.step.plant import CAR_DRIVE
 
 N = 20
 DT = growing_grid(N, 0.1, 0.7)
 TIMES = np.cumsum(DT)
-BODY, DRIVE = Body(), Drive()
+BODY, DRIVE = Body(), CAR_DRIVE
 
 
 def _program(solver: str = "daqp") -> LateralProgram:

@@ -18,9 +18,10 @@ from controllers.conflicts.occlusion import RADIUS, HiddenPedestrian
 from controllers.driving import plane
 from controllers.interface import Body, Eyesight, FloatArray, Perception
 from controllers.mpc.speed_planning import with_margins
-from cosim.loop import run
 from cosim.sensing import catalog as sensing_catalog
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import Car, Walker, bend, perception, straight_road
 from tests.controllers.toy_runs import Ride
 

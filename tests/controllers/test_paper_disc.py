@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from controllers.interface import FloatArray
-from cosim.toy_world import ToyRoad, walk
+from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.toy_runs import Ride, ride
 
 SPEED = 10.0 / 3.6

@@ -11,17 +11,10 @@ import pytest
 from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
 from controllers.catalog import CatalogError
-from cosim.loop import run
 from cosim.pedestrians.crossing_direction import CrossingDirection
-from cosim.toy_world import (
-    Motion,
-    ToyCrossing,
-    ToyPedestrian,
-    ToyRoad,
-    ToyVehicle,
-    ToyWorld,
-    walk,
-)
+from cosim.step.loop import run
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.toy_runs import Ride
 
 ROAD = ToyRoad(lanes=2, lane_width=4.0, speed_limit=25.0)

@@ -8,15 +8,15 @@ import pytest
 
 from controllers import catalog
 from controllers.driving.right_of_way import RightOfWay
-from controllers.interface import Body, Drive, Signal, SignalState
-from cosim.plant import Plant
+from controllers.interface import Body, Signal, SignalState
+from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import FRONT, ego, perception
 
 
 def _drive(speed: float, distance: float) -> tuple[float, float]:
     """Return how far beyond the line the front bumper is after 6 s of red [m], and the speed [m/s]."""
     controller = catalog.build("vo_mpc")
-    plant, line = Plant(Body(), Drive(), 0.0, 0.0, 0.0, speed), FRONT + distance
+    plant, line = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, speed), FRONT + distance
     for step in range(60):
         state = ego(plant.speed, time=0.1 * step, acceleration=plant.acceleration, steering=plant.steering)
         seen = perception(state, signals=[Signal("tl", line - plant.x, SignalState.RED)])

@@ -9,7 +9,8 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import FloatArray, Perception
-from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 
 
 def _approach(people: int, speed: float) -> list[Perception]:

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import CrossingKind, Drive, EgoState, Perception, Signal, SignalState
+from controllers.interface import CrossingKind, EgoState, Perception, Signal, SignalState
 from controllers.prediction import named
 from controllers.speed_plans.intermediate_speed import safe_distance
 from controllers.speed_plans.trapezoid_profile import PlanningLimits
-from cosim.loop import run
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.plant import CAR_DRIVE
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.driving import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride
@@ -29,7 +31,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "periodic": {"replanning": "periodic", "period_s": 0.5},
     "measured": {"plan_from": "measured"},
 }
-IDEAL = Drive(drive_lag=0.0, steering_lag=0.0)
+IDEAL = replace(CAR_DRIVE, drive_lag=0.0, steering_lag=0.0)
 
 
 def _ride(

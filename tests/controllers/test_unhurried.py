@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from cosim.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import Ride, ride
 
 

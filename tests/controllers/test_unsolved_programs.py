@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from cosim.loop import run
-from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyWorld, walk
+from cosim.step.loop import run
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.faulty_solvers import FAULTS, Answer, installed
 from tests.controllers.toy_runs import Ride
 

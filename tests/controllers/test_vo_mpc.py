@@ -12,7 +12,7 @@ from controllers import catalog
 from controllers.driving.decision_rules import Rule
 from controllers.interface import Manoeuvre, Plan, Solves
 from controllers.mpc.driver import VelocityObstacleMpc
-from cosim.toy_world import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.faulty_solvers import fails, installed
 from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride

@@ -13,7 +13,7 @@ from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
 from controllers.safety.way_out import INCHING, PATIENCE, SPEED
-from cosim.toy_world import ToyRoad, walk
+from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road
 from tests.controllers.toy_runs import ride
 

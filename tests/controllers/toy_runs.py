@@ -12,9 +12,10 @@ from shapely.geometry import Point, Polygon, box
 
 from controllers import catalog
 from controllers.interface import Decision, FloatArray, Perception, Plan
-from cosim.loop import ToWorld, run
-from cosim.toy_world import Motion, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld, run
+from cosim.step.toy_road import Motion, ToyPedestrian, ToyRoad, ToyVehicle
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 
 
 @dataclass(slots=True)

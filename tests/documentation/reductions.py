@@ -15,7 +15,7 @@ from pathlib import Path
 
 import sumo
 
-from cosim.batch.study import study_of, study_text
+from cosim.batches.study import study_of, study_text
 from cosim.cli import main
 from tests.cosim.inspection import towns
 from tests.documentation.command_blocks import ROOT, fences

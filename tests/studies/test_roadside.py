@@ -8,8 +8,8 @@ import pytest
 
 from analysis.errors import StudyError
 from analysis.study.runs import find_run_folders, read_runs
-from cosim.batch.matrix import build_matrix
-from cosim.batch.study import read_study
+from cosim.batches.matrix import build_matrix
+from cosim.batches.study import read_study
 from studies.roadside.cells import against, cells
 from studies.roadside.page import write_page
 from tests.analysis.study.study_folders import write_study_run

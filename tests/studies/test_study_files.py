@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from cosim.batch.matrix import build_matrix
-from cosim.batch.study import read_study
+from cosim.batches.matrix import build_matrix
+from cosim.batches.study import read_study
 
 UNPUBLISHED = ("golden", "screenshots")
 """Studies whose numbers nobody is to read."""

@@ -17,9 +17,9 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Moved
 from cosim.conformance.stage import COLLISION_OPTIONS, OPTIONS, pose_of, sumo_home
 from cosim.conformance.track import Pose
-from cosim.sumo.actuation import Actuation, Executed
 from cosim.sumo.connection import start
 from cosim.sumo.lanes import Lanes
+from cosim.sumo.placement import Executed, Placement
 
 STEP = 0.05
 STEPS = 1200
@@ -46,7 +46,7 @@ class NativeEverywhere:
         self._sumo = sumo
         self._step = step
         self._lanes = Lanes(sumo)
-        self._parameters = Actuation(sumo, step)
+        self._parameters = Placement(sumo, step)
 
     def take_over(self, name: str) -> None:
         """Begin to drive."""
@@ -170,7 +170,7 @@ CASES = (
         key="braunschweig",
         name="Hybrid is exact on the lanes of a real intersection and keeps lane and route",
         shows="bends, signals, many short lanes, traffic of all kinds, several egos at once",
-        claim=lambda: _city(lambda sumo: Actuation(sumo, STEP)),
+        claim=lambda: _city(lambda sumo: Placement(sumo, STEP)),
         control=lambda: _city(lambda sumo: NativeEverywhere(sumo, STEP)),
         expected="error <= 0.02 m, lane mismatch <= 0.2 % of steps, every remaining route kept",
         control_expected="driven natively in junctions too: error above 0.1 m",

@@ -7,8 +7,8 @@ from typing import Any
 from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Moved
 from cosim.conformance.stage import pose_of, scene, wait_for
-from cosim.frames import degrees_of
-from cosim.sumo.actuation import Actuation
+from cosim.step.frames import degrees_of
+from cosim.sumo.placement import Placement
 
 STEP = 0.1
 BEFORE_BEND = 170.0
@@ -33,7 +33,7 @@ def _straight_on(driver: str) -> Values:
     """Drive straight on where the way turns right, as a car that is too fast for its bend."""
     with scene("junction", _traffic("wx xs", BEFORE_BEND), step=STEP) as sumo:
         wait_for(sumo, "ego")
-        chosen: Driver = _Hinted(sumo) if driver == "hinted" else Actuation(sumo, STEP)
+        chosen: Driver = _Hinted(sumo) if driver == "hinted" else Placement(sumo, STEP)
         chosen.take_over("ego")
         begin = pose_of(sumo, "ego")
         lost = nowhere = 0
@@ -50,7 +50,7 @@ def _rerouted(driver: str) -> Values:
     """Give the ego another route once, as a rerouter of the configuration would."""
     with scene("junction", _traffic("wx xe", 100.0), step=STEP) as sumo:
         wait_for(sumo, "ego")
-        chosen: Driver = Moved(sumo, hint=("wx", 1)) if driver == "moved" else Actuation(sumo, STEP)
+        chosen: Driver = Moved(sumo, hint=("wx", 1)) if driver == "moved" else Placement(sumo, STEP)
         chosen.take_over("ego")
         begin = pose_of(sumo, "ego")
         sumo.vehicle.setRoute("ego", ["wx", "xs"])
@@ -78,7 +78,7 @@ CASES = (
         key="off_the_bend",
         name="An ego that cannot follow its bend keeps its lane and its route in SUMO",
         shows="beside its path SUMO takes it for a car on another path, changes its route, and may crash",
-        claim=lambda: _straight_on("actuation"),
+        claim=lambda: _straight_on("placement"),
         control=lambda: _straight_on("hinted"),
         expected="straight on at a right turn: always on a lane, never another route",
         control_expected="moved to its true position: another route, or on no lane",
@@ -91,7 +91,7 @@ CASES = (
         key="route_changed",
         name="A route changed by another program is set again at once",
         shows="an ego without its route drives against the traffic, without any message",
-        claim=lambda: _rerouted("actuation"),
+        claim=lambda: _rerouted("placement"),
         control=lambda: _rerouted("moved"),
         expected="no step ends with another route",
         control_expected="only moved: it keeps the other route",

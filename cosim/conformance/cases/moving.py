@@ -8,7 +8,7 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Moved, ride
 from cosim.conformance.stage import pose_of, scene, wait_for
 from cosim.conformance.track import Pose, Shift, Track
-from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.sumo.placement import Executed, Method, Placement
 
 STEP = 0.1
 
@@ -22,7 +22,7 @@ def _drive_through(driver: str) -> Values:
         poses, lanes = _recorded(edges, lane)
         with scene("junction", _traffic(edges, lane), step=STEP) as sumo:
             wait_for(sumo, "ego")
-            chosen: Driver = Moved(sumo) if driver == "no hint" else Actuation(sumo, STEP, Method.MOVE)
+            chosen: Driver = Moved(sumo) if driver == "no hint" else Placement(sumo, STEP, Method.MOVE)
             chosen.take_over("ego")
             for pose, expected in zip(poses, lanes, strict=True):
                 chosen.drive("ego", *pose)

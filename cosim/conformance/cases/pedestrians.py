@@ -10,7 +10,7 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Moved, Native, ride
 from cosim.conformance.stage import pose_of, scene, separation, wait_for
 from cosim.conformance.track import Pose, Shift, Track
-from cosim.sumo.actuation import Actuation, Executed, Method
+from cosim.sumo.placement import Executed, Method, Placement
 
 STEP = 0.1
 LANE_END = 298.0
@@ -56,9 +56,9 @@ def driver_of(sumo: Any, way: str) -> Driver:
     """Return the driver of that name, one of those that the cases compare."""
     match way:
         case "hybrid":
-            return Actuation(sumo, STEP)
+            return Placement(sumo, STEP)
         case "move":
-            return Actuation(sumo, STEP, Method.MOVE)
+            return Placement(sumo, STEP, Method.MOVE)
         case "native":
             return Native(sumo, STEP, agile=True)
         case _:

@@ -10,7 +10,7 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Native, ride
 from cosim.conformance.stage import pose_of, scene, wait_for
 from cosim.conformance.track import Shift, Track
-from cosim.sumo.actuation import Actuation, Method
+from cosim.sumo.placement import Method, Placement
 
 STEP = 0.1
 
@@ -41,7 +41,7 @@ def _collisions(defaults: bool) -> Values:
             sumo.vehicle.setSpeedMode("other", 32)
             sumo.vehicle.setLaneChangeMode("other", 0)
             begin = pose_of(sumo, "ego")
-            driver = Actuation(sumo, STEP, Method.MOVE)
+            driver = Placement(sumo, STEP, Method.MOVE)
             seen = ride(sumo, driver, Track(begin.x, begin.y, 10.0).at, 14.0, ["other"])
             values[f"{name}_overlap_steps"] = seen.overlaps
             values[f"{name}_reported"] = seen.reported
@@ -95,7 +95,7 @@ def _outputs(way: str) -> dict[str, str]:
             track = Track(begin.x, begin.y, 10.0, (Shift(16.0, 3.0, 3.5),))
             driver: Driver = Native(sumo, STEP, agile=True)
             if way != "native":
-                driver = Actuation(sumo, STEP, Method(way))
+                driver = Placement(sumo, STEP, Method(way))
             driver.take_over("ego")
             number = 0
             while sumo.simulation.getTime() < 110.0:

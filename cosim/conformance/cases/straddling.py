@@ -10,8 +10,8 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import ride
 from cosim.conformance.stage import pose_of, scene, wait_for
 from cosim.conformance.track import Shift, Track
-from cosim.sumo.actuation import DITHER, Actuation, Method
-from cosim.sumo.lanes import LaneShape
+from cosim.sumo.lane_shape import LaneShape
+from cosim.sumo.placement import DITHER, Method, Placement
 
 STEP = 0.1
 
@@ -37,7 +37,7 @@ class Meeting:
     dither: float = DITHER
 
 
-class Hesitant(Actuation):
+class Hesitant(Placement):
     """Hybrid that moves the ego in some steps where it need not."""
 
     def __init__(self, sumo: Any, meeting: Meeting) -> None:
@@ -67,7 +67,7 @@ def _meet(meeting: Meeting, method: Method) -> Values:
         sumo.vehicle.setLaneChangeMode("neighbour", 0)
         begin = pose_of(sumo, "ego")
         track = Track(begin.x, begin.y, begin.speed, meeting.shifts, meeting.brakes_at)
-        driver = Hesitant(sumo, meeting) if method is Method.HYBRID else Actuation(sumo, STEP, method)
+        driver = Hesitant(sumo, meeting) if method is Method.HYBRID else Placement(sumo, STEP, method)
         seen = ride(sumo, driver, track.at, meeting.duration, ["neighbour"])
     return {
         "clearance_m": seen.clearance,

@@ -6,7 +6,7 @@ from cosim.conformance.case import Case, Values
 from cosim.conformance.ride import Driver, Native, ride
 from cosim.conformance.stage import pose_of, scene, wait_for
 from cosim.conformance.track import Shift, Track
-from cosim.sumo.actuation import Actuation
+from cosim.sumo.placement import Placement
 
 STEP = 0.1
 CHANGE_3_S = (Shift(1.0, 3.0, 3.5),)
@@ -24,7 +24,7 @@ def _error(way: str, speed: float, shifts: tuple[Shift, ...], lane: int) -> floa
         wait_for(sumo, "ego")
         begin = pose_of(sumo, "ego")
         driver: Driver = (
-            Actuation(sumo, STEP) if way == "hybrid" else Native(sumo, STEP, agile=way == "agile native")
+            Placement(sumo, STEP) if way == "hybrid" else Native(sumo, STEP, agile=way == "agile native")
         )
         return ride(sumo, driver, Track(begin.x, begin.y, speed, shifts).at, 12.0).error
 

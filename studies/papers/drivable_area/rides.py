@@ -9,9 +9,10 @@ import numpy as np
 from controllers import catalog
 from controllers.drivable_area.clearances import Shape
 from controllers.interface import Body, Decision, FloatArray, Perception, Plan
-from cosim.loop import ToWorld, run
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld, run
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 from studies.papers.claim import Claim, observed
 from studies.papers.drivable_area.scenes import (
     DEAD_TIME,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,15 @@ from controllers.interface import (
 )
 from controllers.speed_plans.jerk_limit import Planner
 from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
-from cosim.loop import ToWorld
-from cosim.loop import run as run_loop
-from cosim.toy_world import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld
+from cosim.step.loop import run as run_loop
+from cosim.step.plant import CAR_DRIVE
+from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 
+IDEAL = replace(CAR_DRIVE, drive_lag=0.0)
+"""Actuators that obey at once."""
 SAMPLE = 0.01
 """How finely a drive is recorded [s]."""
 STEP = 0.1
@@ -242,7 +246,7 @@ def driven(
         speed=speed,
         duration=duration,
         step=STEP,
-        drive=drive or Drive(drive_lag=0.0),
+        drive=drive or IDEAL,
         dead_time=dead_time,
     )
     plans = _Plans()
@@ -265,7 +269,7 @@ def past_pedestrian(controller: str, parameters: Mapping[str, Any]) -> Driven:
         speed=12.0,
         duration=25.0,
         step=STEP,
-        drive=Drive(drive_lag=0.0),
+        drive=IDEAL,
     )
     plans = _Plans()
     run_loop(road, {"ego": catalog.build(controller, **parameters)}, plans)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,11 @@ from typing import Any
 from controllers.interface import Drive
 from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
 from controllers.speed_plans.trapezoid_profile import plan_trapezoid
+from cosim.step.plant import CAR_DRIVE
 from studies.papers.claim import Claim, compared, observed
 from studies.papers.intermediate_speed import figures as drawings
 from studies.papers.intermediate_speed.drives import (
+    IDEAL,
     Driven,
     Parameters,
     driven,
@@ -100,18 +102,18 @@ def _pair(controller: str, parameters: Mapping[str, Any], drive: Drive, dead_tim
 
 def classic_drives() -> Pair:
     """Return the drives of the classic planner with ideal actuators."""
-    return _pair("trapezoid", Parameters().of_controller(0.0), Drive(drive_lag=0.0), 0.0)
+    return _pair("trapezoid", Parameters().of_controller(0.0), IDEAL, 0.0)
 
 
 def new_drives() -> Pair:
     """Return the drives of the new planner with ideal actuators."""
-    return _pair("intermediate_speed", Parameters().of_controller(0.0), Drive(drive_lag=0.0), 0.0)
+    return _pair("intermediate_speed", Parameters().of_controller(0.0), IDEAL, 0.0)
 
 
 def smooth_drives() -> Pair:
     """Return the drives of the new planner with a jerk of at most 1 m/s³ and ideal actuators."""
     parameters = {**Parameters().of_controller(0.0), "jerk_mps3": 1.0}
-    return _pair("intermediate_speed", parameters, Drive(drive_lag=0.0), 0.0)
+    return _pair("intermediate_speed", parameters, IDEAL, 0.0)
 
 
 def delayed_drives() -> Delayed:
@@ -123,7 +125,10 @@ def delayed_drives() -> Delayed:
     )
     shared = Parameters().of_controller(DEAD_TIME + LAG)
     return Delayed(
-        *(_pair("intermediate_speed", {**shared, **way}, Drive(drive_lag=LAG), DEAD_TIME) for way in ways)
+        *(
+            _pair("intermediate_speed", {**shared, **way}, replace(CAR_DRIVE, drive_lag=LAG), DEAD_TIME)
+            for way in ways
+        )
     )
 
 

@@ -28,10 +28,11 @@ from controllers.field.potential_field import (
 )
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction.direction_choice import WALKING_SPEED, velocity
-from cosim.loop import ToWorld, run
-from cosim.plant import body_of
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld, run
+from cosim.step.plant import body_of
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 
 GRAVITY = 9.80665
 SPEED = 25.0

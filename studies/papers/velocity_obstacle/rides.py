@@ -9,10 +9,11 @@ import numpy as np
 
 from controllers import catalog
 from controllers.interface import Decision, FloatArray, Perception, Plan
-from cosim.loop import ToWorld
-from cosim.loop import run as run_loop
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld, walk
-from cosim.world import Snapshot
+from cosim.step.loop import ToWorld
+from cosim.step.loop import run as run_loop
+from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 from studies.papers.velocity_obstacle.scenes import LISTED_AT_ONE, START_SPEED, Scene
 
 TOP_SPEED = 15.0

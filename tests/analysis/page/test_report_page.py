@@ -15,7 +15,7 @@ from analysis.page.report import Written, write_report
 from analysis.results.measures import Measure
 from analysis.tables.cells import cells
 from cosim.cli import main
-from cosim.comparison import sentence
+from cosim.presentation.wording import sentence
 from tests.analysis.page.markup import Markup
 from tests.analysis.study.study_folders import write_study_run
 

@@ -10,17 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from controllers import catalog
-from controllers.interface import Body, Drive, FloatArray
-from cosim.loop import run
+from controllers.interface import Body, FloatArray
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
-from cosim.pedestrians.social_force import SocialForce
 from cosim.pedestrians.start import AtTime
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
-from cosim.plant import Plant
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.loop import run
+from cosim.step.plant import CAR_DRIVE, Plant
+from cosim.step.toy_road import ToyPedestrian, ToyRoad
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.toy_runs import Ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 
@@ -89,7 +90,7 @@ def test_nobody_is_pushed_faster_than_people_run() -> None:
 def test_in_the_loop_a_walker_keeps_off_a_car_that_goes_past() -> None:
     line = Line(31.0, -4.0, 31.0, 40.0)
     walker = Walker(line, Pace(1.25), Steady(), AtTime(0.0), line.length)
-    motion = ToyWalk(SocialForce(walker, seed=3), Plant(Body(), Drive(), 0.0, 0.0, 0.0, 13.0))
+    motion = ToyWalk(Swerving(walker, seed=3), Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 13.0))
     world = ToyWorld(ToyRoad(lane_width=3.5), [ToyPedestrian("walker", motion)], speed=13.0, duration=4.0)
     ride = Ride()
     run(world, {"ego": catalog.build("constant_speed")}, ride)

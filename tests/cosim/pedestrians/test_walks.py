@@ -10,13 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from controllers.interface import Body, Drive, constant_command
-from cosim.pedestrians.hesitating import Hesitating
-from cosim.pedestrians.line import Line
-from cosim.pedestrians.manner import Manner, Pace
-from cosim.pedestrians.recorded import Recorded
-from cosim.pedestrians.running import Running
-from cosim.pedestrians.scene import (
+from controllers.interface import Body, constant_command
+from cosim.pedestrians.behaviour import (
     RADIUS,
     Behaviour,
     FloatArray,
@@ -28,13 +23,19 @@ from cosim.pedestrians.scene import (
     reached,
     travelled,
 )
-from cosim.pedestrians.social_force import SocialForce
+from cosim.pedestrians.hesitating import Hesitating
+from cosim.pedestrians.line import Line
+from cosim.pedestrians.manner import Manner, Pace
+from cosim.pedestrians.recorded import Recorded
+from cosim.pedestrians.running import Running
 from cosim.pedestrians.start import AtTime, EgoNear, Impact, Start, WhenClear, WhileSignal
 from cosim.pedestrians.steady import Steady
+from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.turning_back import TurningBack
 from cosim.pedestrians.walker import Walker
-from cosim.plant import Plant
-from cosim.toy_world import ToyPedestrian, ToyRoad, ToyWorld
+from cosim.step.plant import CAR_DRIVE, Plant
+from cosim.step.toy_road import ToyPedestrian, ToyRoad
+from cosim.step.toy_world import ToyWorld
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 ACROSS = Line(50.0, -4.0, 50.0, 4.0)
@@ -258,7 +259,7 @@ def test_a_recording_is_replayed_linearly_and_to_the_millimetre() -> None:
 
 @pytest.mark.parametrize("step", [0.05, 0.1])
 def test_the_social_force_pushes_a_walker_away_from_a_car_that_stands_beside_him(step: float) -> None:
-    who = SocialForce(walker(start=AtTime(0.0), speed=1.25), seed=3)
+    who = Swerving(walker(start=AtTime(0.0), speed=1.25), seed=3)
     beside = RoadUser("car", 49.0, 0.0, 0.0, 0.0)
 
     def ends(vehicles: tuple[RoadUser, ...]) -> list[State]:
@@ -276,7 +277,7 @@ def test_the_social_force_pushes_a_walker_away_from_a_car_that_stands_beside_him
     assert pushed[-1].y > 3.5
     # The same seed gives the same unevenness; another one another.
     assert ends(()) == free
-    assert [s.y for s in states_of(SocialForce(who.walker, seed=4), step)] != [s.y for s in free][: len(free)]
+    assert [s.y for s in states_of(Swerving(who.walker, seed=4), step)] != [s.y for s in free][: len(free)]
 
 
 def states_of(behaviour: Behaviour, step: float) -> list[State]:
@@ -294,7 +295,7 @@ def test_a_behaviour_walks_on_the_toy_road_and_meets_the_ego_as_planned() -> Non
     who = Walker(
         line, pace, Steady(), Impact(line, 0.25, Steady().legs(pace, line.length)), line.length, ego="ego"
     )
-    motion = ToyWalk(who, Plant(Body(), Drive(), 0.0, 0.0, 0.0, 10.0))
+    motion = ToyWalk(who, Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 10.0))
     world = ToyWorld(ToyRoad(), (ToyPedestrian("somebody", motion),), speed=10.0, duration=7.0)
     contact = None
     while (perceptions := world.sense()) is not None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cosim.pedestrians.scene import Behaviour, RoadUser, Scene, State
-from cosim.plant import Plant
+from cosim.pedestrians.behaviour import Behaviour, RoadUser, Scene, State
+from cosim.step.plant import Plant
 
 ELSEWHERE = (0.0, 1e4, 0.0, 0.0)
 """Where somebody is who is not there [m]: the toy road keeps everybody for the whole run."""

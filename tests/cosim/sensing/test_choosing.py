@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from cosim.batch.matrix import Matrix, build_matrix
-from cosim.batch.study import read_study
+from cosim.batches.matrix import Matrix, build_matrix
+from cosim.batches.study import read_study
 from cosim.cli import main
-from cosim.compose import inputs_of
 from cosim.errors import InputError
-from cosim.request import RunRequest
+from cosim.running.compose import inputs_of
+from cosim.running.request import RunRequest
 from cosim.sensing import catalog, chosen
-from tests.cosim.batch.studies import write_study
+from tests.cosim.batches.studies import write_study
 
 TABLE = {"model": "onboard", "range_m": 30.0, "latency_ms": 200.0}
 

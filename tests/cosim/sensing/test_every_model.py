@@ -9,12 +9,13 @@ import pytest
 
 from controllers import catalog as controllers
 from controllers.interface import CrossingKind, Decision, Perception, Plan
-from cosim import loop
-from cosim.loop import ToWorld
 from cosim.sensing import catalog
-from cosim.sensing.interface import Belief, Scene, State
-from cosim.toy_world import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, ToyWorld, walk
-from cosim.world import Sensed, Snapshot
+from cosim.sensing.interface import Belief, Scene, Sensed, State
+from cosim.step import loop
+from cosim.step.loop import ToWorld
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
+from cosim.step.world import Snapshot
 from tests.cosim.sensing.scenes import SITE, Walker, exactly, scene
 
 every_model = pytest.mark.parametrize("model", catalog.names())

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from cosim.batch.batch import BatchRequest, prepared
-from cosim.batch.matrix import build_matrix
-from cosim.batch.shipping import bundles
-from cosim.batch.study import study_of
-from cosim.compose import inputs_of
+from cosim.batches.batch import BatchRequest, prepared
+from cosim.batches.matrix import build_matrix
+from cosim.batches.shipping import bundles
+from cosim.batches.study import study_of
 from cosim.errors import InputError
-from cosim.request import RunRequest
+from cosim.running.compose import inputs_of
+from cosim.running.request import RunRequest
 from cosim.suites import judging
 from cosim.suites.running import run_cases
 from sumo_scenarios.suites import build

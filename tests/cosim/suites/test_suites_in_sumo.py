@@ -9,8 +9,8 @@ import pytest
 
 from analysis.protocols.impact import Impact, Measured, measure
 from analysis.recording.reading import RecordedRun, read_run
-from cosim.request import RunRequest
-from cosim.run import run
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from cosim.suites import judging
 from cosim.suites.judging import Case, cases, judge, names
 from sumo_scenarios.suites.build import place_of, walking_time

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from analysis.protocols.impact import Measured, measure
-from cosim.request import RunRequest
-from cosim.run import run
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 
 pytestmark = [pytest.mark.sumo, pytest.mark.slow]
 

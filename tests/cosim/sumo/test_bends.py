@@ -1,6 +1,7 @@
 """Bends tighter than a car can drive."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.polylines import arc_lengths
-from controllers.interface import Body, Drive
-from cosim.plant import body_of
+from controllers.interface import Body
+from cosim.step.plant import CAR_DRIVE, body_of
 from cosim.sumo.bends import CAR, RESERVE, highest_speed, turning_of, widened
 from cosim.sumo.path import Path
 
@@ -104,7 +105,7 @@ def test_two_bends_are_each_drawn_anew(apart: float) -> None:
 
 
 def test_a_long_vehicle_needs_more_room_than_a_car() -> None:
-    bus = turning_of(body_of(12.0, 2.5), Drive())
+    bus = turning_of(body_of(12.0, 2.5), CAR_DRIVE)
     lanes = arc(6.0, 0.5 * math.pi)
     assert widened(lanes, CAR)[1] == ()
     path, (bend,) = widened(lanes, bus)
@@ -120,7 +121,7 @@ def test_a_bend_that_reverses_is_slower_than_one_that_does_not() -> None:
 
 
 def test_the_smallest_radius_is_that_of_the_rear_axle() -> None:
-    turning = turning_of(Body(wheelbase=3.0), Drive(max_steering=0.5))
+    turning = turning_of(Body(wheelbase=3.0), replace(CAR_DRIVE, max_steering=0.5))
     assert turning.radius == pytest.approx(3.0 / math.tan(0.5))
 
 

@@ -6,8 +6,8 @@ from typing import Any, cast
 import pytest
 
 from analysis.recording.columns import INTERVENTIONS
-from cosim.sumo.actuation import Actuation, Executed
 from cosim.sumo.intervention import Cause, cause_of
+from cosim.sumo.placement import Executed, Placement
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Told:
 
 def cause(told: Told, away: float = 0.0, speed: float = 5.0, lane: str = "a_0", in_bend: bool = False) -> Any:
     executed = Executed(away, 0.0, speed, lane)
-    return cause_of(cast(Actuation, told), "ego", (0.0, 0.0), executed, in_bend)
+    return cause_of(cast(Placement, told), "ego", (0.0, 0.0), executed, in_bend)
 
 
 def test_a_step_that_went_as_it_should_has_none() -> None:

@@ -15,8 +15,9 @@ import sumo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.sumo.actuation import Actuation
-from cosim.sumo.lanes import Lanes, LaneShape
+from cosim.sumo.lane_shape import LaneShape
+from cosim.sumo.lanes import Lanes
+from cosim.sumo.placement import Placement
 
 
 def lane(*points: tuple[float, float], length: float | None = None) -> LaneShape:
@@ -66,17 +67,17 @@ def test_lateral_positions_are_those_of_sumo_where_traffic_keeps_left(tmp_path: 
         libsumo.route.add("r", ["A0A1"])
         libsumo.vehicle.add("ego", "r", departLane="1", departPos="20", departSpeed="10")
         libsumo.simulationStep()
-        actuation = Actuation(libsumo, 0.1)
-        actuation.take_over("ego")
+        placement = Placement(libsumo, 0.1)
+        placement.take_over("ego")
         x, y = libsumo.vehicle.getPosition("ego")
         for number in range(1, 121):
             # A lane to the right, back, and a lane to the left: lanes are counted the other way round.
             aside = 3.2 * math.sin(number / 120 * 2.0 * math.pi)
-            actuation.drive("ego", x + aside, y + number, 0.5 * math.pi, 10.0)
+            placement.drive("ego", x + aside, y + number, 0.5 * math.pi, 10.0)
             libsumo.simulationStep()
-            found = actuation.executed("ego")
+            found = placement.executed("ego")
             assert math.dist((found.x, found.y), (x + aside, y + number)) < 0.02
-        assert actuation.moves("ego") < 10
+        assert placement.moves("ego") < 10
     finally:
         libsumo.close()
 
@@ -142,17 +143,17 @@ def test_an_ego_is_driven_exactly_over_hills(tmp_path: Path) -> None:
         libsumo.simulationStep()
         shape = Lanes(libsumo).shape("ab_1")
         assert shape.length > shape.shape_length + 1.0
-        actuation = Actuation(libsumo, 0.1)
-        actuation.take_over("ego")
+        placement = Placement(libsumo, 0.1)
+        placement.take_over("ego")
         x, y = libsumo.vehicle.getPosition("ego")
         off = 0.0
         for number in range(1, 240):
-            actuation.drive("ego", x + number, y, 0.0, 10.0)
+            placement.drive("ego", x + number, y, 0.0, 10.0)
             libsumo.simulationStep()
-            executed = actuation.executed("ego")
+            executed = placement.executed("ego")
             off = max(off, math.hypot(executed.x - x - number, executed.y - y))
         assert off < 0.005
-        assert actuation.moves("ego") == 0
+        assert placement.moves("ego") == 0
     finally:
         libsumo.close()
 

@@ -13,8 +13,8 @@ import pytest
 import sumo
 
 from cosim.conformance.stage import scene, wait_for
-from cosim.request import RunRequest
-from cosim.run import run
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.surroundings import Observer

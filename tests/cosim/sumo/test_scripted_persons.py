@@ -13,7 +13,7 @@ import pytest
 
 from cosim.conformance.stage import separation
 from cosim.errors import InputError
-from cosim.frames import heading_of
+from cosim.step.frames import heading_of
 from cosim.sumo.network import read_network
 from cosim.sumo.present import everybody_present
 from cosim.sumo.scripted_persons import ScriptedPersons

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import sumo
 
-from cosim.request import RunRequest
-from cosim.run import run
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from cosim.sumo.network import read_network
 from cosim.sumo.route import Route
 

@@ -11,8 +11,8 @@ import pytest
 
 from controllers.interface import HAND_BACK, Command, CrossingKind, Perception, SignalState
 from cosim.errors import InputError, SimulationError
+from cosim.step.world import Snapshot
 from cosim.sumo.world import SumoWorld
-from cosim.world import Snapshot
 from sumo_scenarios.library import load, prepare
 from sumo_scenarios.model import Egos
 

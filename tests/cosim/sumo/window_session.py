@@ -12,12 +12,13 @@ from pathlib import Path
 import traci
 
 from controllers.interface import Decision, Perception, Plan
-from cosim import compose, loop
-from cosim.broadcast import Broadcast
-from cosim.loop import ToWorld
-from cosim.request import RunRequest
+from cosim.running import compose
+from cosim.running.request import RunRequest
+from cosim.step import loop
+from cosim.step.broadcast import Broadcast
+from cosim.step.loop import ToWorld
+from cosim.step.world import Snapshot
 from cosim.sumo.window import VIEW, line_name
-from cosim.world import Snapshot
 
 SHOT_AT_S = 40.0
 

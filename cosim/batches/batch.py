@@ -1,0 +1,169 @@
+"""A batch from its study file to its tables."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cosim.batches import preflight, tables
+from cosim.batches.conduct import Tally, conduct
+from cosim.batches.estimate import Estimate, estimate
+from cosim.batches.job import Job
+from cosim.batches.ledger import Ledger
+from cosim.batches.matrix import Matrix, build_matrix
+from cosim.batches.pool import Pool
+from cosim.batches.preflight import Checked
+from cosim.batches.study import StudyTable, read_study, study_text
+from cosim.batches.worker import Handling
+from cosim.errors import SimulationError
+from cosim.recording.folders import DEFAULT_PARENT
+
+if TYPE_CHECKING:
+    from cosim.batches.dask_cluster import Cluster
+
+Shown = AbstractContextManager[Callable[[Tally], None]]
+
+
+@dataclass(frozen=True, slots=True)
+class BatchRequest:
+    """What a user asks for."""
+
+    study: Path
+    out: Path | None = None
+    """``None``: below ``runs``, called like the study file."""
+    jobs: int | None = None
+    """Runs at a time; ``None``: as many as this process may use cores."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler, whose workers make the runs."""
+    drop_recordings: bool = False
+    table: StudyTable | None = None
+    """Content of the study where it is not what a file says; ``study`` is then its name, and relative paths
+    of scenarios begin where that is."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the study."""
+        return DEFAULT_PARENT / self.study.stem if self.out is None else self.out
+
+    @property
+    def processes(self) -> int:
+        """Worker processes on this machine."""
+        return self.jobs or len(os.sched_getaffinity(0))
+
+    def command(self) -> str:
+        """Return the command that goes on where a batch has ended."""
+        words = ["cosim", "batch", str(self.study)]
+        if self.out is not None:
+            words += ["--out", str(self.out)]
+        if self.jobs is not None:
+            words += ["--jobs", str(self.jobs)]
+        if self.scheduler is not None:
+            words += ["--scheduler", self.scheduler]
+        if self.drop_recordings:
+            words.append("--drop-recordings")
+        return shlex.join(words)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How a batch ended."""
+
+    tally: Tally
+    stopped: str
+    """Why it ended early; empty if it did not."""
+    not_valid: dict[str, str]
+    """Finished runs that are not valid, and why."""
+
+    @property
+    def good(self) -> bool:
+        """Whether every run is finished and valid."""
+        return not (self.stopped or self.tally.failed or self.not_valid)
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """A study whose every configuration was tried, ready to be run."""
+
+    request: BatchRequest
+    study: StudyTable
+    matrix: Matrix
+    ledger: Ledger
+    checked: Checked
+    pool: Pool
+    jobs: list[Job] = field(repr=False)
+    missing: list[Job] = field(repr=False)
+
+    def estimate(self, processes: int) -> Estimate:
+        """Return how long the missing runs take."""
+        return estimate(self.jobs, self.missing, self.ledger, self.checked, processes)
+
+    def run(self, shown: Shown) -> Result:
+        """Make what is missing, and write the tables of what is finished."""
+        stopped = ""
+        with self._crew() as crew, self.ledger.opened(self.request.study, self._text()):
+            missing = self.ledger.missing(self.jobs)  # another batch may just have ended
+            tally = Tally(len(self.jobs), done=len(self.jobs) - len(missing))
+            tables.get_ready()
+            try:
+                with shown as show:
+                    conduct(missing, crew, self.ledger, self.checked.identity, tally, show)
+            except KeyboardInterrupt:
+                stopped = "interrupted"
+                # It may have come between a run that was put away and its being counted.
+                tally.done = len(self.jobs) - len(self.ledger.missing(self.jobs))
+            except SimulationError as error:
+                stopped = str(error)
+            crew.close()  # before the files of unfinished runs are removed
+            try:
+                tables.write(self.ledger, self.study.controllers)
+            except SimulationError as error:
+                stopped = stopped or str(error)
+        return Result(tally, stopped, self._not_valid())
+
+    def _text(self) -> str | None:
+        return None if self.request.table is None else study_text(self.request.table)
+
+    def _crew(self) -> Pool | Cluster:
+        if self.request.scheduler is None:
+            return self.pool
+        from cosim.batches.dask_cluster import Cluster
+
+        self.pool.close()
+        handling = _handling(self.request, self.study)
+        return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
+
+    def _not_valid(self) -> dict[str, str]:
+        described = ((name, self.ledger.description(name)) for name in self.ledger.finished())
+        return {name: str(one["invalid_reason"]) for name, one in described if not one["valid"]}
+
+
+@contextmanager
+def prepared(
+    request: BatchRequest, progress: preflight.Progress = lambda done, total: None
+) -> Iterator[Batch]:
+    """Check everything that can be wrong, and give the batch; nothing is written yet.
+
+    Raises
+    ------
+    InputError
+        For a study, or a folder, with which a batch must not begin.
+    """
+    study = request.table or read_study(request.study)
+    matrix = build_matrix(study, request.study)
+    ledger = Ledger(request.folder)
+    jobs = matrix.jobs()
+    missing = ledger.missing(jobs)
+    most = max(len(missing), len({one.road for one in matrix.configurations}))
+    with Pool(min(request.processes, most), _handling(request, study)) as pool:
+        checked = preflight.check(matrix, pool, request.study, progress)
+        ledger.verify(jobs, checked.identity)
+        yield Batch(request, study, matrix, ledger, checked, pool, jobs, missing)
+
+
+def _handling(request: BatchRequest, study: StudyTable) -> Handling:
+    return Handling(study.run_timeout_s, request.drop_recordings)

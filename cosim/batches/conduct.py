@@ -1,0 +1,155 @@
+"""The loop of a batch: hand runs out, keep what is made, try once more what failed."""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Protocol
+
+from cosim.batches.identity import Identity
+from cosim.batches.job import Job
+from cosim.batches.ledger import Ledger
+from cosim.batches.outcome import Outcome, says_full
+from cosim.errors import CosimError, SimulationError
+
+ATTEMPTS = 2
+LOSSES_IN_A_ROW = 20
+"""So many runs that never began in a row say that no process can be kept alive."""
+LOOK_EVERY_S = 0.5
+"""Between two looks at the clock while nothing happens [s]."""
+
+
+class Crew(Protocol):
+    """Processes that make runs, here or elsewhere."""
+
+    @property
+    def processes(self) -> int:
+        """How many runs are made at a time."""
+        ...
+
+    def capacity(self) -> int:
+        """Return how many runs to hand out at a time; asked again and again.
+
+        Raises
+        ------
+        SimulationError
+            If nobody is there any more.
+        """
+        ...
+
+    def submit(self, job: Job, folder: Path) -> Future[Outcome]:
+        """Make a run in ``folder``, which must not exist."""
+        ...
+
+
+@dataclass(slots=True)
+class Tally:
+    """How a batch stands."""
+
+    total: int
+    done: int = 0
+    failed: int = 0
+    running: int = 0
+    made: int = 0
+    """Those of the done ones that this batch has made."""
+    failures: list[Outcome] = field(default_factory=list)
+    """Runs that have just failed for good, for whoever shows them to take out."""
+
+
+def conduct(
+    jobs: Sequence[Job],
+    crew: Crew,
+    ledger: Ledger,
+    identity: Callable[[Job], Identity],
+    tally: Tally,
+    show: Callable[[Tally], None],
+) -> None:
+    """Make every run; one that fails is tried once more, and harms no other.
+
+    Parameters
+    ----------
+    jobs : Sequence
+        What is to be made.
+    crew : Crew
+    ledger : Ledger
+        Of an opened folder.
+    identity : Callable
+        What a run is to be made from.
+    tally : Tally
+        Kept up to date.
+    show : Callable
+        Called whenever something has changed, and now and then.
+
+    Raises
+    ------
+    SimulationError
+        If the disk is full, or no process can be kept alive; what is finished is kept.
+    """
+    waiting = deque(jobs)
+    attempts: Counter[str] = Counter()
+    submissions = 0
+    running: set[Future[Outcome]] = set()
+    over: SimpleQueue[Future[Outcome]] = SimpleQueue()
+    losses = 0
+    while waiting or running:
+        capacity = crew.capacity()
+        while waiting and len(running) < capacity:
+            job = waiting.popleft()
+            submissions += 1
+            future = crew.submit(job, ledger.work_folder(job, submissions))
+            running.add(future)
+            future.add_done_callback(over.put)
+        tally.running = min(len(running), crew.processes)
+        show(tally)
+        try:
+            future = over.get(timeout=LOOK_EVERY_S)
+        except Empty:
+            continue
+        running.remove(future)
+        outcome = _kept(future.result(), ledger, identity)
+        losses = losses + 1 if outcome.lost else 0
+        if losses > LOSSES_IN_A_ROW:
+            raise SimulationError(f"no worker process stays alive: {outcome.reason}")
+        if not outcome.reason:
+            tally.done += 1
+            tally.made += 1
+            continue
+        if outcome.disk_full:
+            raise SimulationError(f"no room for files: {outcome.reason} ({outcome.job.name})")
+        attempts[outcome.job.name] += not outcome.lost
+        if attempts[outcome.job.name] < ATTEMPTS:
+            shutil.rmtree(outcome.folder, ignore_errors=True)
+            waiting.append(outcome.job)
+            continue
+        _keep_failure(outcome, ledger, attempts[outcome.job.name])
+        tally.failed += 1
+        tally.failures.append(outcome)
+    tally.running = 0
+    show(tally)
+
+
+def _kept(outcome: Outcome, ledger: Ledger, identity: Callable[[Job], Identity]) -> Outcome:
+    """Return the outcome after its run was put in its place, where there is one."""
+    if outcome.reason:
+        return outcome
+    try:
+        reason = ledger.keep(outcome, identity(outcome.job))
+    except OSError as error:
+        reason = f"{outcome.folder} could not be kept: {error.strerror or error}"
+    except CosimError as error:
+        reason = str(error)
+    return Outcome(outcome.job, outcome.folder, reason)
+
+
+def _keep_failure(outcome: Outcome, ledger: Ledger, attempts: int) -> None:
+    try:
+        ledger.keep_failure(outcome, attempts)
+    except OSError as error:
+        text = error.strerror or str(error)
+        what = "no room for files" if says_full(text) else "the study's folder cannot be written to"
+        raise SimulationError(f"{what}: {text}") from error

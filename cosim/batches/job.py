@@ -1,0 +1,111 @@
+"""One run of a study, and the configuration that it shares with the runs of other seeds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shlex
+from dataclasses import dataclass
+
+from cosim.running.request import RunRequest
+
+Pairs = tuple[tuple[str, str], ...]
+"""Names and values."""
+LONGEST_LABEL = 120
+"""Of a folder's name, so that it stays below what file systems take [characters]."""
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.+=-]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A scenario, a controller and their parameters: everything but the seed."""
+
+    scenario: str
+    """As the study file says it; part of the identity, so that a study can move to another folder."""
+    place: str
+    """Where the scenario is: a name, or an absolute path."""
+    scenario_name: str
+    controller: str
+    scenario_settings: Pairs
+    """Those of sensing are among them."""
+    controller_settings: Pairs
+    varied: Pairs
+    """Those of the parameters that differ between configurations."""
+    ego_route: tuple[str, ...] = ()
+    ego_vehicle: str | None = None
+    ego_share: float | None = None
+    sensing: str | None = None
+    """``None``: as the scenario says."""
+
+    @property
+    def settings(self) -> Pairs:
+        """What ``cosim run --set`` takes."""
+        return self.scenario_settings + self.controller_settings
+
+    @property
+    def road(self) -> object:
+        """What is the same for every configuration that differs in the controller alone."""
+        egos = self.ego_route, self.ego_vehicle, self.ego_share
+        return self.place, self.scenario_settings, *egos, self.sensing
+
+    @property
+    def label(self) -> str:
+        """How it is called in tables and messages."""
+        varied = ", ".join(f"{key}={value}" for key, value in self.varied)
+        return f"{self.scenario_name} with {self.controller}" + (f", {varied}" if varied else "")
+
+    def request(self, seed: int) -> RunRequest:
+        """Return what ``cosim run`` would be asked for."""
+        return RunRequest(
+            scenario=self.place,
+            controller=self.controller,
+            seed=seed,
+            settings=dict(self.settings),
+            ego_route=self.ego_route,
+            ego_vehicle=self.ego_vehicle,
+            ego_share=self.ego_share,
+            sensing=self.sensing,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One run of a study."""
+
+    configuration: Configuration
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """Name of the run's folder: readable, and the same whenever the same run is asked for."""
+        one = self.configuration
+        varied = [f"{key}={value}" for key, value in one.varied]
+        label = _UNSAFE.sub("_", "-".join([one.scenario_name, one.controller, *varied]))
+        asked_for = [
+            *(one.scenario, one.controller, sorted(one.settings), self.seed),
+            *(one.ego_route, one.ego_vehicle, one.ego_share),
+            *([] if one.sensing is None else [one.sensing]),
+        ]
+        digest = hashlib.sha256(json.dumps(asked_for).encode()).hexdigest()[:8]
+        return f"{label[:LONGEST_LABEL]}-seed{self.seed}-{digest}"
+
+    def request(self) -> RunRequest:
+        """Return what ``cosim run`` would be asked for."""
+        return self.configuration.request(self.seed)
+
+    def command(self) -> str:
+        """Return the command line that makes the same run by itself."""
+        one = self.configuration
+        words = ["cosim", "run", one.place, "--controller", one.controller, "--seed", str(self.seed)]
+        for key, value in one.settings:
+            words += ["--set", f"{key}={value}"]
+        if one.ego_route:
+            words += ["--ego-route", " ".join(one.ego_route)]
+        if one.ego_vehicle is not None:
+            words += ["--ego-vehicle", one.ego_vehicle]
+        if one.ego_share is not None:
+            words += ["--ego-share", f"{one.ego_share:g}"]
+        if one.sensing is not None:
+            words += ["--sensing", one.sensing]
+        return shlex.join(words)

@@ -1,0 +1,250 @@
+"""The folder of a study: what is finished, what failed, and whether it is still the same study.
+
+A finished run appears under ``runs/`` by one renaming; whatever else is there may be cut short at any
+moment and loses nothing but the runs in flight.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from analysis.files import PART, read_json, write_csv, write_json, write_text
+from cosim.batches.identity import Identity, differences
+from cosim.batches.job import Job
+from cosim.batches.outcome import NOTE, RUN, Outcome
+from cosim.errors import InputError
+
+STUDY = "study.toml"
+"""Copy of the study file; marks the folder of a study."""
+RUNS = "runs"
+FAILED = "failed"
+WORK = ".work"
+"""Runs in flight; emptied when a batch begins and ends. Who looks for runs skips hidden folders."""
+LOCK = ".lock"
+FAILURE = "failure.json"
+FAILURES = "failed.csv"
+ESSENTIAL = ("run.json", NOTE, "runs.csv", "encounters.csv")
+
+_COLUMNS = ("run", "scenario", "controller", "seed", "attempts", "reason", "command")
+
+
+class Ledger:
+    """Reads and keeps the folder of a study.
+
+    Parameters
+    ----------
+    folder : Path
+        Need not exist; nothing is written before `opened`.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something else.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        try:
+            if folder.is_dir():
+                foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())
+                if foreign and not (folder / STUDY).is_file():
+                    raise InputError(
+                        f"--out {folder}: expected an empty or new folder, or the one of this study; "
+                        "this one has other files in it"
+                    )
+            elif folder.exists():
+                raise InputError(f"--out {folder}: expected a folder, this is a file")
+        except OSError as error:
+            raise InputError(f"--out {folder}: {error.strerror}") from error
+
+    @contextmanager
+    def opened(self, study_file: Path, text: str | None = None) -> Iterator[None]:
+        """Keep every other batch out of the folder while inside.
+
+        Parameters
+        ----------
+        study_file : Path
+        text : str
+            Content of the study, where it is not what the file says.
+        """
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            lock = (self.folder / LOCK).open("a")
+        except OSError as error:
+            raise InputError(f"--out {self.folder}: {error.strerror}") from error
+        with lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise InputError(f"--out {self.folder}: another batch is at work in this folder") from error
+            try:
+                write_text(self.folder / STUDY, study_file.read_text("utf-8") if text is None else text)
+                for name in (RUNS, FAILED):
+                    (self.folder / name).mkdir(exist_ok=True)
+                self._clear()
+            except OSError as error:
+                raise InputError(f"--out {self.folder}: {error.strerror}") from error
+            try:
+                yield
+            finally:
+                self._clear()
+
+    def finished(self) -> list[str]:
+        """Return the names of the finished runs, sorted."""
+        folder = self.folder / RUNS
+        if not folder.is_dir():
+            return []
+        return sorted(path.name for path in folder.iterdir() if path.is_dir())
+
+    def run_folder(self, name: str) -> Path:
+        """Return where a finished run is."""
+        return self.folder / RUNS / name
+
+    def recorded(self) -> list[Path]:
+        """Return the folders of finished runs, and those that failed runs have left."""
+        failed = (path.parent for path in (self.folder / FAILED).glob(f"*/{RUN}/run.json"))
+        return [*(self.run_folder(name) for name in self.finished()), *sorted(failed)]
+
+    def work_folder(self, job: Job, attempt: int) -> Path:
+        """Return where an attempt at a run is made."""
+        return self.folder / WORK / f"{job.name}-{attempt}"
+
+    def missing(self, jobs: Sequence[Job]) -> list[Job]:
+        """Return the runs that are not finished.
+
+        Raises
+        ------
+        InputError
+            If a run is finished that the study does not have.
+        """
+        finished = set(self.finished())
+        missing = []
+        for job in jobs:
+            if job.name in finished:
+                finished.discard(job.name)
+            else:
+                missing.append(job)
+        if finished:
+            raise InputError(
+                f"--out {self.folder} belongs to another study: {len(finished)} finished runs in it are not "
+                f"in this one, for instance {min(finished)}; expected a new folder, or the study that made it"
+            )
+        return missing
+
+    def verify(self, jobs: Sequence[Job], identity: Callable[[Job], Identity]) -> None:
+        """Check that the finished ones among the runs were made from what is there now.
+
+        Parameters
+        ----------
+        jobs : Sequence
+        identity : Callable
+            Returns what is there now.
+
+        Raises
+        ------
+        InputError
+            Names the first run that was made from something else, and what differs.
+        """
+        finished = set(self.finished())
+        stale: list[tuple[str, list[str]]] = []
+        for job in jobs:
+            if job.name in finished and (told := self._changes(job.name, identity(job))):
+                stale.append((job.name, told))
+        if stale:
+            name, told = stale[0]
+            others = f" (and {len(stale) - 1} further runs)" if len(stale) > 1 else ""
+            raise InputError(
+                f"{self.folder}: the run {name}{others} was made from other inputs: {_short(told)}; "
+                "expected the same inputs, or a new folder"
+            )
+
+    def keep(self, outcome: Outcome, identity: Identity) -> str:
+        """Give a run that was made its place; return why that is not possible, in one line.
+
+        Raises
+        ------
+        OSError
+            If the disk does not take it.
+        """
+        made = outcome.folder / RUN
+        description, source = _read(made)
+        told = differences(identity, description, source)
+        if told:
+            return f"the inputs changed while the batch was running: {_short(told)}"
+        target = self.run_folder(outcome.job.name)
+        made.replace(target)
+        shutil.rmtree(outcome.folder, ignore_errors=True)
+        shutil.rmtree(self.folder / FAILED / target.name, ignore_errors=True)
+        return ""
+
+    def keep_failure(self, outcome: Outcome, attempts: int) -> None:
+        """Keep what a failed run left, with the reason and the last lines of its log.
+
+        Raises
+        ------
+        OSError
+            If the disk does not take it.
+        """
+        job = outcome.job
+        target = self.folder / FAILED / job.name
+        shutil.rmtree(target, ignore_errors=True)
+        if outcome.folder.is_dir():
+            outcome.folder.replace(target)
+        else:
+            target.mkdir()
+        content = {
+            "run": job.name,
+            "scenario": job.configuration.scenario_name,
+            "controller": job.configuration.controller,
+            "seed": job.seed,
+            "attempts": attempts,
+            "reason": outcome.reason,
+            "command": job.command(),
+            "last_lines": list(Outcome(job, target).last_lines()),
+        }
+        write_json(target / FAILURE, content)
+
+    def failures(self) -> list[dict[str, Any]]:
+        """Return the failed runs, sorted by name."""
+        paths = sorted((self.folder / FAILED).glob(f"*/{FAILURE}"))
+        return [read_json(path) for path in paths]
+
+    def write_failures(self) -> None:
+        """Write ``failed.csv``, one row for each failed run."""
+        rows = [[one.get(column, "") for column in _COLUMNS] for one in self.failures()]
+        write_csv(self.folder / FAILURES, _COLUMNS, rows)
+
+    def description(self, name: str) -> dict[str, Any]:
+        """Return the content of a finished run's ``run.json``."""
+        return _read(self.run_folder(name))[0]
+
+    def _changes(self, name: str, identity: Identity) -> list[str]:
+        folder = self.run_folder(name)
+        for essential in ESSENTIAL:
+            if not (folder / essential).is_file():
+                raise InputError(f"{folder}: {essential} is missing; remove the folder to have it made again")
+        return differences(identity, *_read(folder))
+
+    def _clear(self) -> None:
+        shutil.rmtree(self.folder / WORK, ignore_errors=True)
+
+
+def _read(folder: Path) -> tuple[dict[str, Any], str]:
+    """Return a run's description, and the hash of the code that made it."""
+    try:
+        description = read_json(folder / "run.json")
+        note = read_json(folder / NOTE)
+        return description, str(note["source"])
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{folder}: cannot be read ({error}); remove it to have it made again") from error
+
+
+def _short(told: Sequence[str]) -> str:
+    most = 3
+    further = f" and {len(told) - most} further differences" if len(told) > most else ""
+    return "; ".join(told[:most]) + further

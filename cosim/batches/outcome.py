@@ -1,0 +1,55 @@
+"""What became of one attempt at a run."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.batches.job import Job
+
+RUN = "run"
+"""Folder of the run inside the folder of an attempt."""
+LOG = "log.txt"
+"""What the attempt wrote to its output streams, beside the run's folder."""
+REASON = "reason.txt"
+NOTE = "job.json"
+"""How the study asked for the run; inside the run's folder."""
+LAST_LINES = 40
+LONGEST_LINE = 300
+
+# Of any of these no further run can be expected to succeed.
+_FULL = tuple(os.strerror(code) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One attempt at a run, over."""
+
+    job: Job
+    folder: Path
+    """Of the attempt."""
+    reason: str = ""
+    """Why there is no run, in one line; empty where there is one."""
+    lost: bool = False
+    """Whether the attempt ended without the run being to blame for it."""
+
+    @property
+    def disk_full(self) -> bool:
+        """Whether the run failed for want of room."""
+        return says_full(self.reason)
+
+    def last_lines(self) -> Sequence[str]:
+        """Return the end of what the attempt wrote to its output streams."""
+        try:
+            text = (self.folder / LOG).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return ()
+        return [line[:LONGEST_LINE] for line in text.splitlines()[-LAST_LINES:]]
+
+
+def says_full(text: str) -> bool:
+    """Tell whether an error says that there is no room for files."""
+    return any(words in text for words in _FULL)

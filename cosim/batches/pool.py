@@ -1,0 +1,178 @@
+"""Worker processes on this machine: long-lived, one run at a time, replaced when they end."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+from collections.abc import Callable, Mapping
+from concurrent.futures import CancelledError, Future
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
+
+from cosim.batches import worker
+from cosim.batches.job import Job
+from cosim.batches.outcome import REASON, Outcome
+from cosim.batches.worker import Handling
+from cosim.recording.provenance import Inputs
+
+RUNS_PER_PROCESS = 100
+"""SUMO 1.28 keeps about a kilobyte of each personFlow of a simulation that has ended."""
+CHECK_TIMEOUT_S = 600.0
+
+
+class Pool:
+    """Processes that make runs; use as a context manager. Whatever becomes of a run, its future has a result.
+
+    Parameters
+    ----------
+    processes : int
+    handling : Handling
+    places : Mapping
+        Where scenarios are on this machine, if elsewhere than the jobs say.
+    runs_per_process : int
+        After so many a process makes room for a fresh one.
+    """
+
+    def __init__(
+        self,
+        processes: int,
+        handling: Handling,
+        places: Mapping[str, str] | None = None,
+        runs_per_process: int = RUNS_PER_PROCESS,
+    ) -> None:
+        self._processes = processes
+        self._runs_per_process = runs_per_process
+        self._handling = handling
+        self._places = places or {}
+        self._pool: Any = None
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def processes(self) -> int:
+        """How many runs are made at a time."""
+        return self._processes
+
+    def capacity(self) -> int:
+        """Return how many runs to hand out at a time: one waits for each process, so that none is idle."""
+        return 2 * self._processes
+
+    def submit(self, job: Job, folder: Path) -> Future[Outcome]:
+        """Make a run in ``folder``, which must not exist."""
+        place = self._places.get(job.configuration.place, job.configuration.place)
+
+        def outcome(done: Future[None]) -> Outcome:
+            return _outcome(done, job, folder, self._handling.timeout_s)
+
+        arguments = (job, place, folder, self._handling)
+        return self._schedule(worker.make, arguments, self._handling.timeout_s, outcome)
+
+    def check(self, job: Job, start_sumo: bool) -> Future[tuple[Inputs, str] | str]:
+        """Return the inputs of a run and the hash of the code, or why it cannot be made."""
+        return self._schedule(worker.check, (job, start_sumo), CHECK_TIMEOUT_S, _answer)
+
+    def close(self) -> None:
+        """End the processes and what they are doing."""
+        if self._pool is not None:
+            self._pool.stop()
+            self._pool.join()
+            self._pool = None
+
+    def _schedule(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], timeout_s: float, read: Any
+    ) -> Future[Any]:
+        result: Future[Any] = Future()
+        inner = self._running().schedule(function, args=arguments, timeout=timeout_s)
+        inner.add_done_callback(lambda done: result.set_result(read(done)))
+        return result
+
+    def _running(self) -> Any:
+        """Return the pool, started afresh where all its processes died at once."""
+        # Before the processes load NumPy: two with several BLAS threads each are slower than one.
+        for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+            os.environ.setdefault(name, "1")
+        # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The pool's threads
+        # inherit what is blocked here, and the processes that they start.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            if self._pool is not None and not self._pool.active:
+                self.close()
+            if self._pool is None:
+                self._pool = ProcessPool(
+                    self._processes,
+                    max_tasks=self._runs_per_process,
+                    initializer=worker.begin,
+                    context=get_context("spawn"),
+                )
+                assert self._pool.active  # started here and now, with the signal blocked
+            return self._pool
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _outcome(done: Future[None], job: Job, folder: Path, timeout_s: float) -> Outcome:
+    lost = False
+    try:
+        done.result()
+        reason = ""
+    except TimeoutError:
+        reason = f"still running after run_timeout_s = {timeout_s:g} s"
+    except ProcessExpired as error:
+        reason = _left_behind(folder) or _ending(int(error.exitcode))
+    except (BrokenProcessPool, CancelledError):
+        reason, lost = "the worker processes were gone before the run began", True
+    except Exception as error:  # noqa: BLE001  anything that the pool reports; told as the run's failure
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+    return Outcome(job, folder, reason, lost)
+
+
+def _answer(done: Future[tuple[Inputs, str] | str]) -> tuple[Inputs, str] | str:
+    try:
+        return done.result()
+    except TimeoutError:
+        return f"SUMO did not start within {CHECK_TIMEOUT_S:g} s"
+    except ProcessExpired as error:
+        return f"SUMO cannot start: {_ending(int(error.exitcode))}"
+    except Exception as error:  # noqa: BLE001  anything that the pool reports; told as bad input
+        return f"{type(error).__name__}: {error}"
+
+
+def _left_behind(folder: Path) -> str:
+    try:
+        return (folder / REASON).read_text(encoding="utf-8").strip()
+    except OSError:
+        return ""
+
+
+def _ending(code: int) -> str:
+    """Return how a process ended, in words.
+
+    Examples
+    --------
+    >>> _ending(-11)
+    'the process ended by SIGSEGV'
+    """
+    if code == worker.DISK_FULL:
+        return os.strerror(errno.ENOSPC)
+    if code >= 0:
+        return f"the process ended with exit code {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    hint = (
+        " (who killed it is not known; with little memory left, the system does)" if name == "SIGKILL" else ""
+    )
+    return f"the process ended by {name}{hint}"

@@ -1,0 +1,188 @@
+"""What runs in a worker process: one run after the other, each watched from outside.
+
+A run that fails ends its process, so that nothing of it can reach the next run; the pool starts
+another one.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import importlib
+import multiprocessing
+import os
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from multiprocessing import connection
+from pathlib import Path
+from typing import NoReturn
+
+from cosim.batches.identity import source_digest
+from cosim.batches.job import Job
+from cosim.batches.outcome import LOG, NOTE, REASON, RUN
+from cosim.errors import CosimError, SimulationError
+from cosim.recording.provenance import Inputs
+
+FAILED = 70
+"""Exit code of a process whose run failed, in words (``EX_SOFTWARE``)."""
+DISK_FULL = 74
+"""The same without words, because they could not be written (``EX_IOERR``)."""
+TELL_EVERY_S = 10.0
+"""Between two lines of a run's log [s]."""
+SHARE_BEFORE_DUMP = 0.9
+"""Part of the time limit after which the log is told where the run is."""
+LONG_ENOUGH_S = 0.5
+"""For the pool to learn which run a process has, before the process ends [s]."""
+
+RECORDINGS = ("*.parquet", "map.json", "datapackage.json")
+"""What a batch may do without: the recording, and the description of tables that it writes itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Handling:
+    """How runs are made, which does not decide their numbers."""
+
+    timeout_s: float
+    drop_recordings: bool = False
+
+
+def begin() -> None:
+    """Get a new worker process ready; what is loaded here counts for no run's time limit."""
+    faulthandler.enable()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    importlib.import_module("cosim.running.execution")
+
+
+def check(job: Job, start_sumo: bool) -> tuple[Inputs, str] | str:
+    """Return what decides the numbers of a run and the hash of the code, or why it cannot be made.
+
+    Parameters
+    ----------
+    job : Job
+    start_sumo : bool
+        Whether SUMO is to read the files too.
+    """
+    from cosim.running.compose import compose, inputs_of
+
+    request = job.request()
+    try:
+        if not start_sumo:
+            return inputs_of(request), source_digest(request.controller)
+        composition = compose(request)
+        try:
+            return composition.inputs, source_digest(request.controller)
+        finally:
+            composition.close()
+    except CosimError as error:
+        return str(error)
+
+
+def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
+    """Make a run in ``folder``, or end the process.
+
+    Parameters
+    ----------
+    job : Job
+    place : str
+        Where the scenario is on this machine.
+    folder : Path
+        Of this attempt; new.
+    handling : Handling
+    """
+    started = time.monotonic()
+    folder.mkdir(parents=True)
+    with _output_to(folder / LOG):
+        print(job.command(), flush=True)
+        faulthandler.dump_traceback_later(SHARE_BEFORE_DUMP * handling.timeout_s)
+        try:
+            _make(job, place, folder / RUN, handling)
+        except BaseException as error:  # noqa: BLE001  told to the batch, which goes on without this process
+            _fail(folder, error, started)
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+
+
+def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
+    from analysis.files import write_json
+    from cosim.running.execution import execute
+    from cosim.running.simulation import TELEPORTED
+
+    source = source_digest(job.configuration.controller)  # as it is when the code is loaded
+    started = time.monotonic()
+    outcome = execute(replace(job.request(), scenario=place, out=folder), _heartbeat())
+    if outcome.invalid_reason and not outcome.invalid_reason.startswith(TELEPORTED):
+        raise SimulationError(outcome.invalid_reason)
+    one = job.configuration
+    note = {
+        "run": job.name,
+        "scenario": one.scenario,
+        "controller": one.controller,
+        "seed": job.seed,
+        "settings": dict(one.settings),
+        "varied": dict(one.varied),
+        "command": job.command(),
+        "source": source,
+    }
+    write_json(folder / NOTE, note)
+    if handling.drop_recordings:
+        for pattern in RECORDINGS:
+            for path in folder.glob(pattern):
+                path.unlink()
+    description = {**outcome.description, "wall_total_s": round(time.monotonic() - started, 3)}
+    write_json(folder / "run.json", description)
+
+
+def _heartbeat() -> Callable[[float, float | None], None]:
+    said = time.monotonic()
+
+    def report(simulated: float, end: float | None) -> None:
+        nonlocal said
+        if time.monotonic() - said > TELL_EVERY_S:
+            said = time.monotonic()
+            print(f"simulated {simulated:.0f} of {end or 0.0:.0f} s", flush=True)
+
+    return report
+
+
+def _fail(folder: Path, error: BaseException, started: float) -> NoReturn:
+    """Leave the reason behind and end the process."""
+    text = str(error) if isinstance(error, CosimError) else f"{type(error).__name__}: {error}"
+    code = FAILED
+    try:
+        traceback.print_exception(error)
+        (folder / REASON).write_text(" ".join(text.split()) + "\n", encoding="utf-8")
+    except OSError:
+        code = DISK_FULL
+    time.sleep(max(0.0, LONG_ENOUGH_S - (time.monotonic() - started)))
+    os._exit(code)
+
+
+def _end_with_parent() -> None:
+    """End this process as soon as the one that started it is gone, however that ended."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+
+@contextmanager
+def _output_to(path: Path) -> Iterator[None]:
+    """Send both output streams to a file, what libraries write included."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    saved = [os.dup(number) for number in (1, 2)]
+    with path.open("ab", buffering=0) as log:
+        for number in (1, 2):
+            os.dup2(log.fileno(), number)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for number, copy in zip((1, 2), saved, strict=True):
+            os.dup2(copy, number)
+            os.close(copy)

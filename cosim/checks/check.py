@@ -1,0 +1,200 @@
+"""A check from its targets to its files: everything is checked first, then run, then judged."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from analysis.criteria.reading import EXAMPLE
+from analysis.criteria.table import CRITERIA
+from analysis.files import write_csv, write_json
+from analysis.tables.cells import cells
+from analysis.tables.datapackage import describe
+from cosim.batches import batch as batches
+from cosim.batches.batch import Batch, BatchRequest, Shown
+from cosim.batches.ledger import LOCK, STUDY
+from cosim.checks.baseline import Baseline, check_common, check_same_road, compare, read_baseline
+from cosim.checks.evaluation import Evaluation
+from cosim.checks.finding import Finding, exit_code
+from cosim.checks.junit import write_junit
+from cosim.checks.summary import append_step_summary
+from cosim.checks.target import Target, Wishes, read_target
+from cosim.errors import InputError, SimulationError
+from cosim.recording import folders
+
+PACKAGE = "datapackage.json"
+DEFAULT_LEVEL = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class CheckRequest:
+    """What a user asks for."""
+
+    targets: tuple[str, ...]
+    out: Path | None = None
+    junit: Path | None = None
+    wishes: Wishes = field(default_factory=Wishes)
+    jobs: int | None = None
+    drop_recordings: bool = False
+    baseline: Path | None = None
+    level: float = DEFAULT_LEVEL
+
+    def command(self) -> str:
+        """Return the command line that judges the same again, in a new folder."""
+        words = ["cosim", "check", *self.targets]
+        wishes = self.wishes
+        for controller in wishes.controllers:
+            words += ["--controller", controller]
+        for key, setting in wishes.settings.items():
+            words += ["--set", f"{key}={setting}"]
+        flags: dict[str, object | None] = {
+            "--seeds": wishes.seeds,
+            "--filter": wishes.part,
+            "--criteria": wishes.criteria,
+            "--run-timeout-s": None if wishes.run_timeout_s is None else f"{wishes.run_timeout_s:g}",
+            "--baseline": self.baseline,
+            "--level": None if self.baseline is None else f"{self.level:g}",
+        }
+        for flag, value in flags.items():
+            words += [] if value is None else [flag, str(value)]
+        return shlex.join(words)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a check has found."""
+
+    folder: Path
+    findings: tuple[Finding, ...]
+    stopped: str
+    """Why it ended early; empty if it did not."""
+
+    @property
+    def exit_code(self) -> int:
+        """Return 0, 1 or 3."""
+        return 3 if self.stopped else exit_code(self.findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """Targets whose every configuration was tried."""
+
+    request: CheckRequest
+    folder: Path
+    parts: tuple[tuple[Target, Batch], ...]
+    baseline: Baseline | None
+
+    def run(self, shown: Callable[[], Shown]) -> Result:
+        """Make the runs that are missing, judge all, and write the files."""
+        stopped, command = "", self.request.command()
+        evaluations: list[tuple[Evaluation, Batch]] = []
+        for target, batch in self.parts:
+            if not stopped:
+                stopped = batch.run(shown()).stopped
+            evaluations.append((Evaluation(target, batch, stopped, command), batch))
+        findings = [one for evaluation, _ in evaluations for one in evaluation.findings()]
+        if self.baseline is not None:
+            compared = compare(self.baseline, evaluations, self.request.level, command)
+            order = [target.name for target, _ in self.parts]
+            findings = sorted([*findings, *compared], key=lambda one: order.index(one.target))
+        self._write(findings)
+        return Result(self.folder, tuple(findings), stopped)
+
+    def _write(self, findings: Sequence[Finding]) -> None:
+        try:
+            rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_csv(self.folder / CRITERIA.file, CRITERIA.names(), rows)
+            write_json(self.folder / PACKAGE, describe([CRITERIA], "a check"))
+            if self.request.junit is not None:
+                write_junit(self.request.junit, findings)
+            append_step_summary(findings)
+        except OSError as error:
+            raise SimulationError(f"the files of the check could not be written: {error}") from error
+
+
+@contextmanager
+def prepared(
+    request: CheckRequest, progress: Callable[[int, int], None] = lambda done, total: None
+) -> Iterator[Check]:
+    """Check everything that can be wrong, and give the check; nothing is written yet.
+
+    Raises
+    ------
+    InputError
+        For a target, a criterion, a baseline or a folder with which a check must not begin.
+    """
+    if not 0.0 < request.level < 1.0:
+        raise InputError(f"--level: expected a probability above 0 and below 1, got {request.level:g}")
+    targets = [read_target(text, request.wishes) for text in request.targets]
+    _check_targets(targets, with_baseline=request.baseline is not None)
+    if request.drop_recordings and any(target.cases for target in targets):
+        raise InputError("--drop-recordings: the verdicts of suites are made from the recordings")
+    folder = request.out or _free_folder(targets)
+    _check_folder(folder, request.out)
+    _check_junit(request.junit)
+    baseline = None if request.baseline is None else read_baseline(request.baseline)
+    if baseline is not None:
+        check_common(baseline, [target.matrix for target in targets])
+    with ExitStack() as stack:
+        parts = []
+        for target in targets:
+            table = target.table if target.changed else None
+            one = BatchRequest(
+                target.study,
+                folder / target.name,
+                request.jobs,
+                drop_recordings=request.drop_recordings,
+                table=table,
+            )
+            parts.append((target, stack.enter_context(batches.prepared(one, progress))))
+        if baseline is not None:
+            check_same_road(baseline, [batch for _, batch in parts])
+        yield Check(request, folder, tuple(parts), baseline)
+
+
+def _check_targets(targets: Sequence[Target], with_baseline: bool) -> None:
+    seen: set[str] = set()
+    for target in targets:
+        if target.name in seen:
+            raise InputError(f"two targets are called {target.name}; expected different names")
+        seen.add(target.name)
+        if not (target.cases or with_baseline or any(target.criteria.values())):
+            raise InputError(
+                f"{target.study}: no criterion; expected in the scenario.toml or study file, or in a file "
+                f"after --criteria, for instance {EXAMPLE}"
+            )
+
+
+def _free_folder(targets: Sequence[Target]) -> Path:
+    name = f"check-{targets[0].name}" if len(targets) == 1 else "check"
+    number = 1
+    while (folders.DEFAULT_PARENT / f"{name}-{number}").exists():
+        number += 1
+    return folders.DEFAULT_PARENT / f"{name}-{number}"
+
+
+def _check_folder(folder: Path, out: Path | None) -> None:
+    """Refuse a folder with anything in it but what an earlier check has left."""
+    try:
+        if not folder.exists():
+            return
+        if not folder.is_dir():
+            raise InputError(f"--out {out}: expected a folder, this is a file")
+        for path in folder.iterdir():
+            ours = path.name in (CRITERIA.file, PACKAGE, "junit.xml") or path.suffix == ".xml"
+            if not ours and not (path / STUDY).is_file() and not (path / LOCK).is_file():
+                raise InputError(
+                    f"--out {out}: expected an empty or new folder, or the one of this check; "
+                    f"this one has {path.name} in it"
+                )
+    except OSError as error:
+        raise InputError(f"--out {out}: {error.strerror}") from error
+
+
+def _check_junit(path: Path | None) -> None:
+    if path is not None and path.is_dir():
+        raise InputError(f"--junit {path}: expected a file, this is a folder")

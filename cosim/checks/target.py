@@ -1,0 +1,234 @@
+"""What is checked: a scenario, a study or a suite becomes a study and the criteria of its runs."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from analysis.criteria.criterion import Criterion
+from analysis.criteria.reading import EXAMPLE, CriterionError, read_criteria
+from cosim.batches.job import Configuration
+from cosim.batches.matrix import Matrix, build_matrix
+from cosim.batches.study import DEFAULT_TIMEOUT_S, StudyTable, read_study, study_of
+from cosim.errors import InputError
+from cosim.running import inventory
+from sumo_scenarios import library
+
+if TYPE_CHECKING:
+    from cosim.suites.judging import Case
+
+SUITE = "suite:"
+DEFAULT_CONTROLLER = "vo_mpc"
+DEFAULT_SEEDS = "1"
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.+=-]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the command line asks of every target."""
+
+    controllers: tuple[str, ...] = ()
+    """None: as a study says, otherwise the default one."""
+    seeds: str | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+    criteria: Path | None = None
+    """A file whose criteria take the place of the target's own."""
+    part: str | None = None
+    """Of the target's scenarios or cases only those whose name has this in it or matches this pattern."""
+    run_timeout_s: float | None = None
+
+    def narrows(self) -> bool:
+        """Return whether a criterion may be left without a run to judge."""
+        return bool(self.controllers or self.part)
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Something to check."""
+
+    name: str
+    """Of its folder and of its test suite."""
+    study: Path
+    """The study file, or what stands for one in messages."""
+    table: StudyTable
+    changed: bool
+    """Whether the table is not what a file says."""
+    matrix: Matrix
+    criteria: Mapping[Configuration, tuple[Criterion, ...]]
+    cases: Mapping[str, Case]
+    """Of a suite, by the reference of the scenario."""
+
+
+def read_target(text: str, wishes: Wishes) -> Target:
+    """Return what is to be run for a target, and what it is held against.
+
+    Raises
+    ------
+    InputError
+        For a target that does not exist, a wrong criterion, or none; for a part that nothing matches.
+    """
+    if text.startswith(SUITE):
+        return _suite(text, wishes)
+    path = Path(text)
+    if path.suffix == ".toml" and path.name != library.DEFINITION:
+        return _study(path, wishes)
+    return _scenario(text, wishes)
+
+
+def _scenario(text: str, wishes: Wishes) -> Target:
+    try:
+        name = library.load(text).name
+    except ValueError as error:
+        raise InputError(
+            f"{error}; or a study file (.toml), or {SUITE}NAME" if not Path(text).exists() else str(error)
+        ) from error
+    table = _table(_part([text], wishes, name), name, wishes)
+    return _with_criteria(name, Path(name), table, True, wishes, own=None)
+
+
+def _study(path: Path, wishes: Wishes) -> Target:
+    said = read_study(path)
+    own = _read(said.criteria, str(path)) if said.criteria and wishes.criteria is None else None
+    scenarios = _part(said.scenarios, wishes, str(path))
+    changes: dict[str, Any] = {}
+    if scenarios != said.scenarios:
+        changes["scenarios"] = scenarios
+    if wishes.controllers:
+        changes["controllers"] = list(wishes.controllers)
+    if wishes.seeds is not None:
+        changes["seeds"] = wishes.seeds
+    if wishes.settings:
+        changes["set"] = {**said.settings, **_values(wishes.settings)}
+    if wishes.run_timeout_s is not None:
+        changes["run_timeout_s"] = wishes.run_timeout_s
+    content = {**said.model_dump(by_alias=True, exclude_unset=True), **changes}
+    table = study_of(content, str(path))
+    return _with_criteria(path.stem, path, table, bool(changes), wishes, own)
+
+
+def _suite(text: str, wishes: Wishes) -> Target:
+    from cosim.suites import judging  # loaded by those who ask for a suite
+
+    every = {one.name: one for one in judging.cases(text)}
+    cases = {every[name].reference: every[name] for name in _part(list(every), wishes, text)}
+    label = _UNSAFE.sub("-", f"suite-{text.removeprefix(SUITE).partition('/')[0]}")
+    table = _table(list(cases), label, wishes)
+    return _with_criteria(label, Path(label), table, True, wishes, own=(), cases=cases)
+
+
+def _table(scenarios: Sequence[str], name: str, wishes: Wishes) -> StudyTable:
+    content = {
+        "scenarios": list(scenarios),
+        "controllers": list(wishes.controllers or (DEFAULT_CONTROLLER,)),
+        "seeds": DEFAULT_SEEDS if wishes.seeds is None else wishes.seeds,
+        "run_timeout_s": DEFAULT_TIMEOUT_S if wishes.run_timeout_s is None else wishes.run_timeout_s,
+        "set": _values(wishes.settings),
+    }
+    return study_of(content, name)
+
+
+def _values(settings: Mapping[str, str]) -> dict[str, Any]:
+    """Return settings as a study file has them: texts, but for the share, which is a number there."""
+    found: dict[str, Any] = dict(settings)
+    if "ego_share" in found:
+        try:
+            found["ego_share"] = float(found["ego_share"])
+        except ValueError:
+            raise InputError(f"--set ego_share={found['ego_share']}: expected a number") from None
+    return found
+
+
+def _part(names: list[str], wishes: Wishes, where: str) -> list[str]:
+    wanted = wishes.part
+    if wanted is None:
+        return names
+    found = [name for name in names if wanted in name or fnmatch.fnmatchcase(name, wanted)]
+    if not found:
+        shown = ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+        raise InputError(f"--filter {wanted}: nothing in {where} matches; there are {shown}")
+    return found
+
+
+def _with_criteria(
+    name: str,
+    study: Path,
+    table: StudyTable,
+    changed: bool,
+    wishes: Wishes,
+    own: tuple[Criterion, ...] | None,
+    cases: Mapping[str, Case] | None = None,
+) -> Target:
+    """Find out which criteria hold for which configuration; ``own`` as ``None``: as each scenario says."""
+    matrix = build_matrix(table, study)
+    whole = own
+    if wishes.criteria is not None:
+        whole = _read(_tables_in(wishes.criteria), str(wishes.criteria))
+    if whole is not None:
+        _check_names(whole, matrix, wishes, str(wishes.criteria or study))
+        found = {one: _applying(whole, one) for one in matrix.configurations}
+    else:
+        found = {one: _applying(_of_scenario(one), one) for one in matrix.configurations}
+    return Target(_UNSAFE.sub("-", name), study, table, changed, matrix, found, cases or {})
+
+
+def _applying(criteria: Sequence[Criterion], one: Configuration) -> tuple[Criterion, ...]:
+    return tuple(each for each in criteria if each.applies_to(one.scenario_name, one.controller))
+
+
+def _of_scenario(one: Configuration) -> tuple[Criterion, ...]:
+    table = library.load(one.place).table
+    if table is None or not table.criteria:
+        return ()
+    criteria = _read(table.criteria, one.scenario_name)
+    _check_controllers(criteria, one.scenario_name)
+    return criteria
+
+
+def _tables_in(path: Path) -> list[dict[str, Any]]:
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"--criteria {path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"--criteria {path}: not valid TOML: {error}") from error
+    tables = content.pop("criteria", None)
+    if content or not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
+        raise InputError(f"--criteria {path}: only [[criteria]] expected, for instance {EXAMPLE}")
+    return tables
+
+
+def _read(tables: Sequence[Mapping[str, Any]], where: str) -> tuple[Criterion, ...]:
+    try:
+        return read_criteria(tables)
+    except CriterionError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _check_names(criteria: Sequence[Criterion], matrix: Matrix, wishes: Wishes, where: str) -> None:
+    """Refuse criteria that judge no run; those of a narrowed target may be without one."""
+    _check_controllers(criteria, where)
+    scenarios = sorted({one.scenario_name for one in matrix.configurations})
+    controllers = sorted({one.controller for one in matrix.configurations})
+    for one in criteria:
+        if wishes.narrows() or any(_applying([one], each) for each in matrix.configurations):
+            continue
+        raise InputError(
+            f"{where}: the criterion {one.id!r} judges no run; there are the scenarios "
+            f"{', '.join(scenarios)} and the controllers {', '.join(controllers)}"
+        )
+
+
+def _check_controllers(criteria: Sequence[Criterion], where: str) -> None:
+    known = {each.name for each in inventory.controllers()}
+    for one in criteria:
+        for name in one.controllers:
+            if name not in known:
+                raise InputError(
+                    f"{where}: the criterion {one.id!r} names the controller {name!r}, which does not exist; "
+                    f"there are {', '.join(sorted(known))}"
+                )

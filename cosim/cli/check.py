@@ -1,0 +1,144 @@
+"""``cosim check``: criteria for scenarios, studies and suites."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cosim.cli import terminal
+from cosim.cli.options import Debug, Settings
+
+Targets = Annotated[
+    list[str],
+    typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Output folder; resumes an earlier check.",
+        show_default="runs/check-…",
+    ),
+]
+Junit = Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML to this file.")]
+Controllers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--controller",
+        metavar="NAME",
+        help="Controller that drives the egos; repeatable.",
+        show_default="as the study, otherwise vo_mpc",
+    ),
+]
+Seeds = Annotated[
+    str | None,
+    typer.Option(metavar="1-5", help="Seeds.", show_default="as the study, otherwise 1"),
+]
+Criteria = Annotated[
+    Path | None,
+    typer.Option(
+        "--criteria", metavar="FILE.toml", help="Use these criteria instead of those of the targets."
+    ),
+]
+Part = Annotated[
+    str | None,
+    typer.Option("--filter", metavar="TEXT", help="Only scenarios or cases whose name contains this text."),
+]
+Earlier = Annotated[
+    Path | None,
+    typer.Option(
+        "--baseline", metavar="DIR", help="Fail if a key measure is worse than in this earlier check."
+    ),
+]
+Level = Annotated[
+    float,
+    typer.Option("--level", metavar="P", help="Significance level of the baseline comparison."),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
+]
+RunTimeout = Annotated[
+    float | None,
+    typer.Option("--run-timeout-s", metavar="S", help="Wall-clock limit of a run [s].", show_default="3600"),
+]
+DropRecordings = Annotated[bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")]
+
+
+def check(
+    targets: Targets,
+    out: Folder = None,
+    junit: Junit = None,
+    controller: Controllers = None,
+    seeds: Seeds = None,
+    settings: Settings = None,
+    criteria: Criteria = None,
+    part: Part = None,
+    baseline: Earlier = None,
+    level: Level = 0.05,
+    jobs: Jobs = None,
+    run_timeout_s: RunTimeout = None,
+    drop_recordings: DropRecordings = False,
+    debug: Debug = False,
+) -> int:
+    """Run scenarios, studies or suites and check their results against criteria.
+
+    \b
+    Examples:
+      cosim check midblock_zebra --junit results.xml
+      cosim check midblock_zebra midblock_unmarked --controller aeb --seeds 1-5 --out checks/aeb
+      cosim check study.toml --out checks/today --baseline checks/release --level 0.01
+      cosim check town.sumocfg --criteria criteria.toml --set ego_share=0.1 --set duration_s=600
+
+    \b
+    A criterion, in scenario.toml, in a study file, or in a file for --criteria:
+      [[criteria]]
+      scope = "run"
+      metric = "n_collisions"
+      operator = "=="
+      threshold = 0
+
+    \b
+    Exit codes: 0 all criteria are met, 1 one is not, 2 bad input (nothing is run), 3 a run is invalid:
+    an error, a time-out, a teleported ego.
+    """
+    from cosim.batches.progress import shown_checks, shown_tally
+    from cosim.checks import summary
+    from cosim.checks.check import CheckRequest, prepared
+    from cosim.checks.target import Wishes
+    from cosim.cli.interruption import termination_interrupts
+    from cosim.running.request import parse_settings
+
+    wishes = Wishes(
+        controllers=tuple(dict.fromkeys(controller or [])),
+        seeds=seeds,
+        settings=parse_settings(settings or []),
+        criteria=criteria,
+        part=part,
+        run_timeout_s=run_timeout_s,
+    )
+    request = CheckRequest(
+        targets=tuple(targets),
+        out=out,
+        junit=junit,
+        wishes=wishes,
+        jobs=jobs,
+        drop_recordings=drop_recordings,
+        baseline=baseline,
+        level=level,
+    )
+    with termination_interrupts(), prepared(request, shown_checks()) as one:
+        result = one.run(shown_tally)
+    console = terminal.console()
+    console.print(summary.table(result.findings))
+    for line in summary.failures(result.findings):
+        typer.echo(f"cosim: {line}", err=True)
+    if result.stopped:
+        typer.echo(
+            f"cosim: {result.stopped}; to resume, repeat the command with --out {result.folder}", err=True
+        )
+    console.print(f"\n{summary.verdict(result.findings)}\nfiles: {result.folder}", soft_wrap=True)
+    return result.exit_code

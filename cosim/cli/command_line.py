@@ -1,0 +1,97 @@
+"""The command ``cosim``: parses arguments, prints one line per error and returns an exit code.
+
+Exit codes: 0 success; 1 a criterion is not met; 2 bad usage or input, found before the first step; 3 a run
+that failed after it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+
+from cosim.cli import analyse, compare, conformance, listing, papers
+from cosim.cli import batch as batch_command
+from cosim.cli import check as check_command
+from cosim.cli import inspect as inspect_command
+from cosim.cli import plot as plot_command
+from cosim.cli import replay as replay_command
+from cosim.cli import report as report_command
+from cosim.cli import run as run_command
+from cosim.cli.apart import OWN_PROCESS
+from cosim.errors import InputError, SimulationError
+
+# The base class of typer's usage errors, which has no public name.
+UsageProblem: Any = typer.BadParameter.__mro__[2]
+
+app = typer.Typer(
+    name="cosim",
+    help="Drive controllers through pedestrian crossings in SUMO traffic and report how safe they were.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+app.command("run")(run_command.run)
+app.command("batch")(batch_command.batch)
+app.command("check")(check_command.check)
+app.command("analyse")(analyse.analyse)
+app.command("compare")(compare.compare)
+app.command("report")(report_command.report)
+app.command("conformance")(conformance.conformance)
+app.command("inspect")(inspect_command.inspect)
+app.command("plot")(plot_command.plot)
+app.command("replay")(replay_command.replay)
+app.command("list")(listing.show)
+app.command("papers", hidden=True, context_settings=papers.ANYTHING)(papers.papers)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from cosim.recording.provenance import versions
+
+        typer.echo(", ".join(f"{name} {version}" for name, version in versions().items()))
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show versions and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    owner = OWN_PROCESS if arguments is None else None
+    arguments = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    # Before NumPy is loaded: several BLAS threads make small problems slower, not faster.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    try:
+        code = app(arguments, prog_name="cosim", standalone_mode=False, obj=owner)
+        return int(code or 0)
+    except UsageProblem as error:
+        return _tell(error.format_message(), 2, arguments)
+    except InputError as error:
+        return _tell(str(error), 2, arguments)
+    except SimulationError as error:
+        return _tell(str(error), 3, arguments)
+    except (KeyboardInterrupt, typer.Abort):
+        return _tell("interrupted", 130, arguments)
+    except Exception as error:  # noqa: BLE001  last resort: one line instead of a traceback
+        what = f"internal error, {type(error).__name__}: {error} (use --debug for the traceback)"
+        return _tell(what, 3, arguments)
+
+
+def _tell(text: str, code: int, arguments: Sequence[str]) -> int:
+    if "--debug" in arguments:
+        traceback.print_exc()
+    print("cosim: " + " ".join(text.split()), file=sys.stderr)
+    return code

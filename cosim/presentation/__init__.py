@@ -1,0 +1,1 @@
+"""What finished runs say: their numbers, comparisons, reports and pictures."""

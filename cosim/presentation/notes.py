@@ -1,0 +1,40 @@
+"""What a user has to know of a run beside its numbers, a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+BESIDE_THE_LANE = 2.0
+"""An ego farther from its lane's centre line is reported [m]."""
+COARSE_STEP_S = 0.2
+"""In a longer step a pedestrian moves by more than their radius [s]."""
+
+
+def run_notes(description: Mapping[str, Any]) -> list[str]:
+    """Return the notes on a run that is described by its ``run.json``."""
+    step_s = float(description["step_s"])
+    coarse = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
+    return ([coarse] if step_s > COARSE_STEP_S else []) + _mishaps(description)
+
+
+def _mishaps(description: Mapping[str, Any]) -> list[str]:
+    """Return in one line each what the coupling could not do."""
+    found = []
+    given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
+    if given_up:
+        text = f"{len(given_up)} egos left their path and were handed back to SUMO's driver"
+        found.append(_with_first(text, given_up))
+    beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
+    if beside:
+        furthest = max(beside.values())
+        text = f"egos drive up to {furthest:.1f} m beside lanes with too tight bends"
+        found.append(_with_first(text, list(beside)))
+    if not_taken:
+        text = f"{len(not_taken)} cars of --ego-share stay with SUMO (route cannot be driven)"
+        found.append(_with_first(text, not_taken))
+    return found
+
+
+def _with_first(text: str, names: Sequence[str]) -> str:
+    return f"{text}: {names[0]}{', …' if len(names) > 1 else ''}"

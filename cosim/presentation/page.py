@@ -1,0 +1,51 @@
+"""The report of runs as a page to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from analysis.errors import AnalysisError
+from cosim.errors import InputError
+from cosim.presentation.wording import sentence
+from cosim.recording.folders import create_named
+
+
+def write_page(
+    folders: list[Path],
+    out: Path | None = None,
+    base: str | None = None,
+    rows: int = 200,
+    replays: int = 100,
+) -> tuple[Path, list[str]]:
+    """Write the page; return its path and notes to print.
+
+    Raises
+    ------
+    InputError
+        If the runs cannot be read, the page cannot be written, or a required package is missing.
+    """
+    try:
+        from analysis.page.report import write_report
+    except ModuleNotFoundError as error:
+        raise _unavailable(error) from error
+    if out is None:
+        out = folders[0] if len(folders) == 1 else create_named(None, "report")
+    title = out.resolve().name if len(folders) == 1 else ", ".join(folder.name for folder in folders)
+    try:
+        written = write_report(folders, out, sentence, title=title, baseline=base, rows=rows, replays=replays)
+    except AnalysisError as error:
+        raise InputError(str(error)) from error
+    except OSError as error:
+        raise InputError(f"{out}: the report cannot be written: {error.strerror}") from error
+    notes = [f"{written.listed} encounters listed, {written.replays} with a replay"]
+    if written.not_recorded:
+        notes.append(
+            f"{written.not_recorded} of them have no recording to replay; "
+            "the page gives the command that records each"
+        )
+    return written.page, notes
+
+
+def _unavailable(error: ModuleNotFoundError) -> Exception:
+    """Return an error that says which extra to install."""
+    return InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[report]"')

@@ -1,0 +1,159 @@
+"""Where a run's numbers come from: ``run.json`` and the identity of a run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+PERFECT = "perfect"
+"""Sensing that tells egos the truth."""
+_DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "piqp", "proxsuite", "clarabel")
+"""What may change a run's numbers, besides this tool; absent ones are left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """Everything that decides the numbers of a run; equal inputs give equal files."""
+
+    scenario: str
+    scenario_parameters: Mapping[str, Any]
+    controller: str
+    controller_parameters: Mapping[str, Any]
+    seed: int
+    egos: Mapping[str, Any]
+    """Which vehicles the controller drives."""
+    step_s: float
+    warmup_s: float
+    duration_s: float | None
+    """``None``: until the scenario ends."""
+    actuation: str
+    files: Mapping[str, str]
+    """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
+    sensing: str = PERFECT
+    sensing_parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def config_id(self) -> str:
+        """Return the identity of everything but the seed: the controller's name and a hash."""
+        return f"{self.controller}-{_digest(self._content(), 8)}"
+
+    def run_id(self) -> str:
+        """Return the identity of the run: a hash of the inputs and of the versions."""
+        return _digest({**self._content(), "seed": self.seed, "versions": versions()}, 16)
+
+    def _content(self) -> dict[str, Any]:
+        # Runs have the identities that they had before there was a choice of sensing.
+        sensing = {"sensing": self.sensing, "sensing_parameters": dict(self.sensing_parameters)}
+        return {
+            **(sensing if self.sensing != PERFECT else {}),
+            "scenario": self.scenario,
+            "scenario_parameters": dict(self.scenario_parameters),
+            "controller": self.controller,
+            "controller_parameters": dict(self.controller_parameters),
+            "egos": dict(self.egos),
+            "step_s": self.step_s,
+            "warmup_s": self.warmup_s,
+            "duration_s": self.duration_s,
+            "actuation": self.actuation,
+            "files": sorted(self.files.values()),
+        }
+
+
+def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
+    """Return what ``run.json`` says before the first step; the rest is filled in at the end."""
+    return {
+        "run_id": inputs.run_id(),
+        "scenario_id": inputs.scenario,
+        "controller": inputs.controller,
+        "seed": inputs.seed,
+        "config_id": inputs.config_id(),
+        "tool_version": tool_version(),
+        "git_sha": git_sha(),
+        "sumo_version": versions().get("libsumo"),
+        "versions": versions(),
+        "start_utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "wall_s": None,
+        "wall_control_s": None,
+        "wall_world_s": None,
+        "step_s": inputs.step_s,
+        "warmup_s": inputs.warmup_s,
+        "duration_s": None,
+        "requested_duration_s": inputs.duration_s,
+        "n_steps": 0,
+        "n_egos": 0,
+        "valid": False,
+        "invalid_reason": "the run has not ended",
+        "actuation": inputs.actuation,
+        "sensing": inputs.sensing,
+        "parameters": {
+            "scenario": _writable(inputs.scenario_parameters),
+            "controller": _writable(inputs.controller_parameters),
+            "sensing": _writable(inputs.sensing_parameters),
+        },
+        "egos": _writable(inputs.egos),
+        "inputs": dict(inputs.files),
+        "n_teleports": 0,
+        "n_routes_restored": 0,
+        "n_steps_off_the_way": 0,
+        "egos_given_up": [],
+        "cars_not_taken": [],
+        "tight_bends": {},
+        "solvers": {},
+        "recording_schema_version": schema_version,
+    }
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of this tool and of everything that may change a run's numbers."""
+    found = {"sumo-cosim": tool_version()}
+    for name in _DISTRIBUTIONS:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+@cache
+def tool_version() -> str:
+    """Return the version of this tool, ``uninstalled`` when it runs from bare sources."""
+    try:
+        return metadata.version("sumo-cosim")
+    except metadata.PackageNotFoundError:
+        return "uninstalled"
+
+
+@cache
+def git_sha() -> str | None:
+    """Return the commit of the checkout that runs, with ``-dirty`` after changes; ``None`` outside one."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return None  # installed, perhaps below somebody else's checkout
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return answer.stdout.strip() or None
+
+
+def _writable(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values with infinite ones as the texts that ``--set`` takes; JSON has no such number."""
+    return {
+        key: str(value) if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in values.items()
+    }
+
+
+def _digest(content: Mapping[str, Any], length: int) -> str:
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False, default=str)
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()[:length]

@@ -1,0 +1,120 @@
+"""What happened in a run, written while it runs; ``analysis/recording/columns.py`` names the columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from analysis.files import write_json
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING
+from controllers.interface import Decision, Perception, Plan
+from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects
+from cosim.recording.table_writer import TableWriter
+from cosim.step.loop import ToWorld
+from cosim.step.world import MapArea, Mishaps, Snapshot
+
+PLANS_PER_SECOND = 2.0
+"""Rate at which plans are kept for replay [1/s of simulated time]."""
+PLANS_PER_CHUNK = 1024
+"""A plan's row is long: thousands that wait to be written would be most of what a process holds."""
+
+
+class Recorder:
+    """Writes egos, neighbours, plans, timing and what was sensed of one run.
+
+    Use as a context manager: however the block is left, what was recorded until then is in the files.
+    The wall clock appears in ``timing.parquet`` only.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._egos = TableWriter(folder, EGOS)
+        self._neighbours = TableWriter(folder, NEIGHBOURS)
+        self._plans = TableWriter(folder, PLANS, PLANS_PER_CHUNK)
+        self._timing = TableWriter(folder, TIMING)
+        self._sensing: TableWriter | None = None
+        self._planned_now: dict[str, PlannedEgo] = {}
+        self._last_kept_plan: dict[str, int] = {}
+        self.first_time: float | None = None
+        self.last_time: float | None = None
+        self.teleports = 0
+        self.mishaps = Mishaps()
+        self.ego_names: set[str] = set()
+        self.solves: dict[str, dict[str, int]] = {}
+        """Programs by solver: how many, and how many of them were left unsolved."""
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def planned(
+        self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
+    ) -> None:
+        """Take note of one ego's plan, made at the beginning of a step."""
+        name, time = perception.ego.name, perception.ego.time
+        planned = PlannedEgo(perception, decision, plan, 1000.0 * compute_s, to_world)
+        self._planned_now[name] = planned
+        self._timing.add(planned)
+        if plan.solves is not None:
+            counted = self.solves.setdefault(plan.solves.solver, {"programs": 0, "unsolved": 0})
+            counted["programs"] += plan.solves.programs
+            counted["unsolved"] += plan.solves.unsolved
+        slot = math.floor(time * PLANS_PER_SECOND + 1e-6)
+        if len(plan.times) > 0 and self._last_kept_plan.get(name) != slot:
+            self._last_kept_plan[name] = slot
+            self._plans.add(planned)
+
+    def stepped(self, snapshot: Snapshot) -> None:
+        """Take note of the world after the step."""
+        if self.first_time is None:
+            self.first_time = snapshot.time
+        self.last_time = snapshot.time
+        self.teleports = snapshot.teleports
+        self.mishaps = snapshot.mishaps
+        for ego in snapshot.egos:
+            self.ego_names.add(ego.name)
+            self._egos.add(SteppedEgo(snapshot.time, ego, self._planned_now.get(ego.name)))
+        self._planned_now.clear()
+        for objects in (snapshot.persons, snapshot.vehicles):
+            self._neighbours.add_all(SteppedObjects(snapshot.time, objects), len(objects.names))
+        if snapshot.sensed is not None:
+            if self._sensing is None:
+                self._sensing = TableWriter(self._folder, SENSING)
+            for sensed in snapshot.sensed:
+                self._sensing.add_all(sensed, len(sensed.names))
+
+    def write_map(self, areas: Sequence[MapArea]) -> None:
+        """Write ``map.json``: lanes, crossings and walking areas near where the egos have been."""
+        content = {
+            "areas": [
+                {
+                    "name": area.name,
+                    "kind": area.kind,
+                    "crossing_kind": area.crossing_kind,
+                    "width_m": round(area.width, 3),
+                    "shape_m": np.round(area.shape, 3).tolist(),
+                }
+                for area in areas
+            ]
+        }
+        write_json(self._folder / "map.json", content)
+
+    def close(self) -> None:
+        """Write the last rows of every file, also when one of them cannot be written."""
+        errors: list[OSError] = []
+        for table in (self._egos, self._neighbours, self._plans, self._timing, self._sensing):
+            try:
+                if table is not None:
+                    table.close()
+            except OSError as error:
+                errors.append(error)
+        if errors:
+            raise errors[0]

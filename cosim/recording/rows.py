@@ -1,0 +1,84 @@
+"""What the rows of a recording are made of: the sources of ``analysis/recording/columns.py`` begin here.
+
+``sensing.parquet`` is made of :class:`cosim.sensing.interface.Sensed` as it is.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from controllers.interface import Decision, FloatArray, Perception, Plan
+from cosim.step.loop import ToWorld
+from cosim.step.world import EgoTruth, PersonsTruth, VehiclesTruth
+
+REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
+"""Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
+_OVERLAY = json.JSONEncoder(sort_keys=True, allow_nan=False)
+
+
+@dataclass(frozen=True)
+class PlannedEgo:
+    """One ego's plan, made at the beginning of a step: a row of timing.parquet, perhaps of plans.parquet."""
+
+    perception: Perception
+    decision: Decision
+    plan: Plan
+    compute_ms: float
+    """Wall-clock time of deciding and planning [ms]."""
+    to_world: ToWorld
+
+    @cached_property
+    def _points(self) -> FloatArray:
+        return self.to_world(self.perception.ego.name, self.plan.along, self.plan.across)
+
+    @property
+    def x(self) -> FloatArray:
+        """Planned rear axle in the world [m]."""
+        return self._points[:, 0]
+
+    @property
+    def y(self) -> FloatArray:
+        """Planned rear axle in the world [m]."""
+        return self._points[:, 1]
+
+    @property
+    def overlay(self) -> str:
+        """What a replay may draw, as JSON, with the route frame's axis where there is anything."""
+        drawn = {
+            name: [value if math.isfinite(value) else None for value in np.ravel(values).tolist()]
+            for name, values in self.plan.overlay.items()
+        }
+        if any(drawn.values()):
+            line = self.to_world(self.perception.ego.name, REFERENCE_LINE, np.zeros(len(REFERENCE_LINE)))
+            drawn["reference_line_m"] = np.round(np.ravel(line), 2).tolist()
+        return _OVERLAY.encode(drawn)
+
+
+@dataclass(frozen=True, slots=True)
+class SteppedEgo:
+    """One ego after a step: a row of egos.parquet."""
+
+    time: float
+    """[s]."""
+    truth: EgoTruth
+    planned: PlannedEgo | None
+    """The plan made at the beginning of the step."""
+
+    @property
+    def has_plan(self) -> bool:
+        """Whether it planned."""
+        return self.planned is not None
+
+
+@dataclass(frozen=True, slots=True)
+class SteppedObjects:
+    """All pedestrians or all vehicles after a step: rows of neighbours.parquet."""
+
+    time: float
+    """[s]."""
+    objects: PersonsTruth | VehiclesTruth

@@ -1,0 +1,48 @@
+"""Rows of a declared table to its Parquet file: each column's value is read where its source says."""
+
+from __future__ import annotations
+
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.recording.columns import RecordedTable
+from cosim.recording.parquet_sink import ROWS_PER_CHUNK, Column, ParquetSink
+from cosim.recording.source_reader import SourceReader
+
+
+class TableWriter:
+    """One recorded table of a run's folder."""
+
+    def __init__(self, folder: Path, table: RecordedTable, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
+        self._sink = ParquetSink(folder / table.file, table.schema, rows_per_chunk)
+        self._sources = SourceReader([column.source for column in table.columns])
+        self._lists = [place for place, column in enumerate(table.columns) if column.kind == "numbers"]
+
+    def add(self, made_of: Any) -> None:
+        """Add the row of one object; a number that is not finite is undefined, so null."""
+        row: list[Any] = [
+            None if isinstance(value, float) and not isfinite(value) else value
+            for value in self._sources.read(made_of)
+        ]
+        for place in self._lists:
+            row[place] = row[place].tolist()  # the array may be filled anew before it is written
+        self._sink.add_row(tuple(row))  # a tuple of numbers and texts is not looked at for garbage
+
+    def add_all(self, made_of: Any, count: int) -> None:
+        """Add ``count`` rows of an object that holds for each column a sequence, or one value for all."""
+        self._sink.add_columns([_column(value, count) for value in self._sources.read(made_of)])
+
+    def close(self) -> None:
+        """Write what is left and make the file."""
+        self._sink.close()
+
+
+def _column(value: Any, count: int) -> Column:
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind != "f" or np.isfinite(value).all():
+            return value
+        return [one if isfinite(one) else None for one in value.tolist()]
+    return value if isinstance(value, tuple | list) else [value] * count

@@ -1,0 +1,1 @@
+"""One run: asked for, put together, rehearsed, simulated and analysed."""

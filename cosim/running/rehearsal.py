@@ -1,0 +1,50 @@
+"""Two plans on a road without SUMO: what a controller cannot work with is found before a run begins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from controllers.interface import Controller
+from cosim.errors import InputError
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_world import ToyWorld
+
+
+def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> None:
+    """Let a controller plan twice, behind a slower car and towards somebody on a zebra.
+
+    Parameters are checked by value when a controller is built; that a solver is not installed, or that
+    a tolerance is none, shows only where it is used.
+
+    Parameters
+    ----------
+    name, controller
+        What to try; it is of no use afterwards, because controllers remember.
+    given
+        The parameters that are not defaults, for the message.
+
+    Raises
+    ------
+    InputError
+        If it fails, or commands nothing that could be carried out.
+    """
+    world = ToyWorld(
+        road=ToyRoad(lanes=2, crossings=(ToyCrossing(40.0),)),
+        pedestrians=(ToyPedestrian("somebody", walk(42.0, -1.0, 0.0, 1.2)),),
+        vehicles=(ToyVehicle("leader", walk(30.0, 0.0, 8.0, 0.0)),),
+    )
+    try:
+        for _ in range(2):
+            for perception in world.sense() or ():
+                plan = controller.plan(perception, controller.decide(perception))
+                world.act(perception.ego.name, plan.command)
+            world.advance()
+    except Exception as error:  # a plug-in may raise anything; re-raised as what it is to the user
+        text = " ".join(str(error).split())
+        if isinstance(error, ValueError):
+            raise InputError(f"controller '{name}': {text}") from error
+        values = ", ".join(f"{key}={value}" for key, value in given.items())
+        raise InputError(
+            f"controller '{name}' with {values or 'its defaults'} cannot plan on a plain road: "
+            f"{type(error).__name__}: {text}"
+        ) from error

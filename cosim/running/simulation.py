@@ -1,0 +1,181 @@
+"""One run: from a request to a folder with a recording and the numbers of its analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from pyarrow import ArrowInvalid
+
+from analysis.files import read_json, write_json
+from analysis.recording.columns import SCHEMA_VERSION
+from cosim.errors import CosimError, InputError, SimulationError
+from cosim.recording import folders, provenance
+from cosim.recording.parquet_sink import PART, recover
+from cosim.recording.recorder import Recorder
+from cosim.running import compose
+from cosim.running.compose import Composition
+from cosim.running.request import RunRequest
+from cosim.step import loop
+from cosim.step.broadcast import Broadcast
+from cosim.step.drivers import Departures
+from cosim.step.loop import LoopTimes
+
+Progress = Callable[[float, float | None], None]
+"""Called with the simulated time and the time at which the run ends, if that is known [s]."""
+TELEPORTED = "SUMO teleported"
+"""How the reason begins for a run that is not valid although it went on to its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What came out of a run."""
+
+    folder: Path
+    description: dict[str, Any]
+    """The content of ``run.json``."""
+
+    @property
+    def valid(self) -> bool:
+        """Whether the run went on to its end undisturbed."""
+        return bool(self.description["valid"])
+
+    @property
+    def invalid_reason(self) -> str:
+        """Why it is not valid, in one line; empty for a valid run."""
+        return str(self.description["invalid_reason"] or "")
+
+
+def run(
+    request: RunRequest,
+    progress: Progress = lambda time, end: None,
+    begun: Callable[[Path], None] = lambda folder: None,
+) -> RunResult:
+    """Simulate and record; bad input raises, a failure after the first step is part of the result.
+
+    Parameters
+    ----------
+    request : what to run
+    progress : called after every step
+    begun : called with the run's folder before the first step
+
+    Raises
+    ------
+    InputError
+        For anything wrong that is found before the first step; no folder is left behind.
+    """
+    folders.check(request.out)
+    composition = compose.compose(request)
+    try:
+        inputs = composition.inputs
+        folder = folders.create(request.out, inputs.scenario, inputs.controller, inputs.seed)
+        begun(folder)
+        try:
+            return _simulate(composition, folder, progress)
+        except InputError:
+            folders.discard(folder)
+            raise
+    finally:
+        composition.close()
+
+
+def _simulate(composition: Composition, folder: Path, progress: Progress) -> RunResult:
+    description = provenance.describe(composition.inputs, SCHEMA_VERSION)
+    write_json(folder / "run.json", description)
+    times = LoopTimes()
+    started = perf_counter()
+    recorder = Recorder(folder)
+    reason: str | None = None
+    defect: Exception | None = None
+    try:
+        with recorder:
+            _drive(composition, recorder, times, progress)
+    except CosimError as error:
+        reason = str(error)
+        if not recorder.ego_names:
+            # Nothing was driven, so nothing was recorded: what was asked for is not possible.
+            raise InputError(reason) from error
+    except OSError as error:
+        reason = f"the recording could not be written: {error.strerror or error}"
+    except KeyboardInterrupt:
+        reason = "interrupted"
+    except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
+        reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
+    if reason is None and recorder.teleports:
+        reason = f"{TELEPORTED} {recorder.teleports} egos"
+    if reason is None and not recorder.ego_names:
+        raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
+    _finish(description, recorder, times, perf_counter() - started, reason)
+    _write_description(folder, description)
+    if defect is not None:
+        raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
+    return RunResult(folder, description)
+
+
+def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
+    """Keep what a run had recorded when its process ended without a word, and return its ``run.json``.
+
+    Parameters
+    ----------
+    folder : of the run
+    reason : how the process ended
+    """
+    for part in sorted(folder.glob(f"*{PART}")):
+        try:
+            recover(part)
+        except (OSError, ArrowInvalid):
+            part.unlink(missing_ok=True)  # not even its beginning was written
+    description = read_json(folder / "run.json")
+    description.update(valid=False, invalid_reason=reason)
+    _write_description(folder, description)
+    return description
+
+
+def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
+    world, end = composition.world, composition.end_time
+    window = () if composition.window is None else (composition.window,)
+    record = Broadcast(recorder, Departures(composition.drivers), *window)
+    try:
+        loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
+    except BaseException:
+        # What failed is told; the map is drawn where a broken simulation still allows it.
+        with suppress(CosimError, OSError):
+            recorder.write_map(world.map_areas())
+        raise
+    recorder.write_map(world.map_areas())
+
+
+def _finish(
+    description: dict[str, Any], recorder: Recorder, times: LoopTimes, wall_s: float, reason: str | None
+) -> None:
+    duration_s = 0.0
+    if recorder.first_time is not None and recorder.last_time is not None:
+        duration_s = recorder.last_time - recorder.first_time + float(description["step_s"])
+    description.update(
+        wall_s=round(wall_s, 3),
+        wall_control_s=round(times.control, 3),
+        wall_world_s=round(times.world, 3),
+        duration_s=round(duration_s, 6),
+        n_steps=times.steps,
+        n_egos=len(recorder.ego_names),
+        n_teleports=recorder.teleports,
+        n_routes_restored=recorder.mishaps.routes_restored,
+        n_steps_off_the_way=recorder.mishaps.off_the_way,
+        egos_given_up=list(recorder.mishaps.given_up),
+        cars_not_taken=list(recorder.mishaps.not_taken),
+        tight_bends={lane: round(off, 2) for lane, off in recorder.mishaps.tight_bends.items()},
+        solvers=recorder.solves,
+        valid=reason is None,
+        invalid_reason=reason,
+    )
+
+
+def _write_description(folder: Path, description: dict[str, Any]) -> None:
+    try:
+        write_json(folder / "run.json", description)
+    except OSError as error:
+        raise SimulationError(f"{folder / 'run.json'} could not be written: {error.strerror}") from error

@@ -1,0 +1,26 @@
+"""The step told to several who take note of it."""
+
+from __future__ import annotations
+
+from controllers.interface import Decision, Perception, Plan
+from cosim.step.loop import Record, ToWorld
+from cosim.step.world import Snapshot
+
+
+class Broadcast:
+    """Tells each of several records the same, in their order."""
+
+    def __init__(self, *records: Record) -> None:
+        self._records = records
+
+    def planned(
+        self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
+    ) -> None:
+        """Tell all of one ego's plan."""
+        for record in self._records:
+            record.planned(perception, decision, plan, compute_s, to_world)
+
+    def stepped(self, snapshot: Snapshot) -> None:
+        """Tell all of the world after the step."""
+        for record in self._records:
+            record.stepped(snapshot)

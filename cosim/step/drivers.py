@@ -1,0 +1,65 @@
+"""Who drives which ego: controllers built when an ego first appears, each with a seed of its own."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Collection, Iterator, Mapping
+
+from controllers.interface import Controller, Decision, Perception, Plan
+from cosim.step.loop import ToWorld
+from cosim.step.world import Snapshot
+
+
+class Drivers(Mapping[str, Controller]):
+    """A controller for every ego that is asked for; one controller drives one ego until that leaves.
+
+    An ego's seed follows from the run's seed and from its name alone, so that one more ego in the
+    traffic does not change what the others draw.
+    """
+
+    def __init__(self, build: Callable[[int], Controller], seed: int) -> None:
+        self._build = build
+        self._seed = seed
+        self._built: dict[str, Controller] = {}
+
+    def __getitem__(self, name: str) -> Controller:
+        if name not in self._built:
+            self._built[name] = self._build(seed_of(self._seed, name))
+        return self._built[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._built)
+
+    def __len__(self) -> int:
+        return len(self._built)
+
+    def keep(self, names: Collection[str]) -> None:
+        """Let the controllers of all other egos go: with its programs one may hold some 200 kB."""
+        for name in self._built.keys() - set(names):
+            del self._built[name]
+
+
+class Departures:
+    """A record that lets the controllers of egos go that have left the road; none comes back.
+
+    Parameters
+    ----------
+    drivers : Drivers
+    """
+
+    def __init__(self, drivers: Drivers) -> None:
+        self._drivers = drivers
+
+    def planned(
+        self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
+    ) -> None:
+        """Nothing: who plans is on the road."""
+
+    def stepped(self, snapshot: Snapshot) -> None:
+        """Keep the controllers of those who are still there."""
+        self._drivers.keep([ego.name for ego in snapshot.egos])
+
+
+def seed_of(seed: int, name: str) -> int:
+    """Return the seed of one ego's controller, from 0 to 2^32 − 1."""
+    return int.from_bytes(hashlib.sha256(f"{seed}:{name}".encode()).digest()[:4], "big")

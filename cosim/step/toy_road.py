@@ -1,0 +1,158 @@
+"""A straight road, and who is on it by a script.
+
+The road runs east from x = 0, lanes count from the right (south) and lane 0's centre line is y = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Body, CrossingKind, Neighbour, NeighbourGaps, Vehicles
+from cosim.sensing.interface import Site
+from cosim.step.plant import Plant
+from cosim.step.world import MapArea
+
+FloatArray = NDArray[np.float64]
+Motion = Callable[[float], tuple[float, float, float, float]]
+"""Time [s] -> x, y, x speed, y speed [m, m/s]."""
+
+
+@runtime_checkable
+class ReactingMotion(Protocol):
+    """The motion of somebody who sees the ego. It remembers, so: one per pedestrian and run."""
+
+    def __call__(self, time: float) -> tuple[float, float, float, float]:
+        """Return place and velocity at the time last told, or at the start."""
+        ...
+
+    def react(self, time: float, ego: Plant) -> None:
+        """Move on to that time; the ego is seen as it is then."""
+        ...
+
+
+def walk(
+    x: float, y: float, x_speed: float, y_speed: float, start: float = 0.0, stop: float = np.inf
+) -> Motion:
+    """Return the motion of somebody who stands at (x, y), walks from ``start`` to ``stop``, then stands."""
+
+    def at(time: float) -> tuple[float, float, float, float]:
+        walked = min(max(time - start, 0.0), stop - start)
+        moving = start <= time < stop
+        return (
+            x + x_speed * walked,
+            y + y_speed * walked,
+            x_speed if moving else 0.0,
+            y_speed if moving else 0.0,
+        )
+
+    return at
+
+
+@dataclass(frozen=True, slots=True)
+class ToyPedestrian:
+    """A scripted pedestrian."""
+
+    name: str
+    motion: Motion
+    radius: float = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class ToyVehicle:
+    """A scripted vehicle; the motion is that of its front bumper."""
+
+    name: str
+    motion: Motion
+    length: float = 4.5
+    width: float = 1.8
+
+
+@dataclass(frozen=True, slots=True)
+class ToyCrossing:
+    """A crossing over all lanes, from ``x`` to ``x + width``."""
+
+    x: float
+    width: float = 4.0
+    kind: CrossingKind = CrossingKind.ZEBRA
+
+
+@dataclass(frozen=True, slots=True)
+class ToyRoad:
+    """A straight road."""
+
+    lanes: int = 1
+    lane_width: float = 3.5
+    speed_limit: float = 13.89
+    crossings: tuple[ToyCrossing, ...] = ()
+
+    def centre(self, lane: int) -> float:
+        """Return where the centre line of a lane is, from that of lane 0 [m]."""
+        return lane * self.lane_width
+
+    def edges(self) -> tuple[float, float]:
+        """Return the right and the left edge of the road [m]."""
+        half = 0.5 * self.lane_width
+        return -half, self.centre(self.lanes - 1) + half
+
+    def crossing_at(self, x: float, y: float) -> int:
+        """Return the number of the crossing that a point is on; −1 for none."""
+        right, left = self.edges()
+        for i, c in enumerate(self.crossings):
+            if c.x <= x <= c.x + c.width and right <= y <= left:
+                return i
+        return -1
+
+    def map_areas(self, far: float) -> list[MapArea]:
+        """Return the lanes, up to that distance [m], and the crossings."""
+        width = self.lane_width
+        lanes = [
+            MapArea(f"toy_{i}", "lane", width, np.array([[0.0, i * width], [far, i * width]]))
+            for i in range(self.lanes)
+        ]
+        crossings = [
+            MapArea(f"toy_c{i}", "crossing", c.width, self._middle_of(c), c.kind.value)
+            for i, c in enumerate(self.crossings)
+        ]
+        return [*lanes, *crossings]
+
+    def site(self) -> Site:
+        """Return what sensors have to know of the road."""
+        crossings = {f"toy_c{i}": self._middle_of(c) for i, c in enumerate(self.crossings)}
+        return Site(crossings, np.zeros((0, 4)), np.zeros((0, 4)))
+
+    def _middle_of(self, crossing: ToyCrossing) -> FloatArray:
+        """Return the middle line of a crossing, from edge to edge."""
+        right, left = self.edges()
+        middle = crossing.x + crossing.width / 2
+        return np.array([[middle, right], [middle, left]])
+
+
+def gaps_among(vehicles: Vehicles, body: Body, lane_width: float) -> NeighbourGaps:
+    """Return the next vehicles ahead and behind, in the lane of an ego of that size and those beside it."""
+    found: dict[str, Neighbour | None] = {}
+    for side, prefix in ((0, ""), (1, "left_"), (-1, "right_")):
+        centre = side * lane_width
+        in_lane = np.abs(vehicles.across - centre) < 0.5 * (lane_width + 1.0)
+        middle = vehicles.along - 0.5 * vehicles.length
+        ego_middle = 0.5 * (body.front - body.rear_overhang)
+        for ahead in (True, False):
+            some = np.flatnonzero(in_lane & ((middle >= ego_middle) == ahead))
+            best: Neighbour | None = None
+            for i in some:
+                rear = float(vehicles.along[i] - vehicles.length[i])
+                gap = rear - body.front if ahead else -body.rear_overhang - float(vehicles.along[i])
+                if best is None or gap < best.gap:
+                    best = Neighbour(
+                        vehicles.names[i],
+                        gap,
+                        float(vehicles.along_speed[i]),
+                        float(vehicles.acceleration[i]),
+                        float(vehicles.length[i]),
+                    )
+            found[prefix + ("ahead" if ahead else "behind")] = best
+    return NeighbourGaps(**found)

@@ -1,0 +1,367 @@
+"""Make a vehicle in SUMO be where our plant is, such that SUMO's traffic reacts to it as to its own.
+
+``hybrid`` lets SUMO drive the given speed and lateral shift on normal lanes and moves the vehicle to its
+position only where that cannot work: in junctions, at lane ends and off the paved lanes. ``move`` moves it
+every step. What each of them does to neighbours and pedestrians is measured in docs/coupling.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from cosim.errors import SimulationError
+from cosim.step.frames import degrees_of
+from cosim.sumo.lane_shape import LaneShape
+from cosim.sumo.lanes import Lanes
+
+OBEY_SPEED = 32
+"""Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
+OBEY_LANE = 0
+"""Lane-change mode: SUMO neither decides nor corrects a lateral movement."""
+EXACT_POSITION = 2
+"""``keepRoute`` of moveToXY: take the position as it is. 6 (with 4, ignore permissions) can crash SUMO."""
+ON_ROUTE = 3
+"""The same, but of lanes near the position only those of the route count, whichever lane is told."""
+
+POSITION_TOLERANCE = 0.02
+"""Further from the plant [m] than this after a native step, the ego is moved until its lane changes."""
+DITHER = 0.002
+"""Extra lateral shift [m] in the first native step after a move.
+
+A move does not register the vehicle in the second lane that it reaches into, nor does a shift of nothing.
+"""
+SIDEWAYS = 0.01
+"""SUMO's vehicles go no further sideways in a step than ahead, or so far [m].
+
+No car does; but where traffic keeps left, SUMO takes a moved vehicle for one on the other side of its lane.
+"""
+_BLIND_PARAMETERS = (("laneChangeModel.lcAccelLat", "1000"), ("laneChangeModel.lcSigma", "0"))
+_LATERAL_SPEED = 10.0
+
+
+class Method(StrEnum):
+    """How the ego is made to follow the plant: what the parameter ``actuation`` chooses from."""
+
+    HYBRID = "hybrid"
+    MOVE = "move"
+
+
+class Executed(NamedTuple):
+    """Where SUMO says the ego is."""
+
+    x: float
+    """Centre of the front bumper [m]."""
+    y: float
+    speed: float
+    lane: str
+    """Lane id; empty where SUMO lost it."""
+
+
+@dataclass(slots=True)
+class _Ego:
+    """What is remembered of one driven vehicle."""
+
+    vehicle_class: str
+    width: float
+    speed_mode: int
+    lane_mode: int
+    lateral_speed: float
+    parameters: tuple[tuple[str, str], ...]
+    lane: str
+    """Where we believe it to be."""
+    speed: float
+    """At the beginning of the step [m/s]."""
+    route: tuple[str, ...]
+    """Edges still to drive, as they were when SUMO's route was last seen to be the ego's own."""
+    route_id: str
+    """SUMO's name of that route; a changed route has another one."""
+    moved: bool = False
+    """The last step was a move."""
+    moves_on: str = ""
+    """Lane on which native driving failed: move until the ego is on another."""
+    aim: tuple[float, float] | None = None
+    """Where the front bumper has to be after the step under way."""
+    asked_speed: float = 0.0
+    moves: int = 0
+    routes_restored: int = 0
+    astray: bool = False
+    """After the last step SUMO had another route than the ego's own, or the ego on a foreign lane."""
+    off_route: bool = False
+    """It was another route."""
+    strayed: float = 0.0
+    """From where the front bumper is to where it was put, in the last move [m]."""
+
+
+class Placement:
+    """Drives any number of vehicles.
+
+    Parameters
+    ----------
+    connection : the ``libsumo`` module, or a ``traci`` connection
+    step : length of a simulation step [s]
+    method : `Method`
+    dither : see `DITHER`; only the conformance suite has a reason to change it [m]
+
+    Raises
+    ------
+    SimulationError
+        If hybrid actuation is asked for without SUMO's sublane model.
+    """
+
+    def __init__(
+        self, connection: Any, step: float, method: Method = Method.HYBRID, dither: float = DITHER
+    ) -> None:
+        if method is Method.HYBRID and float(connection.simulation.getOption("lateral-resolution")) <= 0.0:
+            raise SimulationError(
+                "hybrid actuation needs SUMO's sublane model: lateral-resolution 0.4 m or a similar value, "
+                "found 0; without it choose actuation move"
+            )
+        self._connection = connection
+        self._step = step
+        self._method = method
+        self._dither = dither
+        self._lanes = Lanes(connection)
+        self._egos: dict[str, _Ego] = {}
+        self._refusal: type[Exception] = getattr(connection, "TraCIException", Exception)
+        self.routes_restored_of_all = 0
+        """How often a route had to be set again, of all vehicles so far."""
+
+    def take_over(self, name: str) -> None:
+        """Begin to drive a vehicle that is on the road; SUMO no longer decides anything for it.
+
+        Raises
+        ------
+        SimulationError
+            If the vehicle is not on a lane.
+        """
+        vehicle = self._connection.vehicle
+        lane = vehicle.getLaneID(name)
+        if not lane:
+            raise SimulationError(f"vehicle {name} cannot be taken over: it is not on a lane")
+        hybrid = self._method is Method.HYBRID
+        self._egos[name] = _Ego(
+            vehicle_class=vehicle.getVehicleClass(name),
+            width=vehicle.getWidth(name),
+            speed_mode=vehicle.getSpeedMode(name),
+            lane_mode=vehicle.getLaneChangeMode(name),
+            lateral_speed=vehicle.getMaxSpeedLat(name),
+            parameters=tuple((key, vehicle.getParameter(name, key)) for key, _ in _BLIND_PARAMETERS)
+            if hybrid
+            else (),
+            lane=lane,
+            speed=vehicle.getSpeed(name),
+            route=tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :]),
+            route_id=vehicle.getRouteID(name),
+        )
+        vehicle.setSpeedMode(name, OBEY_SPEED)
+        vehicle.setLaneChangeMode(name, OBEY_LANE)
+        if hybrid:
+            vehicle.setMaxSpeedLat(name, _LATERAL_SPEED)
+            for key, value in _BLIND_PARAMETERS:
+                vehicle.setParameter(name, key, value)
+
+    def drive(
+        self, name: str, front_x: float, front_y: float, heading: float, speed: float, lane: str = ""
+    ) -> None:
+        """Say where the vehicle has to be after the next step; call it once before every step.
+
+        Parameters
+        ----------
+        front_x, front_y : centre of the front bumper after the step [m]
+        heading : after the step [rad]
+        speed : after the step [m/s]
+        lane : that it will be on, where its way cuts a corner and lanes' ends do not tell
+        """
+        ego = self._ego(name)
+        ego.aim = (front_x, front_y)
+        found = self._connection.vehicle.getLaneID(name)
+        if found and found != ego.moves_on:
+            ego.moves_on = ""
+        believed = self._lanes.shape(ego.lane)
+        # After a move SUMO may have taken a crossing lane for ours; a lane beside ours is a matter of taste.
+        trusted = bool(found) and not ego.astray
+        trusted = trusted and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
+        here = self._lanes.shape(found) if trusted else believed
+        there = self._lanes.shape(lane) if lane else None
+        native = trusted and self._method is Method.HYBRID and (there is None or there.edge == here.edge)
+        if not native or not self._native(name, ego, here, ego.aim, speed):
+            self._move(name, ego, here, there, ego.aim, trusted, heading, speed)
+        ego.speed = speed
+
+    def executed(self, name: str) -> Executed:
+        """Return where SUMO put the vehicle, after the step; repairs what the step broke.
+
+        A route that is no longer the ego's own is set again, and a position more than `POSITION_TOLERANCE`
+        off makes the next steps moves.
+        """
+        ego = self._ego(name)
+        vehicle = self._connection.vehicle
+        x, y = vehicle.getPosition(name)
+        lane = vehicle.getLaneID(name)
+        if ego.aim is not None:
+            if ego.moved or ego.astray or vehicle.getRouteID(name) != ego.route_id:
+                self._keep_route(name, ego, lane)
+            if not ego.moved:
+                ego.lane = lane or ego.lane
+                if math.dist((x, y), ego.aim) > POSITION_TOLERANCE:
+                    ego.moves_on = lane
+            ego.aim = None
+        return Executed(x, y, vehicle.getSpeed(name), lane)
+
+    def asked_speed(self, name: str) -> float:
+        """Return the speed [m/s] that SUMO was told to drive in the last step.
+
+        It is the way of the step over its duration, which differs from the speed at its end by half the
+        acceleration times the step; so this is the one that `Executed.speed` has to be compared with.
+        """
+        return self._ego(name).asked_speed
+
+    def moves(self, name: str) -> int:
+        """Return how many steps so far moved the vehicle instead of driving it natively."""
+        return self._ego(name).moves
+
+    def routes_restored(self, name: str) -> int:
+        """Return how often the rest of the route had to be set again after a move."""
+        return self._ego(name).routes_restored
+
+    def astray(self, name: str) -> bool:
+        """Return whether after the last step SUMO had another route or a lane that is none of the ego's way.
+
+        What could be mended at once has been; else the next step is a move that mends it.
+        """
+        return self._ego(name).astray
+
+    def strayed(self, name: str) -> float:
+        """Return how far from the plant [m] the vehicle was put, because SUMO cannot place it there."""
+        return self._ego(name).strayed
+
+    def drives(self, name: str) -> bool:
+        """Return whether the vehicle is ours at the moment."""
+        return name in self._egos
+
+    def release(self, name: str) -> None:
+        """Hand the vehicle back to SUMO's driver, with everything as `take_over` found it."""
+        ego = self._ego(name)
+        vehicle = self._connection.vehicle
+        vehicle.setSpeed(name, -1.0)
+        vehicle.setSpeedMode(name, ego.speed_mode)
+        vehicle.setLaneChangeMode(name, ego.lane_mode)
+        if self._method is Method.HYBRID:
+            vehicle.setMaxSpeedLat(name, ego.lateral_speed)
+            for key, value in ego.parameters:
+                vehicle.setParameter(name, key, value)
+        self.forget(name)
+
+    def forget(self, name: str) -> None:
+        """Drop a vehicle that has left the road."""
+        self._egos.pop(name, None)
+
+    def _ego(self, name: str) -> _Ego:
+        found = self._egos.get(name)
+        if found is None:
+            known = ", ".join(self._egos) or "none"
+            raise SimulationError(f"vehicle {name} is not driven from here; those that are: {known}")
+        return found
+
+    def _native(self, name: str, ego: _Ego, here: LaneShape, aim: tuple[float, float], speed: float) -> bool:
+        """Let SUMO drive there, if it can."""
+        if here.internal or here.name == ego.moves_on:
+            return False
+        place = here.place(*aim)
+        inside = abs(place.across) <= 0.5 * here.width
+        if inside and math.dist(here.point(place.along, place.across), aim) > POSITION_TOLERANCE:
+            return False  # the wedge outside a corner of the lane's shape, into which SUMO cannot drive
+        if not 0.0 <= place.along < here.shape_length or not self._lanes.paved(
+            here, ego.vehicle_class, ego.width, place.across
+        ):
+            return False
+        target = self._lanes.counted(here, place, ego.vehicle_class, *aim)
+        if target is None:
+            return False
+        position, across = target
+        vehicle = self._connection.vehicle
+        asked = (position - vehicle.getLanePosition(name)) / self._step
+        slowest, fastest = sorted((ego.speed, speed))
+        if not 0.9 * slowest - 0.2 <= asked <= 1.1 * fastest + 0.2:
+            return False
+        shift = across - vehicle.getLateralLanePosition(name)
+        if abs(shift) > max(asked, 0.0) * self._step + SIDEWAYS:
+            return False
+        shift += self._dither if ego.moved else 0.0
+        ego.asked_speed = max(0.0, asked)  # a negative speed would hand the vehicle back to SUMO's driver
+        vehicle.setSpeed(name, ego.asked_speed)
+        vehicle.changeSublane(name, shift)
+        ego.moved = False
+        ego.strayed = 0.0
+        return True
+
+    def _move(
+        self,
+        name: str,
+        ego: _Ego,
+        here: LaneShape,
+        there: LaneShape | None,
+        aim: tuple[float, float],
+        trusted: bool,
+        heading: float,
+        speed: float,
+    ) -> None:
+        """Put the vehicle there, with the lane that the route says as the hint."""
+        vehicle = self._connection.vehicle
+        if not ego.moved and not ego.astray:
+            ego.route = self._rest(name)
+        ego.asked_speed = speed
+        if there is None:
+            there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
+            if self._method is Method.HYBRID and trusted:
+                rate = (way - vehicle.getLanePosition(name)) / self._step
+                slowest, fastest = sorted((ego.speed, speed))
+                ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
+        vehicle.setSpeed(name, ego.asked_speed)
+        x, y, angle, keep = *aim, heading, ON_ROUTE
+        if ego.off_route or not self._lanes.found_on_route(there, ego.route, ego.width, *aim):
+            x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, ego.astray)
+            keep = EXACT_POSITION
+        ego.strayed = math.dist((x, y), aim)
+        vehicle.moveToXY(name, there.edge, there.index, x, y, degrees_of(angle), keep)
+        ego.lane = there.name
+        ego.moved = True
+        ego.moves += 1
+
+    def _rest(self, name: str) -> tuple[str, ...]:
+        """Return the edges that SUMO has the vehicle still drive, its present one included."""
+        vehicle = self._connection.vehicle
+        return tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :])
+
+    def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
+        """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
+
+        Where SUMO takes no route that leads on from the lane on which it has the ego, the next step puts it
+        back on its way first.
+        """
+        vehicle = self._connection.vehicle
+        rest = self._rest(name)
+        kept = bool(rest) and ego.route[-len(rest) :] == rest
+        ego.off_route = not kept
+        ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
+        if kept:
+            if not ego.astray:
+                ego.route, ego.route_id = rest, vehicle.getRouteID(name)
+            return
+        # SUMO takes no route that the present edge or the way through the junction does not lead along.
+        fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
+        if lane and fits:  # else again after the next step
+            try:
+                vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
+            except self._refusal:
+                return  # it stays astray; who drives it decides for how long
+            ego.route_id = vehicle.getRouteID(name)
+            ego.routes_restored += 1
+            self.routes_restored_of_all += 1
+
+
+def _edge_of(lane: str) -> str:
+    return lane.rpartition("_")[0]

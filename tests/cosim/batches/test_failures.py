@@ -1,0 +1,240 @@
+"""Runs that raise, hang, crash or are killed, batches that are killed, and disks that are full."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import psutil  # type: ignore[import-untyped]
+import pytest
+
+from tests.cosim.batches import unruly
+from tests.cosim.batches.studies import batch, command, lasting, rows, runs, write_study
+from tests.cosim.cli.test_cli import source_environment
+
+pytestmark = pytest.mark.sumo
+
+
+def start(
+    *arguments: object, folder: Path, environment: Mapping[str, str] | None = None
+) -> subprocess.Popen[str]:
+    """Start a batch in a process group of its own, as a shell does."""
+    return subprocess.Popen(
+        command("batch", *arguments),
+        cwd=folder,
+        env={**source_environment(), **(environment or {})},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def wait_for_runs(out: Path, count: int, process: subprocess.Popen[str], seconds: float = 120.0) -> None:
+    """Wait until so many runs are finished and another one is being made."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline and process.poll() is None:
+        if (out / "runs").is_dir() and len(runs(out)) >= count and any((out / ".work").glob("*/run/*")):
+            return
+        time.sleep(0.02)
+    raise AssertionError(f"no {count} runs after {seconds} s: {process.poll()}")
+
+
+def wait_until_gone(processes: list[psutil.Process], seconds: float = 10.0) -> None:
+    """Wait until these processes have ended."""
+    _, alive = psutil.wait_procs(processes, timeout=seconds)
+    assert not alive
+
+
+@pytest.mark.slow
+def test_a_run_that_fails_in_any_way_is_told_and_harms_no_other(tmp_path: Path) -> None:
+    reasons = {
+        "raise": "ZeroDivisionError: one over nothing",
+        "hang": "still running after run_timeout_s = 10 s",
+        "hang_deaf": "still running after run_timeout_s = 10 s",
+        "crash": "SIGSEGV",
+        "kill": "SIGKILL",
+        "leave": "exit code 5",
+        "exit": "SystemExit: enough",
+    }
+    study = write_study(
+        tmp_path,
+        controllers=["sumo", "unruly"],
+        seeds="1-2",
+        vary={"behaviour": ["none", *reasons]},
+        run_timeout_s=10,
+    )
+    environment = unruly.install(tmp_path / "plugin")
+    done = batch(study, "--out", "out", "--jobs", 2, code=3, folder=tmp_path, environment=environment)
+    out = tmp_path / "out"
+    failed = rows(out / "failed.csv")
+    assert len(failed) == 2 * len(reasons)
+    for row in failed:
+        behaviour = next(each for each in reasons if f"behaviour={each}-" in row["run"])
+        assert reasons[behaviour] in row["reason"]
+        assert row["attempts"] == "2"
+        assert f"failed: {row['run']}: {row['reason']}" in done.stderr
+    assert len(runs(out)) == 4
+    assert all(row["valid"] == "1" for row in rows(out / "runs.csv") if row["controller"] == "sumo")
+    assert f"{len(failed)} runs failed; for the reasons see out/failed.csv" in done.stderr
+    crash = json.loads(next((out / "failed").glob("*crash-seed1*/failure.json")).read_text())
+    text = "\n".join(crash["last_lines"])
+    assert "Segmentation fault" in text
+    assert "unruly.py" in text
+    hang = json.loads(next((out / "failed").glob("*behaviour=hang-seed1*/failure.json")).read_text())
+    assert "unruly.py" in "\n".join(hang["last_lines"])
+
+
+def test_a_run_that_fails_once_is_tried_again(tmp_path: Path) -> None:
+    environment = unruly.install(tmp_path / "plugin")
+    study = write_study(tmp_path, controllers=["unruly"], seeds="1", vary={"behaviour": ["once_a", "once_b"]})
+    done = batch(study, "--out", "out", "--jobs", 1, folder=tmp_path, environment=environment)
+    assert "2 of 2 runs finished, 0 failed" in done.stdout
+    assert len(list((tmp_path / "plugin" / "marks").iterdir())) == 2
+
+
+@pytest.mark.slow
+def test_a_failed_run_is_made_by_the_same_command_once_its_cause_is_gone(tmp_path: Path) -> None:
+    environment = unruly.install(tmp_path / "plugin")
+    study = write_study(tmp_path, controllers=["unruly"], seeds="1", vary={"behaviour": ["none", "raise"]})
+    batch(study, "--out", "out", code=3, folder=tmp_path, environment=environment)
+    assert [row["valid"] for row in rows(tmp_path / "out" / "runs.csv")].count("1") == 1
+    repaired = (tmp_path / "plugin" / "unruly.py").read_text().replace("raise ZeroDivisionError", "return  #")
+    (tmp_path / "plugin" / "unruly.py").write_text(repaired)
+    done = batch(study, "--out", "out", code=2, folder=tmp_path, environment=environment)
+    assert "source code of the tool or of a controller has changed" in done.stderr
+    shutil.rmtree(tmp_path / "out" / "runs" / runs(tmp_path / "out")[0])
+    batch(study, "--out", "out", folder=tmp_path, environment=environment)
+    assert rows(tmp_path / "out" / "failed.csv") == []
+    assert list((tmp_path / "out" / "failed").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_batch_that_is_killed_again_and_again_ends_with_the_same_tables(tmp_path: Path) -> None:
+    study = write_study(
+        tmp_path, controllers=["sumo", "aeb"], set={"warmup_s": 5, "duration_s": 20}, seeds="1-5"
+    )
+    batch(study, "--out", "whole", "--jobs", 2, folder=tmp_path)
+    out = tmp_path / "out"
+    for count in (1, 4, 7):
+        process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
+        wait_for_runs(out, count, process)
+        children = psutil.Process(process.pid).children(recursive=True)
+        assert len(children) >= 2
+        process.kill()
+        process.communicate()
+        wait_until_gone(children)
+        assert count <= len(runs(out)) < 10
+    batch(study, "--out", "out", "--jobs", 2, folder=tmp_path)
+    assert lasting(out) == lasting(tmp_path / "whole")
+    assert not (out / ".work").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: signal.Signals) -> None:
+    study = write_study(tmp_path, seeds="1-500")
+    process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
+    wait_for_runs(tmp_path / "out", 2, process)
+    children = psutil.Process(process.pid).children(recursive=True)
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does
+    else:
+        process.send_signal(number)
+    stdout, stderr = process.communicate(timeout=30.0)
+    assert process.returncode == 3, stderr
+    wait_until_gone(children)
+    finished = len(runs(tmp_path / "out"))
+    assert f"{finished} of 500 runs finished" in stdout
+    assert "interrupted" in stderr
+    assert f"cosim batch {study} --out out --jobs 2" in stderr
+    assert "Traceback" not in stderr
+    assert len(rows(tmp_path / "out" / "runs.csv")) == finished
+    assert not (tmp_path / "out" / ".work").exists()
+
+
+def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) -> None:
+    study = write_study(tmp_path, set={"warmup_s": 2, "duration_s": 30}, seeds="1-4")
+    process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
+    wait_for_runs(tmp_path / "out", 1, process)
+    workers = [
+        child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())
+    ]
+    assert workers
+    for one in workers:
+        one.kill()
+    stdout, stderr = process.communicate(timeout=120.0)
+    assert process.returncode == 0, stderr
+    assert "4 of 4 runs finished, 0 failed" in stdout
+
+
+@pytest.mark.slow
+def test_files_that_may_not_grow_end_the_batch_and_leave_whole_runs(tmp_path: Path) -> None:
+    study = write_study(tmp_path, set={"warmup_s": 2}, vary={"duration_s": [5, 120]}, seeds="1-2")
+    line = " ".join(command("batch", study, "--out", "out", "--jobs", 1))
+    done = subprocess.run(
+        ["bash", "-c", f"ulimit -f 60; {line}"],
+        cwd=tmp_path,
+        env=source_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    assert "no room for files" in done.stderr
+    assert "File too large" in done.stderr
+    assert [name for name in runs(tmp_path / "out") if "duration_s=5-" not in name] == []
+    batch(study, "--out", "out", folder=tmp_path)
+    assert len(runs(tmp_path / "out")) == 4
+
+
+def can_mount() -> bool:
+    """Tell whether this machine lets us have a small file system of our own."""
+    if shutil.which("unshare") is None:
+        return False
+    probe = ["unshare", "--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"]
+    return subprocess.run(probe, capture_output=True, check=False).returncode == 0
+
+
+def test_a_disk_that_fills_up_ends_the_batch_and_leaves_whole_runs(tmp_path: Path) -> None:
+    if not can_mount():
+        pytest.skip("no file system can be mounted here")
+    study = write_study(tmp_path, seeds="1-30")
+    (tmp_path / "disk").mkdir()
+    line = " ".join(command("batch", study, "--out", "disk/out", "--jobs", 2))
+    script = (
+        f"mount -t tmpfs -o size=1m tmpfs disk && {{ {line}; code=$?; cp -r disk/out saved; exit $code; }}"
+    )
+    done = subprocess.run(
+        ["unshare", "--user", "--map-root-user", "--mount", "bash", "-c", script],
+        cwd=tmp_path,
+        env=source_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    assert "no room for files" in done.stderr
+    assert "Traceback" not in done.stderr
+    saved = runs(tmp_path / "saved")
+    assert 0 < len(saved) < 30
+    # What is whole is taken over as it is, on a disk with room.
+    before = lasting_bytes(tmp_path / "saved")
+    batch(study, "--out", "saved", "--jobs", 2, folder=tmp_path)
+    after = lasting_bytes(tmp_path / "saved")
+    assert len(runs(tmp_path / "saved")) == 30
+    assert {path: after[path] for path in before} == before
+
+
+def lasting_bytes(out: Path) -> dict[str, bytes]:
+    """Return the content of every file of the finished runs."""
+    return {
+        str(path.relative_to(out)): path.read_bytes()
+        for path in (out / "runs").rglob("*.*")
+        if path.is_file()
+    }

@@ -1,0 +1,57 @@
+"""One process makes one run after the other, and none of them is to be seen in the next."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+from pathlib import Path
+
+import pytest
+
+from cosim.batches.outcome import RUN
+from cosim.batches.pool import Pool
+from cosim.batches.worker import Handling
+from tests.cosim.batches.studies import some_job
+
+pytestmark = pytest.mark.sumo
+
+
+def content(folder: Path) -> dict[str, object]:
+    """Return the files of a run without what the wall clock decides."""
+    found: dict[str, object] = {}
+    for path in sorted(folder.iterdir()):
+        if path.name == "runs.csv":
+            with path.open(encoding="utf-8", newline="") as file:
+                (row,) = csv.DictReader(file)
+            found[path.name] = {key: row[key] for key in row if not key.startswith(("wall_", "compute_"))}
+        elif path.name not in ("run.json", "timing.parquet"):
+            found[path.name] = path.read_bytes()
+    return found
+
+
+def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_path: Path) -> None:
+    first = some_job(controller="aeb", duration_s="30")
+    other = some_job(controller="vo_mpc", seed=2, pedestrians_per_hour="900", duration_s="12")
+    numbers = itertools.count()
+    made = []
+    with Pool(1, Handling(120.0)) as pool:
+        for job in (first, other, first):
+            outcome = pool.submit(job, tmp_path / str(next(numbers))).result()
+            assert outcome.reason == ""
+            made.append(content(outcome.folder / RUN))
+    with Pool(1, Handling(120.0)) as pool:
+        fresh = pool.submit(first, tmp_path / "fresh").result()
+        assert fresh.reason == ""
+    assert made[0] == made[2] == content(fresh.folder / RUN)
+    assert made[0] != made[1]
+
+
+def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Path) -> None:
+    job = some_job(duration_s="20")
+    with Pool(1, Handling(120.0)) as pool:
+        alone = pool.submit(job, tmp_path / "alone").result()
+    with Pool(1, Handling(120.0)) as pool:
+        checked = pool.check(some_job(seed=5, controller="aeb"), start_sumo=True).result()
+        assert not isinstance(checked, str)
+        after = pool.submit(job, tmp_path / "after").result()
+    assert content(alone.folder / RUN) == content(after.folder / RUN)
