@@ -70,7 +70,8 @@ CLEAN = (
         f"analysis/{room}/__init__.py"
         for room in ("page", "plots", "study", "criteria", "protocols", "statistics", "results", "encounters")
     ),
-    *(f"analysis/{name}.py" for name in ("errors", "geometry", "metrics_page", "tables", "thresholds")),
+    *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "markdown", "metrics_page")),
+    *(f"analysis/{name}.py" for name in ("polylines", "stretches", "tables", "thresholds")),
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",
 )
