@@ -295,7 +295,7 @@ def test_missing_data_beside_the_page_is_told(browser: Browser, folder: Path, tm
     page.wait_for_selector("#replay-problem:not([hidden])")
     text = page.locator("#replay-problem").inner_text()
     assert "report_data/replays/" in text
-    assert "cosim report writes it again" in text
+    assert "Run cosim report to write it again" in text
     context.close()
 
 

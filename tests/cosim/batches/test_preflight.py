@@ -36,7 +36,7 @@ def test_every_configuration_that_cannot_be_run_is_named(pool: Pool, tmp_path: P
     town: dict[str, Any] = {"scenarios": ["town.sumocfg"], "set": {}}
     wrong: list[tuple[dict[str, Any], list[str]]] = [
         ({"vary": {"pedestrians_per_hour": [200, -1]}}, ["pedestrians_per_hour=-1", "at least 0"]),
-        ({"controllers": ["sumo", "aeb"], "set": {"friction": 0}}, ["aeb", "greater than 0"]),
+        ({"controllers": ["sumo", "aeb"], "set": {"friction": 0}}, ["aeb", "more than 0"]),
         ({"set": {"warmup_s": 60, "duration_s": 50}}, ["warmup_s=60", "duration_s=50"]),
         (town, ["town with sumo", "no ego"]),
         ({**town, "set": {"ego_route": "e1 apart"}}, ["town with sumo", "apart"]),
