@@ -44,7 +44,7 @@ from controllers.prediction.forecast import Predictor
 STRAYED = 1.0
 """An ego whose speed differs by more from the plan needs a new one [m/s]."""
 SURPRISE = 0.5
-"""So does one who meets somebody farther from where he was expected, across the road [m]."""
+"""So does one that meets pedestrians farther from where they were expected, across the road [m]."""
 SPEED_TIME = 0.4
 """Time constant with which a deviation from the planned speed is corrected [s]."""
 COMFORTABLE = 3.0
@@ -121,7 +121,7 @@ class Kept:
         return float(np.interp(at, grid, states[HEADING])), float(np.interp(at, grid, states[STEERING]))
 
     def surprised(self, perception: Perception) -> bool:
-        """Say whether somebody is not where he was expected to be by now."""
+        """Say whether pedestrians are not where they were expected to be by now."""
         people, conflicts = perception.pedestrians, self.option.conflicts
         expected = self.option.problem.people
         age = perception.ego.time - self.made

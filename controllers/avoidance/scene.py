@@ -23,7 +23,7 @@ FORECAST_SPACING = 0.1
 GAP_OPENS_IN = 4.0
 """A gap that is short already is opened over some such times, not by braking hard [s]."""
 FOLLOWER_KEEPS = 2.0
-"""How long a follower is expected to keep his speed; after that he has seen what the ego does [s]."""
+"""How long followers are expected to keep their speed before they react to the ego [s]."""
 KERB_CLEARANCE = 0.2
 """Kept to the outer edges of the lanes that a lane change uses [m]."""
 
@@ -239,7 +239,7 @@ class SceneReader:
         return np.where(s.grid <= FOLLOWER_KEEPS, bound, -np.inf)
 
     def _moved(self, neighbour: Neighbour) -> FloatArray:
-        """Return how far a neighbour gets; whoever brakes goes on braking until he stands [m]."""
+        """Return how far a neighbour gets; braking neighbours go on braking until they stand [m]."""
         speed, braking = max(neighbour.speed, 0.0), max(-neighbour.acceleration, 0.0)
         times = self.settings.grid
         if braking > 0.1:

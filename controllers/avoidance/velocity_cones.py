@@ -36,7 +36,7 @@ class People:
     side: FloatArray
     """+1: passed on the left of the line of sight; −1: right of it; 0: either, step by step; shape (m,)."""
     radius: FloatArray
-    """Of vehicle and pedestrian together, and how far from there he may be, shape (m, n) [m]."""
+    """Of vehicle and pedestrian together, plus the uncertainty of the place, shape (m, n) [m]."""
 
     def __len__(self) -> int:
         return len(self.side)

@@ -1,7 +1,8 @@
 """People who stay beside the way: how near the body comes to them, and how fast it may pass.
 
-The body is laid along the way into a lane, with all four corners on the true curve of the road. Whoever is
-not expected to enter that way is a disc where he is. The nearer the body comes to him, the slower it passes.
+The body is laid along the way into a lane, with all four corners on the true curve of the road. Pedestrians
+not expected to enter that way are discs where they are. The nearer the body comes to them, the slower it
+passes.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Bystanders(NamedTuple):
 
 
 def passing_speed(clearance: FloatArray) -> FloatArray:
-    """Return how fast somebody who stays where he is may be passed at a distance [m/s].
+    """Return how fast pedestrians who stay where they are may be passed at a distance [m/s].
 
     >>> passing_speed(np.array([0.2, 0.4, 0.6, 0.8])).tolist()
     [1.0, 2.5, 4.8, 100.0]

@@ -14,13 +14,14 @@ from controllers.interface import Crossing, CrossingKind, FloatArray, Perception
 from controllers.prediction.forecast import Forecast
 
 THERE = 0.3
-"""Nearer than this to where his crossing begins somebody goes on as he goes until he stands [m]."""
+"""Waiting pedestrians nearer than this to where their crossing begins keep their velocity until they stand
+[m]."""
 KERB = 0.5
 """Nearer to the road than this counts as on it [m]."""
 AT_THE_ROADSIDE = 0.5
-"""Whoever is beside the road and slower across it stays there [m/s]."""
+"""Pedestrians beside the road who are slower across it stay there [m/s]."""
 OCCUPIED = 0.15
-"""Whoever is nearer than this to what the body sweeps is in its way, whatever he is expected to do [m]."""
+"""Pedestrians nearer than this to what the body sweeps are in its way, whatever is expected of them [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,14 +158,14 @@ def expected(
 
 
 class _Why(Enum):
-    """Why somebody is expected to move as he is."""
+    """Why a pedestrian is expected to move in this way."""
 
     STAYS = auto()
     GOES_ON = auto()
     TURNS = auto()
-    """Into the road, where he has priority."""
+    """Into the road, where pedestrians have priority."""
     COMES = auto()
-    """To where he waits, or on across the crossing."""
+    """To the waiting place, or on across the crossing."""
 
 
 class _Person(NamedTuple):
@@ -175,7 +176,7 @@ class _Person(NamedTuple):
     along_speed: float
     across_speed: float
     reach: float
-    """So near to the middle of the lane he is in the way of a car there [m]."""
+    """Nearer than this to the middle of the lane, a person is in the way of a car there [m]."""
     on_crossing: bool
     waiting: bool
     crossing: Crossing | None
@@ -198,7 +199,7 @@ def _movement(
     outside = person.across > road.left_edge + KERB or person.across < road.right_edge - KERB
     if abs(speed) >= (AT_THE_ROADSIDE if outside else assume.standing_below):
         return speed, _Why.GOES_ON
-    # Who stands on the road on his way across goes on; who never walked across it stays there.
+    # Pedestrians who stop on their way across the road go on; those who never walked across it stay there.
     return speed, _Why.GOES_ON if not outside and person.name in watch.heading else _Why.STAYS
 
 
@@ -216,7 +217,7 @@ def _to_the_crossing(
     first, last = sorted((person.across, begins))
     if stands or first > person.reach or last < -person.reach:
         return person.across_speed, _Why.STAYS
-    # He waits about where his crossing begins: in the ego's lane, or on its other side.
+    # The waiting place is near the beginning of the crossing: in the ego's lane, or on its other side.
     way = begins - person.across
     towards = way if abs(way) > THERE else person.across_speed
     return math.copysign(max(pace, assume.resume_speed), towards), _Why.COMES

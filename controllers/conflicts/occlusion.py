@@ -1,9 +1,9 @@
 """Where somebody could step out from behind a standing vehicle, and how fast that may be met.
 
-From its own sensor the ego sees past the corner of a standing vehicle along one line. Behind that line a
-pedestrian can be whom nobody has told it of. Those nearest to its path stand right ahead of the vehicle's far
-end: that is the vehicle's *hidden place*. Assured clear distance: at every instant the ego must be able to
-stop before his way, or to have its front past it before he can be there.
+From its own sensor the ego sees past the corner of a standing vehicle along one line. Behind that line
+there can be pedestrians of whom it has not been told. Those nearest to its path stand right ahead of the
+vehicle's far end: that is the vehicle's *hidden place*. Assured clear distance: at every instant the ego must
+be able to stop before their path, or to have its front past it before they can be there.
 
 Not considered: moving vehicles (where they hide somebody now they are in a moment), buildings, what is beyond
 the sensor's range, and somebody who walks into the ego's side.
@@ -33,13 +33,14 @@ UNBOUNDED = 100.0
 
 @dataclass(frozen=True, slots=True)
 class HiddenPedestrian:
-    """What is assumed of somebody who cannot be seen, and how he is met."""
+    """What is assumed of pedestrians who cannot be seen, and how they are met."""
 
     speed: float
-    """With which he steps out; 0: nobody is assumed [m/s]."""
+    """With which they step out; 0: nobody is assumed [m/s]."""
     reaction: float = 0.8
-    """From when a part of him comes out until full braking, as if none before: until he is told of (0.2 to
-    0.3 s with ``onboard``), one plan, half of the ramp that the jerk limit leaves, the brake's lag [s]."""
+    """From the first appearance of any part of a pedestrian to full braking, as if there were none before:
+    until the ego is told of them (0.2 to 0.3 s with ``onboard``), one plan, half of the ramp that the jerk
+    limit leaves, the brake's lag [s]."""
     braking: float = 7.0
     """[m/s^2]"""
     creep: float = 2.0
@@ -57,7 +58,7 @@ class Shadows:
     along: FloatArray
     """(n,) along coordinate of the middle of somebody who comes out ahead of its far end [m]."""
     foot: FloatArray
-    """(n, 2) where his way meets the centre line [m]."""
+    """(n, 2) where that person's path meets the centre line [m]."""
     outward: FloatArray
     """(n, 2) unit vector from there to the vehicle's side."""
     edge: FloatArray
@@ -74,8 +75,8 @@ class Shadows:
         the way of somebody who comes out.
         """
         rays = self.corners[None] - eyes[:, None, None, :]
-        # Angles from the path's direction at his way, clockwise positive: none of a vehicle's corners is
-        # straight behind the eye, so they do not wrap.
+        # Angles from the direction of the ego's path at the pedestrian's, clockwise positive: none of a
+        # vehicle's corners is straight behind the eye, so they do not wrap.
         forward = self.side[:, None] * np.column_stack((self.outward[:, 1], -self.outward[:, 0]))
         turned = np.arctan2(
             rays[..., 0] * forward[:, None, 1] - rays[..., 1] * forward[:, None, 0],
@@ -102,13 +103,13 @@ def assured_speed(gap: FloatArray, time: FloatArray, assume: HiddenPedestrian) -
 
     Parameters
     ----------
-    gap : from the front bumper to his way [m]
-    time : that he needs to the ego's path [s]
+    gap : from the front bumper to the pedestrian's path [m]
+    time : that the pedestrian needs to the ego's path [s]
     assume : ρ, b
 
     Examples
     --------
-    With 0.5 s and 7 m/s², 10 m/s need 12.1 m; who needs 1 s to the path may be met at 7 m/s.
+    With 0.5 s and 7 m/s², 10 m/s need 12.1 m; pedestrians who need 1 s to the path may be met at 7 m/s.
 
     >>> rule = HiddenPedestrian(1.5, reaction=0.5)
     >>> assured_speed(np.array([12.142857, 1.0]), np.array([0.2, 1.0]), rule).round(3).tolist()

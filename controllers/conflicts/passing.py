@@ -91,7 +91,7 @@ def find(
         See :class:`PedestrianAssumptions`.
     forecast
         Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
-        assumed of somebody whose velocity does not say what he will do goes before it.
+        assumed of pedestrians whose velocity does not say what they will do takes precedence over it.
     abreast
         Whether those beside the body are in conflict too.
     clearance
@@ -107,8 +107,8 @@ def find(
         return _empty()
     known = expectation or expected(perception, watch, assume, forecast)
     across_speed, enters, assumed, lets_go, _ = known
-    # Occupancy comes before intent: of somebody who is not expected to enter, only that is dropped. Where he
-    # is he counts.
+    # Occupancy comes before intent: for pedestrians who are not expected to enter, only the intent is
+    # dropped; the place where they are still counts.
     occupied = np.where(lets_go, SQUEEZED, OCCUPIED)
     margin = np.where(enters, side_margin, occupied)
     low = band[0] - people.radius - margin
@@ -123,8 +123,8 @@ def find(
         enter = np.where(enters, enter, np.where(clearance < occupied, 0.0, np.inf))
         leave = np.where(enters, leave, np.inf)
     body = perception.ego.body
-    # Whoever is behind the rear bumper cannot be hit by driving on, however fast he comes. As a conflict he
-    # would be first in the order and nobody ahead could be let pass without letting him pass as well.
+    # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
+    # they would be first in the order, and nobody ahead could be let pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
     chosen = passing_classes.by_entry(people.along + people.radius, enter, horizon, begin)
     if not len(chosen):

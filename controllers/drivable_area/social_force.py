@@ -114,7 +114,7 @@ class SocialForceModel:
         """
         kept = math.exp(-duration / self.relaxation)
         along = walkers.x_speed * aims.x + walkers.y_speed * aims.y
-        # Who wants to stand has no direction to vary his speed in.
+        # Walkers who want to stand have no direction in which to vary their speed.
         deviation = np.where(aims.speed > 0.0, self.spread * math.sqrt(1.0 - kept * kept), 0.0)
         gained = (1.0 - kept) * (aims.speed - along) + deviation * noise
         x_speed = kept * (walkers.x_speed - along * aims.x) + (along + gained) * aims.x

@@ -120,7 +120,7 @@ class EmergencyBraking:
         people = _people(perception, speed, self.rule, self._forecast)
         cars = _cars(perception, speed)
         if perception.ego.speed < STANDING:
-            # Starting beside a standing vehicle is the driver's own business: he steers out.
+            # Starting beside a standing vehicle is left to the controller, which steers out.
             cars = (np.full(len(cars[0]), np.inf), cars[1])
         names = (*perception.pedestrians.names, *perception.vehicles.names)
         times = np.concatenate([people[0], cars[0]])
@@ -146,7 +146,7 @@ class EmergencyBraking:
 def _people(
     perception: Perception, speed: float, rule: BrakingRule, forecast: Forecast | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Return when each pedestrian is met by the front [s], and how fast he walks along by then [m/s]."""
+    """Return when the front meets each pedestrian [s], and their speed in the ego's direction then [m/s]."""
     them, ego = perception.pedestrians, perception.ego
     x, y, x_speed, y_speed = _seen_from(ego, them.along, them.across, them.along_speed, them.across_speed)
     body = ego.body
@@ -165,7 +165,7 @@ def _people(
 def _forecast_contacts(
     ego: EgoState, speed: float, forecast: Forecast, radius: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return when each pedestrian is met [s], and the straight line along on which he is then.
+    """Return when each pedestrian is met [s], and the straight line of their along coordinate then.
 
     The second is where that line is at time 0 [m], the third its slope [m/s], relative to the ego.
     """

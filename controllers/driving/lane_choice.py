@@ -86,8 +86,8 @@ class LaneChoice:
     def choose(self, perception: Perception) -> tuple[int, str]:
         """Return the ``Lane.number`` to end in, and because of what.
 
-        The reason is ``lane end`` where the route asks for a change, the leader where he is to be got
-        away from, the name of a vehicle that blocks the change or for which it was given up, and empty
+        The reason is ``lane end`` where the route asks for a change, the leader where the change is to get
+        away from it, the name of a vehicle that blocks the change or for which it was given up, and empty
         where there is nothing to change.
         """
         road = perception.road
@@ -216,7 +216,7 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     across = others.across + others.across_speed * times
     front = others.along + others.along_speed * times
     ego_front = ego.body.front + speed * times
-    # From where the ego is to where it goes: nobody may be in that strip, whichever side he comes from.
+    # Nobody may be in the strip from where the ego is to where it goes, whichever side they come from.
     reach = 0.5 * (others.width + ego.body.width) + rule.side
     inside = np.abs(across - lane.offset) < reach
     gap_ahead = front - others.length - ego_front

@@ -37,7 +37,8 @@ def neighbours_ahead(
         beside = gaps.left_ahead
     elif target_lane < road.reference:
         beside = gaps.right_ahead
-    # Who overlaps along the road cannot be fallen behind of by braking now; lane choice watches him.
+    # Braking now cannot bring the ego behind a vehicle that overlaps it along the road; lane choice watches
+    # such vehicles.
     if beside is not None and beside.gap > 0.0:
         seen.append(beside)
     ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]

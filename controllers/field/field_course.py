@@ -48,7 +48,7 @@ BESIDE = 8.0
 WIDE = 0.5
 """More than the clearance wanted that a straight drive has to leave for no other to be simulated [m]."""
 STOP_GAP = 1.0
-"""Distance to be left to the place of a pedestrian by an ego that stops for him [m]."""
+"""Distance that a stopping ego leaves to the place of the pedestrian [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +78,8 @@ class Course:
     chosen: int
     """Row of the first drive down a field that is free; 0 if none is."""
     stop_within: float | None
-    """How far the ego may drive should it stop for whom it meets on the drive without obstacles; inf when
-    stopping would not help him, ``None`` when it meets nobody there [m]."""
+    """How far the ego may drive if it stops for the pedestrians met on the drive without obstacles; inf if
+    stopping would not help them, ``None`` if nobody is met there [m]."""
     because: str
     """The pedestrian who matters most."""
     passing: str
@@ -106,9 +106,9 @@ class CourseFinder:
 
         Tried in this order, each with the gain of obstacles as it is and a stronger one: the field of the
         target lane, of the lane the ego is in, and of the lanes beside it that are free. Free is a way on
-        which, at a speed that changes by ``acceleration``, nobody is met: no pedestrian, neither where the
-        predictor expects him nor where his present velocity takes him, and no vehicle that would not be met
-        without pedestrians too.
+        which, at a speed that changes by ``acceleration``, nobody is met: no pedestrians, neither where the
+        predictor expects them nor where their present velocity takes them, and no vehicle that would not be
+        met without pedestrians too.
         """
         forecast = self._predictor.predict(perception, FORECAST_TIMES)
         near = _near(perception, forecast)
@@ -178,8 +178,8 @@ class CourseFinder:
     ) -> tuple[Flags, Flags]:
         """Say when on which drive whom it comes too near to, shape (K, m, n), and whom to stop for, (K, n).
 
-        Nobody is stopped for who stands beside the way, wherever the predictor sees him go: at a crossing
-        where he has to wait he would wait for the ego, and the ego for him.
+        The ego does not stop for pedestrians standing beside the way, wherever the predictor expects them to
+        go: at a crossing where pedestrians have to wait, they and the ego would wait for each other.
         """
         body, people, times = perception.ego.body, perception.pedestrians, drives.times
         if self.settings.clearance is None:
@@ -323,7 +323,7 @@ def _stop(perception: Perception, forecast: Forecast, hits: Flags) -> tuple[floa
     places = forecast.along[them, instant] - perception.pedestrians.radius[them]
     first = int(np.argmin(places))
     room = float(places[first]) - perception.ego.body.front
-    # Who meets the flank is not helped by an ego that stops in his way.
+    # Stopping does not help pedestrians who meet the flank: the ego would stand in their way.
     return (max(room - STOP_GAP, 0.0) if room > 0.0 else float("inf")), int(them[first])
 
 

@@ -74,7 +74,7 @@ class Meetings:
 def meetings(perception: Perception, forecast: Forecast) -> Meetings:
     """Return the predicted conflict points.
 
-    A point that is behind already is where a pedestrian was, at his present velocity.
+    A conflict point already passed is extrapolated backwards at the pedestrian's present velocity.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def obstacles_on(
 
     Parameters
     ----------
-    perception, met : who is around, and where he is met
+    perception, met : the pedestrians around, and where they are met
     centres : across coordinates, shape (m,) [m]
     settings : which field
     """

@@ -77,7 +77,7 @@ class ConePlanner(SpeedPlanner):
     def _walkers(self, conflicts: passing.Conflicts, chosen: NDArray[np.intp], behind: int) -> Walkers:
         """Return predictions of the chosen pedestrians, and the side on which each is passed.
 
-        The ego that goes ahead of somebody who walks to the left keeps its relative velocity left of him.
+        An ego that passes ahead of a pedestrian walking to the left keeps its relative velocity left of them.
         """
         times = self.memory.times
         c = conflicts

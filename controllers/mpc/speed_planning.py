@@ -136,8 +136,8 @@ class SpeedPlanner:
             float(times[-1]),
             s.assume,
             self.forecast,
-            # Somebody beside the body can be passed neither behind, as the bumper is past him, nor ahead, as
-            # pulling forward would be a race. He is the last check's.
+            # Pedestrians beside the body can be passed neither behind, as the bumper is past them, nor ahead,
+            # as pulling forward would be a race. They are left to the last check.
             abreast=False,
             clearance=None if beside is None else beside.least(len(perception.pedestrians)),
             expectation=self._expectation,

@@ -30,7 +30,7 @@ SIDE_CLEARANCE_FROM = 2.0
 SLOW = 1.0
 """Slower is slow [m/s]."""
 CAREFUL_BEFORE = 5.0
-"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
+"""Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
 CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
 """How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
 deceleration [m/s^2], plus this [m/s]."""
@@ -129,7 +129,7 @@ class SpeedTasks:
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> traffic.Blockade:
         """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
         ego, times = perception.ego, self.memory.times
-        # Who waits for a car beside him that waits for him has to pass it closely, and slowly.
+        # Where two vehicles beside each other wait for each other, one has to pass closely and slowly.
         kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
         reach = 0.5 * ego.body.width + kept
         offset = lane.offset if lane is not None else 0.0

@@ -1,7 +1,7 @@
 """In which direction somebody crosses a road that has no crossing: a logit model over 121 directions.
 
 A direction is the angle between the way the cars drive and the way the pedestrian walks, from 30° to 150°:
-below 90° he walks along with the cars, above it towards them. It does not say from which side he comes.
+with the cars below 90°, towards them above. It does not say from which side the pedestrian comes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who waits at a kerb crosses in the most probable direction; who walks keeps his direction."""
+"""Pedestrians waiting at a kerb cross in the most probable direction; walking ones keep their direction."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from controllers.prediction.forecast import Forecast, Predictor
 WALKING = 0.2
 """Slower is standing [m/s]."""
 BESIDE_ROAD = 1.0
-"""Who stands no further beside the road is at its kerb … [m]."""
+"""Pedestrians standing no further beside the road are at its kerb … [m]."""
 ON_ROAD = 0.5
-"""… and so is who stands no further on it [m]."""
+"""… and so are those standing no further on it [m]."""
 
 
 class DirectionPrediction:
     """Predicts by the model of directions, the goal being unknown.
 
-    - Who walks has chosen already, and is expected to keep speed and direction; ``reach`` is 0.
-    - Who stands at the kerb, or waits where a crossing begins, is expected to step out now and to walk at
-      ``speed`` in the most probable direction for a goal straight across, until he is over. ``reach`` is
-      what he has walked times the spread of the distribution.
-    - Who stands anywhere else is expected to stay.
+    - Walking pedestrians have chosen already and are expected to keep speed and direction; ``reach`` is 0.
+    - Pedestrians who stand at the kerb, or wait where a crossing begins, are expected to step out now and to
+      walk at ``speed`` in the most probable direction for a goal straight across, until they are over.
+      ``reach`` is the distance walked times the spread of the distribution.
+    - Pedestrians who stand anywhere else are expected to stay.
 
     Parameters
     ----------

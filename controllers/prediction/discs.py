@@ -19,7 +19,7 @@ class Discs(NamedTuple):
     """Shape (n, K) [m]."""
     y: FloatArray
     radius: FloatArray
-    """Of the disc, and how far from its place he may be, shape (n, K) [m]."""
+    """Of the disc, plus the uncertainty of its place, shape (n, K) [m]."""
 
 
 def discs(
@@ -40,9 +40,9 @@ def discs(
     who
         Which of them, by index, shape (n,).
     walks
-        Who of all goes on as he does; the others come to stand.
+        Which of all pedestrians go on as they do; the others come to a stop.
     forecast
-        Where those go who walk; ``None``: they keep their velocities.
+        Where walking pedestrians go; ``None``: they keep their velocities.
     times
         From now, shape (K,) [s].
     walk_on

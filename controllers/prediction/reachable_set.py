@@ -9,17 +9,17 @@ from controllers.prediction.forecast import Forecast, Predictor
 
 
 class ReachableSet:
-    """Predicts a disc that holds every place that somebody can reach.
+    """Predicts a disc that holds every place that a pedestrian can reach.
 
     Two discs hold them all. Whatever the pace, an acceleration of at most ``A`` leads no further than
-    ``A t² / 2`` from ``p + v t``. And who has accelerated for ``τ = V / A`` goes on with a pace of at most
-    ``V``: no further than ``A τ² / 2 + V (t − τ)`` from ``p + v τ``. The forecast is the smallest disc around
-    what both have in common.
+    ``A t² / 2`` from ``p + v t``. Pedestrians who have accelerated for ``τ = V / A`` go on with a pace of at
+    most ``V``: no further than ``A τ² / 2 + V (t − τ)`` from ``p + v τ``. The forecast is the smallest
+    disc around what both have in common.
 
     Parameters
     ----------
     acceleration : A [m/s^2]
-    pace : V; who is faster already is taken to keep that as his bound [m/s]
+    pace : V; for pedestrians who are already faster, their present pace is the bound [m/s]
     """
 
     def __init__(self, acceleration: float, pace: float) -> None:
@@ -46,7 +46,7 @@ class ReachableSet:
 
         Returns
         -------
-        after : where its middle is: where the pedestrian would be after that time if he walked on [s]
+        after : time after which pedestrians who walk on would be at its middle [s]
         radius : [m]
         """
         bound = self._acceleration

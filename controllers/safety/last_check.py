@@ -29,15 +29,15 @@ SHIELDED, WAY_OUT = "shielded", "way_out"
 LOOKED_AHEAD = 3.0
 """[s]"""
 MARGIN, STARTING_MARGIN, TOUCHING = 0.1, 0.2, 0.01
-"""Distance to somebody that counts as touching him, of a moving ego, of one that starts, and always [m]."""
+"""Distances to pedestrians that count as contact: of a moving ego, of one that starts, and always [m]."""
 GRAZING = 0.03
-"""Somebody who is nearer than the margin already counts as touched where he gets nearer by this [m]."""
+"""Pedestrians already nearer than the margin count as touched where they get nearer by this [m]."""
 WALK_ON = 0.7
-"""Nobody who walks stands at once: after this time, whoever is not expected to enter the ego's way [s]."""
+"""Walking pedestrians not expected to enter the ego's way stand only after this time, not at once [s]."""
 STARTING = 0.5
 """A slower ego starts [m/s]."""
 WALKING, WALKERS_MARGIN = 0.1, 0.3
-"""Whoever is faster walks [m/s], and may step aside: this distance to him counts as touching [m]."""
+"""Faster pedestrians walk [m/s] and may step aside: this distance to them counts as contact [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 MILD = 3.0

@@ -35,7 +35,7 @@ BEYOND = 1.5
 INSTANTS = 10
 """Of the instants of a rollout every so many is looked at [-]."""
 NEARER = 0.002
-"""Who is nearer already may stay so, but not come nearer by this [m]."""
+"""Those who are nearer already may stay so, but not come nearer by this [m]."""
 SOUGHT_EVERY = 0.5
 """How often a way is looked for at most [s]."""
 AHEAD = 0.1
@@ -142,7 +142,7 @@ class WayOut:
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: Obstacles) -> Obstacles:
-    """Return people, each wherever he will be within the time looked ahead, and vehicles."""
+    """Return people, wherever they will be within the time looked ahead, and vehicles."""
     x, y, reach = (values[:, ::INSTANTS] for values in people)
     them = x.ravel(), y.ravel(), (reach + kept[:, None]).ravel()
     return Obstacles(*(np.concatenate(both) for both in zip(them, vehicles, strict=True)))

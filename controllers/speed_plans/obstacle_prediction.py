@@ -87,7 +87,7 @@ def plan_until_gone(
     planner : plans the stop where arriving later is no way out
     situation, limits : what to plan for; the standoff is kept until the obstacle has gone
     gone : t_g, when that will be [s]
-    body_gap : to whom the ego would stop for should he stay; it can, with the emergency deceleration [m]
+    body_gap : to the pedestrian; should they stay, the emergency deceleration is enough to stop [m]
     """
     speed, braking = situation.speed, limits.deceleration
     free = free_profile(speed, limits)
@@ -112,7 +112,7 @@ def plan_until_gone(
 
 
 def _can_still_stop(profile: SpeedProfile, gone: float, body_gap: float, limits: PlanningLimits) -> bool:
-    """Say whether an emergency stop is possible before somebody who stays, at any time until he has gone."""
+    """Say whether, at any time up to ``gone``, an emergency stop is possible should the pedestrian stay."""
     for step in range(11):
         moved, speed, _ = profile.at(0.1 * step * gone)
         needed = speed * limits.actuator_delay + speed**2 / (2.0 * limits.emergency_deceleration)

@@ -1,8 +1,8 @@
 """Which obstacles a speed plan is made for: leaders, and where to stop for pedestrians.
 
-A pedestrian whose way crosses the ego's is an obstacle that stands at the stop line, or at the pedestrian
-where there is none, until he has left the ego's way. Whoever comes into it only after the ego is past is no
-obstacle.
+A pedestrian whose path crosses the ego's is an obstacle that stands at the stop line, or at the pedestrian
+where there is none, until they have left the ego's path. Pedestrians who enter it only after the ego has
+passed are no obstacles.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ COMMITTED, RESUMED = 0.3, 2.0
 """Share of the time margin that is enough to go on ahead of somebody, and to go ahead after all of somebody
 who was yielded to."""
 CAREFUL_BEFORE = 5.0
-"""Somebody who lets the ego go is passed slowly from this far before him on [m]."""
+"""Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
-"""The competent and careful driver of UN R157 as a reference: sees the risk, waits out his reaction, brakes.
+"""The competent and careful driver of UN R157 as a reference: sees the risk, reacts with a delay, brakes.
 
 Along: car-following that obeys leaders, signals, right of way, speed limits and bends; for a pedestrian
-whose way leads before the ego he brakes with 0.774 g, which builds up within 0.6 s and begins 0.75 s after
-he could perceive the risk. Across: as the road and its vehicles ask.
+whose path leads in front of the ego the driver brakes with 0.774 g, which builds up within 0.6 s and begins
+0.75 s after the risk could be perceived. Across: as the road and its vehicles ask.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ GRAVITY = 9.80665
 START_SPEED = 2.0
 """A standing driver does not start where driving at this speed would meet somebody [m/s]."""
 WALKING = 0.5
-"""Who moves faster across the road when he comes into view is crossing it [m/s]."""
+"""Pedestrians who move faster across the road when they come into view are crossing it [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """What the driver perceives, and how he brakes."""
+    """What the driver perceives, and how they brake."""
 
     delay: float
     """From the perception of the risk to the beginning of braking [s]."""
@@ -40,7 +40,7 @@ class Reaction:
     ramp: float
     """From the beginning of braking to its full value [s]."""
     wander: float
-    """Whoever has moved less across the road is not perceived as a risk yet [m]."""
+    """Pedestrians who have moved less across the road are not perceived as a risk yet [m]."""
     horizon: float
     """Contacts later than this are no risk yet [s]."""
 
@@ -52,7 +52,7 @@ class CarefulDriver:
         self._reaction = reaction
         self._traffic = TrafficDriver()
         self._moved: dict[str, float] = {}
-        """How far each pedestrian in view has moved across the road since he came into it [m]."""
+        """How far each pedestrian in view has moved across the road since coming into view [m]."""
         self._time: float | None = None
         self._since: float | None = None
         self._speed = 0.0
@@ -140,10 +140,10 @@ class Settings(ControllerSettings):
     Notes
     -----
     Delay, deceleration, ramp and wander are those of the performance model of [R157]_, after a
-    transcription. That model is of a vehicle that cuts in. That a pedestrian who has moved as far is
-    perceived as one is, and at once where he comes into view walking, the condition of a contact at
-    constant velocities, and the horizon are ours. The 0.4 s in which the model's driver evaluates the risk
-    are left out, as in the metric preventable_r157; ``delay_s=1.15`` has them.
+    transcription. That model is of a vehicle that cuts in. Our own assumptions are that pedestrians who have
+    moved as far are perceived like such a vehicle, and at once if they come into view walking; the condition
+    of a contact at constant velocities; and the horizon. The 0.4 s in which the model's driver evaluates the
+    risk are left out, as in the metric preventable_r157; ``delay_s=1.15`` includes them.
     """
 
     delay_s: NotNegative = 0.75

@@ -41,7 +41,7 @@ NO_FREE_PATH = "no free path"
 WAITING_ENDS = 2.0
 """Deceleration at which an ego without a free way begins to brake [m/s^2]."""
 CREEPING = 2.0
-"""So slow, an ego also stops for who would walk into its side [m/s]."""
+"""A slower ego also stops for pedestrians who would walk into its side [m/s]."""
 FREE_FOR = 0.3
 """A way past must have been free for this time before it is trusted more than the brake [s]."""
 
@@ -102,10 +102,10 @@ class PotentialFieldDriver:
 class Brakes:
     """Braking for pedestrians, left to the steering while that has a free way past them.
 
-    Where it has none, an ego that would meet somebody brakes so as to stop before him, once that takes
+    Where it has none, an ego that would meet pedestrians brakes so as to stop before them, once that takes
     ``WAITING_ENDS``; emergency braking stands behind that. When that would act, it is the last moment for
-    it. So a way must have been free for some time before it is trusted, and who is braked for stays so
-    until he is out of danger.
+    it. So a way must have been free for some time before it is trusted, and braking for pedestrians goes on
+    until they are out of danger.
     """
 
     def __init__(self) -> None:
