@@ -86,7 +86,7 @@ class Thresholds:
     r157_wander_m: float = 0.375
     """A pedestrian nearer to the ego's corridor than this is a risk."""
     r157_foresight_s: float = 2.0
-    """One who would be there within this time is a risk, too."""
+    """Pedestrians who would be there within this time are a risk, too."""
     r157_view_m: float = 100.0
     """The careful driver sees no further."""
     r157_eye_m: float = 2.0

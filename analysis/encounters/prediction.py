@@ -21,9 +21,9 @@ class PredictedArea:
     """Entry and exit of both, at constant velocity."""
 
     person_in: FloatArray
-    """−inf for one who stands in the strip, negative for one already inside [s]."""
+    """−inf for pedestrians standing in the strip, negative for those already inside [s]."""
     person_out: FloatArray
-    """inf for one who stays in the strip [s]."""
+    """inf for pedestrians who stay in the strip [s]."""
     distance_in: FloatArray
     """From the front bumper to the area; negative once inside [m]."""
     distance_out: FloatArray

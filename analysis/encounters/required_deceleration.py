@@ -12,8 +12,8 @@ from analysis.geometry import FloatArray
 def drac(case: Case, reaction_s: float) -> FloatArray:
     """Return the deceleration needed at each sample; nan where the pedestrian does not count [m/s^2].
 
-    Crossing pedestrians need what ``required_deceleration`` says; one who moves along the ego's
-    direction needs ``closing speed^2 / (2 gap)``. Before the reaction time is over nothing is done.
+    Crossing pedestrians need what ``required_deceleration`` says; those moving along the ego's
+    direction need ``closing speed^2 / (2 gap)``. Before the reaction time is over nothing is done.
     """
     samples, area = case.samples, case.predicted
     speed = samples.ego_speed

@@ -3,7 +3,8 @@
 With the ego at speed v, d its way to the predicted conflict area and T the time until the pedestrian
 has left it at constant velocity: 0 for d >= v T; 2 (v − d/T) / T for v T / 2 <= d < v T; v^2 / (2 d)
 for d < v T / 2, where slowing down is not enough and the ego has to stop. A pedestrian moving along
-the ego's direction: closing speed^2 / (2 gap). 0 where the ego clears the area before he enters.
+the ego's direction: closing speed^2 / (2 gap). 0 where the ego clears the area before the
+pedestrian enters.
 
 Undefined: empty with drac_status `unbounded` where no deceleration would do (the ego is at the area with
 the pedestrian inside), `not_entered` for a person who never enters, `collision` after a contact.

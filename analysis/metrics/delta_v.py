@@ -1,4 +1,4 @@
-"""Delta-V of the pedestrian: the change of his speed in a perfectly inelastic collision.
+"""Delta-V of the pedestrian: the change of their speed in a perfectly inelastic collision.
 
 m_ego / (m_ego + m_ped) times the relative speed at the smallest TTC (at first contact after a
 collision), with ego_mass_kg and pedestrian_mass_kg.

@@ -1,6 +1,6 @@
 """Whether the pedestrian entered inside the ego's comfort stopping distance.
 
-1 where, at the instant he steps on the crossing, the way to the conflict area is less than
+1 where, at the instant the pedestrian steps on the crossing, the way to the conflict area is less than
 v^2 / (2 a) with comfort_deceleration_mps2.
 
 Undefined: as preventable_r157.

@@ -1,9 +1,9 @@
 """Delay of the pedestrian: waiting at the kerb and slowing down on the crossing.
 
 The integral of (1 − v / v_free) over the time waiting for and on the crossing, where v < v_free; v_free
-is the free_walking_percentile of his own recorded speeds while walking. The run's mean counts each
-person once for each crossing, and its level of service follows it: A below 5 s, B below 10, C below
-20, D below 30, E below 45, else F.
+is the free_walking_percentile of the pedestrian's own recorded speeds while walking. The run's mean
+counts each person once for each crossing, and its level of service follows it: A below 5 s, B below 10,
+C below 20, D below 30, E below 45, else F.
 
 Undefined: empty for a person who is not seen to leave the crossing.
 """

@@ -1,9 +1,9 @@
 """Time the pedestrian stood at the kerb before the crossing.
 
-The time with phase waiting and a speed below pedestrian_standing_speed_mps, until he steps on the
-crossing or the encounter ends.
+The time with phase waiting and a speed below pedestrian_standing_speed_mps, until the pedestrian steps
+on the crossing or the encounter ends.
 
-Undefined: empty away from crossings. The time is what was recorded: a person already waiting when he
+Undefined: empty away from crossings. The time is what was recorded: pedestrians already waiting when they
 came into range waited longer.
 """
 

@@ -1,8 +1,8 @@
 """How long the ego had been told of the pedestrian, without a break, when the conflict came.
 
 The conflict comes at the first contact, without one when the second of the two enters the conflict area.
-0 where the ego was not told of him at that instant. A pedestrian who is extrapolated through a short loss
-is told.
+0 where the ego was not told of the pedestrian at that instant. Pedestrians who are extrapolated through a
+short loss count as told.
 
 Undefined: empty where the sensing is perfect, without a conflict area, and where one of the two never
 enters it.

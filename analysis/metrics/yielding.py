@@ -1,9 +1,9 @@
 """Whether an ego that could have yielded did.
 
-The pedestrian arrives when he first stands waiting for the crossing or steps on it. The ego could
+Pedestrians arrive when they first stand waiting for the crossing or step on it. The ego could
 yield (yieldable) if it was then further from the crossing than v t + v^2 / (2 a), with
 yield_reaction_s and yield_deceleration_mps2, and at its speed would have reached the crossing before
-he left it. It yielded if he was on the crossing before the ego was.
+they left it. It yielded if they were on the crossing before the ego was.
 
 Undefined: empty where it could not have yielded, where signals decide, where it does not pass the
 crossing, or where the person does not come to it. yield_rate is yields over yieldable encounters.
