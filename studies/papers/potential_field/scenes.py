@@ -56,13 +56,13 @@ CONTROLLER = "potential_field"
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Where a pedestrian begins, and in which direction he walks.
+    """Where a pedestrian begins, and in which direction they walk.
 
     Parameters
     ----------
     name : number in the paper
     x, y : start, in the paper's frame [m]
-    angle : between the car's direction and his [rad]; ``None`` if he stands
+    angle : between the directions of the car and the pedestrian [rad]; ``None`` if they stand
     """
 
     name: str
@@ -79,7 +79,7 @@ class Scene:
 
     @property
     def meeting(self) -> float:
-        """Time at which the car is level with him [s]."""
+        """Time at which the car is level with the pedestrian [s]."""
         return float(meeting_time(np.array([self.x]), np.array([self.velocity[0]]), 0.0, SPEED)[0])
 
     @property
@@ -179,7 +179,7 @@ def field_of(scene: Scene, long_axis: float, gains: Gains, *, moving: bool = Fal
     ----------
     scene, gains : which
     long_axis : σ_x [m]
-    moving : the obstacle moves with the pedestrian; else it is where he will be met
+    moving : the obstacle moves with the pedestrian; else it is where they will be met
     """
     place = (scene.x, scene.y) if moving else scene.conflict
     obstacle = standing(*(np.array([value]) for value in (*place, long_axis, SAFE)))

@@ -75,7 +75,7 @@ def orders(*, moving: bool) -> Orders:
 
     Parameters
     ----------
-    moving : the obstacle moves with the pedestrian; else it is where he will be met
+    moving : the obstacle moves with the pedestrian; else it is where they will be met
     """
     gains = gain_grid()
     count = len(np.asarray(gains.centre))
@@ -138,7 +138,7 @@ def directions(*, variable: bool) -> Directions:
     """Return what the tuned field does with the paper's example, if the pedestrian walks in any direction.
 
     The direction is known from the first step, as in the four scenes: the conflict point is that of the
-    direction he walks in.
+    walking direction.
     """
     scenes = [Scene("example", *EXAMPLE_START, float(angle)) for angle in ANGLES]
     axes = [scene.long_axis if variable else FIXED_AXIS for scene in scenes]

@@ -32,7 +32,7 @@ class Task:
     pedestrian_y: float
     """At 1 s, at x = 6 m [m]."""
     side: float
-    """+1: passed on the left of the line of sight, ahead of the pedestrian; −1: behind him."""
+    """+1: passed on the left of the line of sight, ahead of the pedestrian; −1: behind them."""
     exact: bool = False
     """Distances over time instead of a cone at every step."""
     steers: bool = False

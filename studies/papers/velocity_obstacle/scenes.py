@@ -57,7 +57,7 @@ E3 = Scene("E3", 12, 40.0, 46.0)
 
 
 def people(scene: Scene, radius: float = RADIUS, listed_at: float = LISTED_AT_ONE) -> People:
-    """Return the pedestrian at the ends of the steps; ahead of him is on his left.
+    """Return the pedestrian at the ends of the steps; passing ahead of them means passing on their left.
 
     Parameters
     ----------
