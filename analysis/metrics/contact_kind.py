@@ -60,7 +60,7 @@ COLUMNS = (
     column.at_least_0(
         "contact_risk_seen_s",
         "s",
-        "time from when a careful driver could see the risk to the contact; empty where he could not",
+        "time from when a careful driver could see the risk to the contact; empty where they could not",
     ),
 )
 RUN_COLUMNS = (

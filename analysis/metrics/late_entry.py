@@ -18,7 +18,10 @@ UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
 COLUMNS = (
-    column.flag("late_entry", "he entered inside the ego's comfort stopping distance; empty where undefined"),
+    column.flag(
+        "late_entry",
+        "the pedestrian entered inside the ego's comfort stopping distance; empty where undefined",
+    ),
 )
 RUN_COLUMNS = (column.count("n_late_entries", "encounters with a late entry", required=True),)
 

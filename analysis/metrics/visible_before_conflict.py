@@ -23,7 +23,7 @@ COLUMNS = (
     column.at_least_0(
         "visible_before_conflict_s",
         "s",
-        "time for which the ego had been told of him; empty where it knew",
+        "time for which the ego had been told of the pedestrian; empty where it knew",
     ),
 )
 

@@ -21,7 +21,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "lower"
 SOURCE = "[NCHRP562]; the reaction time and deceleration are assumed"
-COLUMNS = (column.flag("yielded", "the ego let him go first; empty where it could not have"),)
+COLUMNS = (column.flag("yielded", "the ego let the pedestrian go first; empty where it could not have"),)
 RUN_COLUMNS = (
     column.count("yields", "egos that let a pedestrian go first", required=True),
     column.count(

@@ -102,7 +102,7 @@ COLUMNS = (
     text("ped_type", "SUMO type of the pedestrian", source="encounter.person.kind"),
     text(
         "crossing_id",
-        "crossing he is on or waits for; empty away from crossings",
+        "crossing that the pedestrian is on or waits for; empty away from crossings",
         source="encounter.crossing_id",
     ),
     text(
@@ -134,7 +134,7 @@ COLUMNS = (
     number("t_end_s", "s", "one has left that range, or the recording ends", source="end", required=True),
     flag(
         "entered",
-        "he was on the crossing or in the ego's path, not only waiting",
+        "the pedestrian was on the crossing or in the ego's path, not only waiting",
         source="entered",
         required=True,
     ),
