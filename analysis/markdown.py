@@ -7,6 +7,8 @@ from pathlib import Path
 
 from tabulate import DataRow, TableFormat, tabulate
 
+from analysis.files import write_text
+
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], right: Iterable[str] = ()) -> str:
     """Return a table; its last line ends without a line break.
@@ -80,7 +82,7 @@ def write_below(page: Path, line: str, text: str, introduction: str) -> None:
         Comes above the line of a new page.
     """
     above = page.read_text(encoding="utf-8").partition(line)[0] if page.exists() else introduction
-    page.write_text(f"{above.rstrip()}\n\n{line}\n\n{text}", encoding="utf-8", newline="\n")
+    write_text(page, f"{above.rstrip()}\n\n{line}\n\n{text}")
 
 
 def _escaped(cells: Sequence[str]) -> list[str]:

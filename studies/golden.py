@@ -1,4 +1,4 @@
-"""Did a change of the code change what the tool computes? Digests of every controller in every scenario.
+"""Did a change of the code change what the tool computes? Every controller in every scenario, compared.
 
 ``make golden`` makes the runs of ``studies/golden.toml``; then
 ``python -m studies.golden runs/golden --against BEFORE`` compares them with those of an earlier commit, by

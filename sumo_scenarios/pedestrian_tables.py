@@ -14,7 +14,6 @@ from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.trajectories import FASTEST_MPS, read_trajectories
 
 KINDS = ("trajectory", "line", "jaywalk", "crossing")
-MANNERS = ("steady", "hesitating", "running", "turning_back", "social_force")
 SLOWEST_MPS = 0.05
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
 

@@ -62,7 +62,7 @@ def _of_pair(ego: Track, vehicle: Track, grid: Grid) -> list[VehicleOverlap]:
         return []
     own = near + first - ego.first
     other = near + first - vehicle.first
-    gap, _ = _separation(ego, own, vehicle, other)
+    gap, _ = rectangle_separation(*_body(ego, own), *_body(vehicle, other))
     hit = np.flatnonzero(gap < -_TOUCH_M)
     if len(hit) == 0:
         return []
@@ -71,19 +71,9 @@ def _of_pair(ego: Track, vehicle: Track, grid: Grid) -> list[VehicleOverlap]:
     return [_describe(ego, own[group], vehicle, other[group], gap[group], grid) for group in groups]
 
 
-def _separation(ego: Track, own: IntArray, vehicle: Track, other: IntArray) -> tuple[FloatArray, FloatArray]:
-    return rectangle_separation(
-        ego.x[own],
-        ego.y[own],
-        ego.heading[own],
-        ego.length,
-        ego.width,
-        vehicle.x[other],
-        vehicle.y[other],
-        vehicle.heading[other],
-        vehicle.length,
-        vehicle.width,
-    )
+def _body(track: Track, at: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, float, float]:
+    """Return a rectangle as :mod:`analysis.geometry` takes it: x, y, heading, length and width."""
+    return track.x[at], track.y[at], track.heading[at], track.length, track.width
 
 
 def _describe(
@@ -93,12 +83,12 @@ def _describe(
     ego_closing, other_closing = np.nan, np.nan
     closed_by = "appeared"
     if i > 0 and j > 0:
-        before, after = np.array([i - 1]), np.array([i])
-        before_other, after_other = np.array([j - 1]), np.array([j])
-        start, axis = _separation(ego, before, vehicle, before_other)
+        before, after = (_body(ego, np.array([at])) for at in (i - 1, i))
+        before_other, after_other = (_body(vehicle, np.array([at])) for at in (j - 1, j))
+        start, axis = rectangle_separation(*before, *before_other)
         step = float(grid.time[ego.first + i] - grid.time[ego.first + i - 1])
-        ego_closing = float(start[0] - _gap(axis, ego, after, vehicle, before_other)[0]) / step
-        other_closing = float(start[0] - _gap(axis, ego, before, vehicle, after_other)[0]) / step
+        ego_closing = float(start[0] - gap_along(axis, *after, *before_other)[0]) / step
+        other_closing = float(start[0] - gap_along(axis, *before, *after_other)[0]) / step
         closed_by = "ego" if ego_closing > 0.0 and ego_closing >= other_closing else "other"
     return VehicleOverlap(
         ego_id=ego.name,
@@ -114,20 +104,4 @@ def _describe(
         other_speed=float(vehicle.speed[j]),
         x=float(ego.x[i]),
         y=float(ego.y[i]),
-    )
-
-
-def _gap(axis: FloatArray, ego: Track, own: IntArray, vehicle: Track, other: IntArray) -> FloatArray:
-    return gap_along(
-        axis,
-        ego.x[own],
-        ego.y[own],
-        ego.heading[own],
-        ego.length,
-        ego.width,
-        vehicle.x[other],
-        vehicle.y[other],
-        vehicle.heading[other],
-        vehicle.length,
-        vehicle.width,
     )

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from analysis.errors import StudyError
+from analysis.files import write_text
 from studies.crossings.summary import POOLED, read_study, summary
 from studies.crossings.table import markdown
 
@@ -28,7 +29,7 @@ def write_page(folder: Path) -> str:
     table = summary(runs, encounters)
     table.to_csv(folder / "study.csv", index=False, float_format="%.6g")
     text = markdown(table, summary(runs, encounters, POOLED))
-    (folder / "study.md").write_text(text, encoding="utf-8", newline="\n")
+    write_text(folder / "study.md", text)
     return text
 
 

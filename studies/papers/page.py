@@ -11,6 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from analysis.files import write_text
 from analysis.markdown import table
 from cosim.errors import InputError
 from studies.papers.catalog import found
@@ -73,9 +74,7 @@ def write_page(folder: Path, documentation: Path) -> None:
     for figure in sorted((folder / FIGURES).glob("*.png")):
         shutil.copyfile(figure, copies / figure.name)
     names = [figure.name for figure in copies.glob("*.png")]
-    (documentation / "papers.md").write_text(
-        markdown(claims, names, titles()), encoding="utf-8", newline="\n"
-    )
+    write_text(documentation / "papers.md", markdown(claims, names, titles()))
 
 
 def titles() -> dict[str, str]:

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from analysis.files import read_json
+from analysis.files import read_json, write_text
 from cosim.batches.identity import source_digest
 from cosim.recording.folders import DEFAULT_PARENT
 from studies.zoo import page, results, tables, town
@@ -108,7 +108,7 @@ def _all(given: argparse.Namespace) -> int:
     tables.write(folder, runs)
     text = page.text(recipes, plan, runs, missing, _command(given), sources)
     target: Path = given.page or folder / "zoo.md"
-    target.write_text(text, "utf-8")
+    write_text(target, text)
     print(f"\n{tables.pooled(runs, plan.controllers)}\n")
     print(tables.bars_table(bars(runs, [recipe.name for recipe in recipes if recipe.as_it_is])))
     print(f"\npage: {target}; tables: {folder}/*.csv")
