@@ -3,8 +3,9 @@
 Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
 enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that
-stand count as well. A plan that would touch somebody is replaced by the least
-braking that does not, as late as that is possible. It is a safety net: how seldom it is needed says how good
+stand count as well. A plan that would touch somebody is replaced by the least braking that does not, as late
+as that is possible. Where no braking keeps the margin, what stays farthest away from pedestrians even if they
+walk on is carried out: that may be the plan itself. It is a safety net: how seldom it is needed says how good
 the plans are.
 """
 
@@ -108,13 +109,27 @@ class LastCheck:
         if not touched:
             return plan
         tried = np.array((MILD, *URGENT))
-        motion = braked(perception, tried, times)
-        touches = _touches(_clearances(perception, others, path, motion), motion, margin)
+        slower = braked(perception, tried, times)
+        distances = _clearances(perception, others, path, slower)
+        touches = _touches(distances, slower, margin)
         if not touches[0] and not starts:
             return plan
-        enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
         limit = perception.ego.drive.max_deceleration
-        return _braking(plan, min(float(enough), limit))
+        if not touches.all() or starts:
+            enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
+            return _braking(plan, min(float(enough), limit))
+        # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
+        people = discs(perception, near, np.full(len(told), True), None, times)
+        on = np.minimum(
+            np.append(_least(clearance, motion), _least(distances, slower)),
+            np.append(
+                _least(_clearances(perception, people, path, motion), motion),
+                _least(_clearances(perception, people, path, slower), slower),
+            ),
+        )
+        best = on.max(initial=0.0)
+        chosen = int(np.flatnonzero(on >= best - GRAZING)[-1]) if best >= MARGIN else len(tried)
+        return plan if chosen == 0 else _braking(plan, min(float(tried[chosen - 1]), limit))
 
     def _margins(
         self, perception: Perception, now: FloatArray, walk: NDArray[np.bool_], starts: bool
@@ -161,6 +176,12 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
     """
     near = (clearance < margin).any(axis=2)
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
+
+
+def _least(clearance: FloatArray, motion: Motion) -> FloatArray:
+    """Return the least distance to anybody of each variant of a motion while it moves, shape (m,) [m]."""
+    nearest = clearance.min(axis=2, initial=np.inf)
+    return np.asarray(np.where(motion.speed > STANDING, nearest, np.inf).min(axis=0))
 
 
 def _braking(plan: Plan, braking: float) -> Plan:

@@ -83,6 +83,16 @@ def test_somebody_who_walks_may_step_aside_and_counts_with_more_distance() -> No
     assert _checked(Walker(5.0, beside, -0.5, 0.0), speed=5.0).status == SHIELDED
 
 
+@pytest.mark.parametrize("enters", [True, False])
+def test_no_hard_braking_that_ends_beside_somebody_whom_the_ego_would_have_passed(enters: bool) -> None:
+    """They walk towards the flank: at 9 m/s it is past before they are there, braked to a stop it is not."""
+    towards_the_flank = Walker(BODY.front + 1.2, -2.15, 0.0, 1.2)
+    passing = _checked(towards_the_flank, speed=9.0, enters=enters)
+    assert passing.command.acceleration.min() > -3.5
+    nearer = replace(towards_the_flank, across=-1.6)
+    assert _checked(nearer, speed=9.0, enters=enters).command.acceleration.max() == -8.0
+
+
 @pytest.mark.parametrize("speed", [0.0, 3.0])
 def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_he_turns(
     speed: float,

@@ -140,6 +140,22 @@ def test_somebody_who_walks_through_the_lane_to_where_his_crossing_begins_is_exp
     assert len(_find([], perception(road=straight_road(3, 1), walkers=[outside], crossings=[crossing]))) == 0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_somebody_who_walks_past_the_waiting_place_without_stopping_crosses_whoever_has_priority(
+    side: float,
+) -> None:
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-3.0, left=3.0)
+
+    def found(across: float, across_speed: float) -> Conflicts:
+        walker = Walker(30.0, -side * across, 0.0, side * across_speed, 0, waiting=True)
+        return _find([], perception(walkers=[walker], crossings=[crossing]))
+
+    assert len(found(2.7, 1.1)) == 1
+    assert len(found(3.3, 1.1)) == 0
+    assert len(found(2.7, 0.0)) == 0
+    assert len(found(2.7, -1.1)) == 0
+
+
 @pytest.mark.parametrize("green", [True, False])
 def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: bool) -> None:
     waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)
