@@ -24,6 +24,8 @@ GAP_OPENS_IN = 4.0
 """A gap that is short already is opened over some such times, not by braking hard [s]."""
 FOLLOWER_KEEPS = 2.0
 """How long followers are expected to keep their speed before they react to the ego [s]."""
+MOST = 32
+"""Of a crowd in conflict the nearest so many count: a program of hundreds takes minutes."""
 KERB_CLEARANCE = 0.2
 """Kept to the outer edges of the lanes that a lane change uses [m]."""
 
@@ -89,10 +91,11 @@ class SceneReader:
         found = passing.find(
             perception, self._watch, band, 0.0, s.horizon, s.assume, self._predicted(perception)
         )
-        if np.isinf(s.truncation):
-            return found
         near = found.along - perception.ego.body.front <= s.truncation * max(perception.ego.speed, 1.0)
-        return _only(found, near)
+        if len(found) > MOST:
+            distance = np.where(near, np.hypot(found.along, found.across), np.inf)
+            near[np.argsort(distance, kind="stable")[MOST:]] = False
+        return found if near.all() else _only(found, near)
 
     def straight(self, perception: Perception, lane: Lane, conflicts: passing.Conflicts) -> AvoidanceProblem:
         """Return the problem of driving on in a lane, which leaves the speed alone to be chosen."""
