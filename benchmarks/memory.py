@@ -13,17 +13,15 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import libsumo
-import numpy as np
-import psutil
 from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
+from measuring.resident import HOUR_S, Looks, settled, slope
 from measuring.solvers import DEFAULT
 
 from cosim.running.request import RunRequest
@@ -31,29 +29,12 @@ from cosim.running.simulation import run
 from sumo_scenarios import library
 
 SCENARIO, CONTROLLER, SEED = "midblock_zebra", "vo_mpc", 1
-HOUR_S = 3600.0
 SETTINGS = {"step_s": "0.5", "warmup_s": "120", "vehicles_per_hour": "400", "pedestrians_per_hour": "200"}
 """A long step and thin traffic: an hour in about a minute."""
 EGO_SHARE = 0.2
-EVERY_S = 30.0
 SETTLED_S = 900.0
 """From here on memory is what it is: the road is full, and everything has been needed once."""
 MOST_MB_PER_HOUR = 20.0
-
-
-class Looks:
-    """Resident memory of this process, looked at now and then."""
-
-    def __init__(self) -> None:
-        self._process = psutil.Process()
-        self.found: dict[str, list[float]] = {"time_s": [], "resident_mb": []}
-
-    def look(self, now: float) -> None:
-        """Look, if the last time is long enough ago in simulated time [s]."""
-        times = self.found["time_s"]
-        if not times or now - times[-1] >= EVERY_S - 1e-6:
-            times.append(now)
-            self.found["resident_mb"].append(self._process.memory_info().rss / 1e6)
 
 
 def watched(duration_s: float, solver: str) -> dict[str, list[float]]:
@@ -94,17 +75,6 @@ def in_process(*arguments: str) -> dict[str, list[float]]:
         raise SystemExit(f"{arguments[0]} ended with {done.returncode}")
     seen: dict[str, list[float]] = json.loads(done.stdout.splitlines()[-1])
     return seen
-
-
-def settled(seen: Mapping[str, Sequence[float]], settled_s: float) -> tuple[list[float], list[float]]:
-    """Return times [s] and sizes [MB] from a time on."""
-    rows = [row for row in zip(seen["time_s"], seen["resident_mb"], strict=True) if row[0] >= settled_s]
-    return [time for time, _ in rows], [size for _, size in rows]
-
-
-def slope(times_s: Sequence[float], sizes_mb: Sequence[float]) -> float:
-    """Return the slope of the straight line that fits best [MB/h]."""
-    return HOUR_S * float(np.polyfit(times_s, sizes_mb, 1)[0])
 
 
 def main() -> None:

@@ -1,0 +1,146 @@
+"""Whether a very long run ends, and in how much memory: twelve simulated hours on the Braunschweig junction.
+
+The network, its signals and one measured hour of traffic are those that SUMO ships (``fokr_bs_demo``). The
+hour's vehicles depart again every hour. The shipped flows of bicycles and pedestrians jam the junction before
+the first hour is over, so one of ten cyclists and one of four pedestrians comes.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
+
+import gzip
+import json
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from measuring import results
+from measuring.bars import Bar, show
+from measuring.command import options
+from measuring.resident import HOUR_S, Looks, settled, slope
+
+from cosim.running.execution import execute
+from cosim.running.request import RunRequest
+from sumo_scenarios.sumo_installation import packaged_file
+
+DEMO = "tools/game/fokr_bs_demo"
+VEHICLES, BICYCLES, PEOPLE = "15_16_veh.trips.xml.gz", "15_16_bicycle.trips.xml", "15_16_ped.trips.xml"
+BEGIN_S = 15 * HOUR_S
+PERIODS_S = {BICYCLES: 250.0, PEOPLE: 60.0}
+"""Between two of a flow; 25 and 15 as shipped."""
+HOURS, EGO_SHARE, STEP_S, SEED, CONTROLLER = 12.0, 0.2, 0.5, 1, "vo_mpc"
+SETTLED_S = 2.0 * HOUR_S
+MOST_MB_PER_HOUR = 20.0
+
+
+def long_demand(folder: Path) -> Path:
+    """Write a configuration whose demand lasts all the hours, and return it."""
+    end = BEGIN_S + HOURS * HOUR_S
+    trips = ElementTree.fromstring(gzip.decompress(packaged_file(f"{DEMO}/{VEHICLES}").read_bytes()))
+    repeated = ElementTree.Element("routes")
+    for hour in range(int(HOURS)):
+        for trip in trips.iter("trip"):
+            depart = float(trip.attrib["depart"]) + hour * HOUR_S
+            again = dict(trip.attrib, id=f"{trip.attrib['id']}.{hour}", depart=f"{depart:.3f}")
+            ElementTree.SubElement(repeated, "trip", again)
+    ElementTree.ElementTree(repeated).write(folder / "vehicles.xml")
+    for name, period in PERIODS_S.items():
+        flows = ElementTree.parse(packaged_file(f"{DEMO}/{name}"))
+        for flow in [*flows.iter("flow"), *flows.iter("personFlow")]:
+            flow.attrib |= {"period": f"{period:g}", "end": f"{end:g}"}
+        flows.write(folder / name)
+    shipped = [packaged_file(f"{DEMO}/{name}") for name in ("vtypes_default.add.xml", "signalPlan.add.xml")]
+    options = {
+        "net-file": packaged_file(f"{DEMO}/fokr_bs.net.xml.gz"),
+        "route-files": ",".join(("vehicles.xml", BICYCLES, PEOPLE)),
+        "additional-files": ",".join(map(str, shipped)),
+        "begin": f"{BEGIN_S:g}",
+        "end": f"{end:g}",
+        "step-length": f"{STEP_S:g}",
+        "pedestrian.striping.stripe-width": "0.55",
+    }
+    configuration = ElementTree.Element("configuration")
+    for name, value in options.items():
+        ElementTree.SubElement(configuration, name, value=str(value))
+    file = folder / "braunschweig_long.sumocfg"
+    ElementTree.ElementTree(configuration).write(file)
+    return file
+
+
+def watched(duration_s: float) -> dict[str, Any]:
+    """Run and analyse; return resident memory over simulated time, at the end, and what came of the run."""
+    looks = Looks()
+    with TemporaryDirectory() as folder:
+        file, out = long_demand(Path(folder)), Path(folder) / "run"
+        request = RunRequest(str(file), CONTROLLER, SEED, duration_s=duration_s, ego_share=EGO_SHARE, out=out)
+        outcome = execute(request, lambda now, end: looks.look(now - BEGIN_S))
+        recorded = sum(part.stat().st_size for part in out.iterdir())
+    row = outcome.row or {}
+    wanted = (
+        "ego_count",
+        "n_encounters",
+        "n_entered",
+        "n_collisions",
+        "n_collisions_preventable",
+        "deadlock",
+    )
+    return {
+        **looks.found,
+        "invalid_reason": outcome.invalid_reason,
+        "recorded_mb": recorded / 1e6,
+        "analysed_mb": looks.most_mb(),
+        **{name: row.get(name) for name in wanted},
+    }
+
+
+def main() -> None:
+    """Measure, print and publish."""
+    if sys.argv[1:2] == ["--watch"]:
+        print(json.dumps(watched(float(sys.argv[2]))))
+        return
+    given = options(__doc__)
+    duration_s = 120.0 if given.quick else HOURS * HOUR_S
+    settled_s = 60.0 if given.quick else SETTLED_S
+    began = time.perf_counter()
+    words = [sys.executable, __file__, "--watch", f"{duration_s}"]
+    done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True)
+    seen: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    times, sizes = settled(seen, settled_s)
+    found: dict[str, Any] = {
+        "controller": CONTROLLER,
+        "ego_share": EGO_SHARE,
+        "step_s": STEP_S,
+        "simulated_s": duration_s,
+        "settled_s": settled_s,
+        "took_s": time.perf_counter() - began,
+        "mb_per_hour": slope(times, sizes),
+        **seen,
+    }
+    print(
+        f"{duration_s / HOUR_S:g} simulated hours in {found['took_s'] / 60.0:.0f} min: "
+        f"{seen['ego_count']} egos, {seen['n_entered']} entered encounters, {seen['n_collisions']} contacts; "
+        f"{seen['recorded_mb']:.0f} MB recorded; invalid: {seen['invalid_reason'] or 'no'}"
+    )
+    bars = [
+        Bar(
+            what=f"growth of resident memory over {duration_s / HOUR_S:g} simulated hours",
+            measured=found["mb_per_hour"],
+            at_most=MOST_MB_PER_HOUR,
+            unit="MB/h",
+            note=f"{sizes[0]:.0f} MB at first, {sizes[-1]:.0f} MB at the end, {seen['analysed_mb']:.0f} MB "
+            "at most while it is analysed",
+        )
+    ]
+    show(bars)
+    results.publish("endurance", found, bars, given.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""A very long run on a measured junction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from analysis.markdown import table_of
+
+
+def paragraphs(found: Mapping[str, Any]) -> list[str]:
+    """Return the section's Markdown."""
+    times = found["time_s"]
+    step = max(1, len(times) // 12)
+    rows = [
+        {"simulated h": f"{now / 3600.0:.1f}", "resident MB": f"{size:.0f}"}
+        for now, size in list(zip(times, found["resident_mb"], strict=True))[::step]
+    ]
+    return [
+        "## Memory over twelve simulated hours in Braunschweig",
+        f"`fokr_bs_demo`, as SUMO ships it, with `{found['controller']}` for {found['ego_share']:.0%} of the "
+        f"cars and steps of {found['step_s']:g} s; every hour the measured vehicles depart again, one of ten "
+        "cyclists and one of four pedestrians comes (more jam the junction). "
+        f"{found['simulated_s'] / 3600.0:g} simulated hours took {found['took_s'] / 60.0:.0f} min: "
+        f"{found['ego_count']} egos, {found['n_entered']} entered encounters, "
+        f"{found['n_collisions']} contacts "
+        f"({found['n_collisions_preventable']} preventable), {found['recorded_mb']:.0f} MB recorded. "
+        f"After the first {found['settled_s'] / 3600.0:g} h memory grows by {found['mb_per_hour']:+.1f} MB per "
+        "simulated hour; with the analysis of the whole recording the process held at most "
+        f"{found['analysed_mb']:.0f} MB.",
+        table_of(rows),
+    ]
