@@ -25,8 +25,8 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"{found['ego_count']} egos, {found['n_entered']} entered encounters, "
         f"{found['n_collisions']} contacts ({found['n_collisions_preventable']} preventable), "
         f"{found['recorded_mb']:.0f} MB recorded. After the first "
-        f"{found['settled_s'] / 3600.0:g} h memory grows by {found['mb_per_hour']:+.1f} MB per simulated hour; "
-        "with the analysis of the whole recording the process held at most "
+        f"{found['settled_s'] / 3600.0:g} h memory grows by {found['mb_per_hour']:+.1f} MB per simulated "
+        "hour; with the analysis of the whole recording the process held at most "
         f"{found['analysed_mb']:.0f} MB.",
         table_of(rows),
     ]
