@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.driving.standing import STANDING
 from controllers.interface import Lane, Perception
 
 FloatArray = NDArray[np.float64]
@@ -52,8 +53,11 @@ class LaneManoeuvre:
             # The lane is gone (the road narrowed, or a junction rearranged it): stay where the ego is.
             self.end(perception)
             return
-        arrived = abs(ego.across - lane.offset) < 0.3 and ego.time - self.started > 0.6 * self.duration
-        if self.origin is not None and arrived:
+        passed = ego.time - self.started
+        arrived = abs(ego.across - lane.offset) < 0.3 and passed > 0.6 * self.duration
+        # An ego that stands in the lane gets no nearer to its middle, and the route may ask for the next one.
+        stopped = ego.speed < STANDING and self.target == road.reference and passed > self.duration
+        if self.origin is not None and (arrived or stopped):
             self.origin = None
             self.finished = ego.time
         if self.origin is None and self.target != road.reference:

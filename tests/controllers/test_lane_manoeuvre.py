@@ -96,3 +96,17 @@ def test_an_ego_put_into_another_lane_adopts_it() -> None:
     manoeuvre.settle(_in_lane(0, time=1.0))
     assert manoeuvre.target == 0
     assert not manoeuvre.running
+
+
+def test_a_change_whose_ego_stands_in_the_new_lane_is_over_so_that_the_next_may_begin() -> None:
+    manoeuvre = _begun()
+
+    def stands(reference: int, time: float) -> Perception:
+        return perception(ego(time=time, across=-0.8, speed=0.0), straight_road(3, reference))
+
+    for scene in (stands(1, 9.0), stands(2, 3.0)):  # not in the new lane, or but for a moment
+        manoeuvre.settle(scene)
+        assert manoeuvre.running
+    manoeuvre.settle(stands(2, 9.0))
+    assert not manoeuvre.running
+    assert manoeuvre.target == 2
