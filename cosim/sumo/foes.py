@@ -17,6 +17,7 @@ from scipy.spatial.distance import cdist
 
 from analysis.polylines import arc_lengths
 from controllers.interface import JunctionFoe
+from cosim.sumo.approaches import Approaches
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
@@ -62,13 +63,16 @@ class FoeFinder:
         self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
         self._ways: dict[str, tuple[tuple[str, str], tuple[tuple[str, float], ...]]] = {}
         """By vehicle: the lane and the route for which its next ways were found, and these."""
+        self._approaches = Approaches(network)
 
-    def begin(self, cars: Cars) -> None:
-        """Begin an instant: forget vehicles that are not near any ego now."""
+    def begin(self, cars: Cars, time: float) -> None:
+        """Begin an instant [s]: forget vehicles that are not near any ego now."""
         forget_absent(self._ways, cars.names)
+        self._approaches.begin(cars, time)
 
     def find(
         self,
+        name: str,
         origin: float,
         junctions: Sequence[PathJunction],
         near: Sequence[int],
@@ -79,7 +83,8 @@ class FoeFinder:
 
         Parameters
         ----------
-        origin : place of the ego's rear axle on its path [m]
+        name : of the ego
+        origin : place of its rear axle on its path [m]
         junctions : that the ego is in or comes to soon
         near : rows of the vehicles near it
         cars : everybody's
@@ -89,11 +94,12 @@ class FoeFinder:
         for junction in junctions:
             conflicts = self._conflicts_of(junction.connection)
             if conflicts:
-                found += self._coming(origin, junction, conflicts, near, cars, lights)
+                found += self._coming(name, origin, junction, conflicts, near, cars, lights)
         return sorted(found, key=lambda foe: (foe.entry, foe.name))
 
     def _coming(
         self,
+        name: str,
         origin: float,
         junction: PathJunction,
         conflicts: Mapping[str, Sequence[Conflict]],
@@ -111,19 +117,22 @@ class FoeFinder:
                     before = offset - float(cars.lane_position[row])
                     foe_entry = before + conflict.foe_entry
                     foe_exit = before + conflict.foe_exit + float(cars.length[row])
-                    gone = foe_exit < 0.0
-                    if gone or foe_entry > FOE_RANGE or (before > 0.0 and _stopped(conflict.foe, lights)):
+                    gone, before_line = foe_exit < 0.0, before > 0.0
+                    if gone or foe_entry > FOE_RANGE or (before_line and _stopped(conflict.foe, lights)):
                         continue
+                    foe = cars.names[row]
+                    first = before_line and own.in_order and self._approaches.goes_first(name, foe)
                     found.append(
                         JunctionFoe(
-                            cars.names[row],
+                            foe,
                             start + conflict.entry,
                             start + conflict.exit,
                             start,
                             foe_entry,
                             foe_exit,
-                            float(cars.speed[row]),
-                            conflict.must_yield and not has_priority,
+                            # A vehicle that cannot pass the one before it in its lane comes no sooner.
+                            self._approaches.pace(row) if before_line else float(cars.speed[row]),
+                            conflict.must_yield and not has_priority and not first,
                         )
                     )
         return found

@@ -80,6 +80,8 @@ class Connection:
     signal: str
     """Id of the traffic light that controls it; empty for none."""
     signal_index: int
+    in_order: bool
+    """Whether vehicles pass in the order in which they came to a stop: an all-way stop."""
     permissions: Permissions
 
 
@@ -366,6 +368,7 @@ class _Reader:
                     link.get("dir", "s"),
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
+                    link.get("state") == "w",
                     _permissions(link),
                 )
                 for link in links

@@ -53,7 +53,7 @@ class Perceiver:
             ego.frame = frame
         near = NearEgos([ego.name for ego in egos], frames, known)
         lights = Lights(self._sumo)
-        self._foes.begin(known.cars)
+        self._foes.begin(known.cars, time)
         crossings = [frame.crossings() for frame in frames]
         roads: list[RoadAhead] = []
         lines: list[dict[int, LaneLine]] = []
@@ -94,7 +94,7 @@ class Perceiver:
         signals, junctions = frame.signals(), frame.junctions(NEAR)
         foes: list[JunctionFoe] = []
         if junctions and cars:
-            foes = self._foes.find(frame.origin, junctions, cars, known.cars, lights)
+            foes = self._foes.find(ego.name, frame.origin, junctions, cars, known.cars, lights)
         return road_ahead(frame, ego.track, crossings, signals, lights, foes, ego.own_limit)
 
     def _state(self, ego: DrivenEgo, frame: Frame, time: float) -> EgoState:

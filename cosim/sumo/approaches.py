@@ -1,0 +1,77 @@
+"""Vehicles on their way to a junction: who is held up by whom, and who came first to an all-way stop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from cosim.sumo.network import Network
+from cosim.sumo.present import forget_absent
+from cosim.sumo.surroundings import Cars
+
+AT_THE_LINE = 6.0
+"""A vehicle this near to its line, and slow, has come to an all-way stop [m]."""
+SLOW = 2.0
+"""[m/s]"""
+
+
+class Approaches:
+    """What is known of the vehicles before junctions; remembers since when they wait at an all-way stop."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        self._in_order = frozenset(
+            lane
+            for lane, onward in network.connections.items()
+            if any(connection.in_order for connection in onward)
+        )
+        self._cars: Cars | None = None
+        self._paces: dict[int, float] = {}
+        self._came: dict[str, tuple[str, float]] = {}
+        """By vehicle: the lane at whose end it has come to a stop, and when."""
+
+    def begin(self, cars: Cars, time: float) -> None:
+        """Begin an instant."""
+        self._cars, self._paces = cars, {}
+        if not self._in_order:
+            return
+        forget_absent(self._came, cars.names)
+        for row, lane in enumerate(cars.lane):
+            name = cars.names[row]
+            known = self._came.get(name)
+            if known is not None and known[0] != lane:
+                del self._came[name]
+                known = None
+            if known is None and lane in self._in_order and cars.speed[row] < SLOW:
+                left = self._network.lanes[lane].length - float(cars.lane_position[row])
+                if left <= AT_THE_LINE:
+                    self._came[name] = (lane, time)
+
+    def pace(self, row: int) -> float:
+        """Return how fast a vehicle gets on: no faster than those before it in its lane [m/s]."""
+        if not self._paces and self._cars is not None:
+            self._paces = _paces(self._cars)
+        return self._paces[row]
+
+    def goes_first(self, one: str, other: str) -> bool:
+        """Return whether one of two vehicles has come to an all-way stop before the other."""
+        return one in self._came and self._order(one) < self._order(other)
+
+    def _order(self, name: str) -> tuple[float, str]:
+        known = self._came.get(name)
+        return (known[1] if known is not None else math.inf, name)
+
+
+def _paces(cars: Cars) -> dict[int, float]:
+    """Return by row the least speed of a vehicle and of those before it in its lane [m/s]."""
+    rows: Sequence[int] = sorted(
+        range(len(cars.names)), key=lambda row: (cars.lane[row], -float(cars.lane_position[row]))
+    )
+    paces: dict[int, float] = {}
+    lane, slowest = "", math.inf
+    for row in rows:
+        if cars.lane[row] != lane:
+            lane, slowest = cars.lane[row], math.inf
+        slowest = min(slowest, float(cars.speed[row]))
+        paces[row] = slowest
+    return paces
