@@ -36,7 +36,7 @@ GRAZING = 0.03
 WALK_ON = 0.7
 """Walking pedestrians not expected to enter the ego's way stand only after this time, not at once [s]."""
 STARTING = 0.5
-"""A slower ego starts [m/s]."""
+"""An ego that stood starts until it is faster [m/s]."""
 WALKING, WALKERS_MARGIN = 0.1, 0.3
 """Faster pedestrians walk [m/s] and may step aside: this distance to them counts as contact [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
@@ -49,6 +49,8 @@ class LastCheck:
     """Checks the plans of one ego; remembers since when it has been kept from starting."""
 
     _out: WayOut = field(default_factory=WayOut)
+    _stood: bool = False
+    """Whether it has stood and not been under way since."""
 
     def checked(
         self,
@@ -80,14 +82,16 @@ class LastCheck:
             Across speed of those who walk to a waiting place in the lane, or will walk on across a crossing,
             shape (n,); nan for others, ``None`` for nobody [m/s].
         """
-        near, told = _near(perception), perception.pedestrians
+        near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
+        self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         cars = standing_vehicles(perception, len(times))
         if not len(near) and not len(cars.x):
             self._out.reset()
             return plan
         walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
-        starts = perception.ego.speed < STARTING or self._out.taken
+        # One that only creeps past somebody does not start: it would stop beside them, and stay there.
+        starts = self._stood or self._out.taken
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
             comes = np.where(told.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)

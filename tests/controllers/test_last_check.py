@@ -121,6 +121,22 @@ def test_an_ego_does_not_start_while_somebody_touches_it_or_stands_in_its_way() 
         assert plan.command.acceleration.max() < 0.0
 
 
+def test_an_ego_that_creeps_past_somebody_goes_on_and_one_that_stood_there_does_not_start() -> None:
+    beside = Walker(1.0, 0.5 * BODY.width + 0.25 + 0.12, 0.0, 0.0)
+
+    def status(check: LastCheck, speed: float) -> str:
+        seen = perception(ego(speed=speed), straight_road(), [beside])
+        return check.checked(seen, keeps(0.4), np.array([False])).status
+
+    creeps, starts = LastCheck(), LastCheck()
+    assert status(creeps, 0.4) == "ok"
+    assert status(starts, 0.0) == SHIELDED
+    assert status(starts, 0.4) == SHIELDED
+    # Under way again, it may creep.
+    assert status(starts, 0.6) == "ok"
+    assert status(starts, 0.4) == "ok"
+
+
 def test_somebody_beside_a_waiting_ego_who_does_not_move_holds_it_for_a_while_only() -> None:
     check, near = LastCheck(), Walker(2.0, 0.5 * BODY.width + 0.25 + 0.15, 0.0, 0.0)
     held = []
