@@ -115,6 +115,12 @@ def build(name: str, /, *, seed: int = 1, **values: object) -> Controller:
         return cast(Controller, settings.call(_module(name).build, made))
     except ValueError as error:
         raise CatalogError(f"controller '{name}': {' '.join(str(error).split())}") from error
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything
+        raise CatalogError(f"controller '{name}' cannot be built: {_told_of(error)}") from error
+
+
+def _told_of(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def _settings(name: str, values: Mapping[str, object]) -> ControllerSettings:
@@ -143,6 +149,8 @@ def _module(name: str) -> ModuleType:
             module = next(iter(entry_points(group=ENTRY_POINT_GROUP, name=name))).load()
     except ImportError as error:
         raise CatalogError(f"controller '{name}' cannot be loaded: {error}") from error
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything
+        raise CatalogError(f"controller '{name}' cannot be loaded: {_told_of(error)}") from error
     if not callable(getattr(module, "build", None)):
         raise CatalogError(f"controller '{name}' has no function build(**parameters)")
     return module

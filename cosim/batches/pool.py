@@ -23,7 +23,6 @@ from cosim.recording.provenance import Inputs
 
 RUNS_PER_PROCESS = 100
 """SUMO 1.28 keeps about a kilobyte of each personFlow of a simulation that has ended."""
-CHECK_TIMEOUT_S = 600.0
 
 
 class Pool:
@@ -81,7 +80,12 @@ class Pool:
 
     def check(self, job: Job, start_sumo: bool) -> Future[tuple[Inputs, str] | str]:
         """Return the inputs of a run and the hash of the code, or why it cannot be made."""
-        return self._schedule(worker.check, (job, start_sumo), CHECK_TIMEOUT_S, _answer)
+        limit = self._handling.timeout_s
+
+        def answer(done: Future[tuple[Inputs, str] | str]) -> tuple[Inputs, str] | str:
+            return _answer(done, limit)
+
+        return self._schedule(worker.check, (job, start_sumo), limit, answer)
 
     def close(self) -> None:
         """End the processes and what they are doing."""
@@ -138,13 +142,15 @@ def _outcome(done: Future[None], job: Job, folder: Path, timeout_s: float) -> Ou
     return Outcome(job, folder, reason, lost)
 
 
-def _answer(done: Future[tuple[Inputs, str] | str]) -> tuple[Inputs, str] | str:
+def _answer(done: Future[tuple[Inputs, str] | str], timeout_s: float) -> tuple[Inputs, str] | str:
     try:
         return done.result()
     except TimeoutError:
-        return f"SUMO did not start within {CHECK_TIMEOUT_S:g} s"
+        return (
+            f"the controller's first plans and SUMO's start took longer than run_timeout_s = {timeout_s:g} s"
+        )
     except ProcessExpired as error:
-        return f"SUMO cannot start: {_ending(int(error.exitcode))}"
+        return f"it ended at the controller's first plans or at SUMO's start: {_ending(int(error.exitcode))}"
     except Exception as error:  # noqa: BLE001  anything that the pool reports; told as bad input
         return f"{type(error).__name__}: {error}"
 

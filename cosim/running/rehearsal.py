@@ -39,7 +39,7 @@ def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> 
                 plan = controller.plan(perception, controller.decide(perception))
                 world.act(perception.ego.name, plan.command)
             world.advance()
-    except Exception as error:  # a plug-in may raise anything; re-raised as what it is to the user
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything; re-raised for the user
         text = " ".join(str(error).split())
         if isinstance(error, ValueError):
             raise InputError(f"controller '{name}': {text}") from error

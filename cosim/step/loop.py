@@ -131,7 +131,7 @@ def _answer(driver: Controller, perception: Perception) -> tuple[Decision, Plan]
         plan = driver.plan(perception, decision)
     except CosimError:
         raise
-    except Exception as error:  # a plug-in may raise anything; re-raised with its place
+    except (Exception, SystemExit) as error:  # a plug-in may raise anything; re-raised with its place
         what = f"{type(error).__name__}: {error}".replace("\n", " ")
         raise SimulationError(
             f"the controller of ego {ego.name!r} failed at {ego.time:.2f} s: {what}"

@@ -68,12 +68,13 @@ def test_an_ego_that_nobody_drives_ends_the_run_by_name() -> None:
         loop.run(TinyWorld(), {}, Diary())
 
 
-def test_a_controller_that_raises_ends_the_run_by_name_and_time() -> None:
+@pytest.mark.parametrize("wrong", [ZeroDivisionError("no speed\nat all"), SystemExit("no speed at all")])
+def test_a_controller_that_raises_ends_the_run_by_name_and_time(wrong: BaseException) -> None:
     class Broken(SteadyDriver):
         def plan(self, perception: Perception, decision: Decision) -> Plan:
-            raise ZeroDivisionError("no speed\nat all")
+            raise wrong
 
-    expected = r"controller of ego 'ego' failed at 0.00 s: ZeroDivisionError: no speed at all"
+    expected = r"controller of ego 'ego' failed at 0.00 s: (ZeroDivisionError|SystemExit): no speed at all"
     with pytest.raises(SimulationError, match=expected):
         loop.run(TinyWorld(), {"ego": Broken()}, Diary())
 

@@ -1,0 +1,58 @@
+"""Controllers that end the process or never answer, at their first plan as well as later."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cosim.batches import unruly
+from tests.cosim.batches.studies import batch, command, write_study
+from tests.cosim.cli.test_cli import source_environment
+
+pytestmark = pytest.mark.sumo
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "told"),
+    [
+        ("exit", "SystemExit: enough"),
+        ("hang", "took longer than run_timeout_s = 5 s"),
+        ("leave", "exit code 5"),
+    ],
+)
+def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
+    behaviour: str, told: str, tmp_path: Path
+) -> None:
+    environment = unruly.install(tmp_path / "plugin")
+    study = write_study(
+        tmp_path,
+        controllers=["unruly"],
+        seeds="1",
+        set={"behaviour": behaviour, "at_s": 0.0, "warmup_s": 2.0, "duration_s": 6.0},
+        run_timeout_s=5,
+    )
+    done = batch(study, "--out", "out", "--jobs", 1, code=2, folder=tmp_path, environment=environment)
+    (line,) = done.stderr.strip().splitlines()
+    assert line.startswith("cosim: ")
+    assert told in line
+    assert not (tmp_path / "out" / "runs").exists()
+
+
+@pytest.mark.parametrize(("at_s", "code"), [(0.0, 2), (3.0, 3)])
+def test_a_controller_that_calls_exit_fails_like_any_other(at_s: float, code: int, tmp_path: Path) -> None:
+    environment = {**source_environment(), **unruly.install(tmp_path / "plugin")}
+    words = ["run", "midblock_zebra", "--controller", "unruly", "--duration-s", 6, "--out", "out"]
+    given = ["--set", "behaviour=exit", "--set", f"at_s={at_s}", "--set", "warmup_s=2"]
+    done = subprocess.run(
+        command(*words, *given), capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
+    )
+    assert done.returncode == code, done.stderr
+    assert "SystemExit: enough" in done.stderr.strip().splitlines()[-1]
+    if code == 3:
+        description = json.loads((tmp_path / "out" / "run.json").read_text())
+        assert not description["valid"]
+        assert "SystemExit: enough" in description["invalid_reason"]
+        assert (tmp_path / "out" / "egos.parquet").exists()
