@@ -107,6 +107,9 @@ class Pool:
         # Before the processes load NumPy: two with several BLAS threads each are slower than one.
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
             os.environ.setdefault(name, "1")
+        # New interpreters look for modules in the current folder first: a user's file named like one of the
+        # standard library would be executed.
+        os.environ.setdefault("PYTHONSAFEPATH", "1")
         # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The pool's threads
         # inherit what is blocked here, and the processes that they start.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
