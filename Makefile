@@ -11,6 +11,7 @@
 # make zoo              networks that nobody tuned for (hours); SEED=7: other networks; QUICK=1: a few, in minutes
 # make golden           every controller in every scenario, briefly, to find out what a code change changed
 # make screenshots      the pictures of a report and a replay in docs/images
+# make pictures         the pictures of the architecture in docs/images, from the code
 # make docs             the documentation as a site: build/site/index.html
 
 PYTHON ?= python3
@@ -24,7 +25,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo golden screenshots docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -132,6 +133,9 @@ screenshots: $(VENV)/installed-dev
 	rm -rf runs/screenshots
 	$(BIN)/cosim batch studies/screenshots.toml --out runs/screenshots --jobs $(JOBS)
 	$(BIN)/python -m studies.screenshots runs/screenshots docs/images
+
+pictures: $(VENV)/installed-dev
+	$(BIN)/python -m studies.architecture docs/images
 
 # Not --quiet: it keeps warnings from being errors. NO_MKDOCS_2_WARNING: what the theme's makers have to say on every build.
 docs: $(VENV)/installed-docs
