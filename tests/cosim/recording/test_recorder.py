@@ -35,11 +35,11 @@ def test_every_file_has_the_columns_that_the_analysis_expects(tmp_path: Path) ->
 
 
 def test_a_column_that_is_declared_is_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    front = RecordedColumn("front_m", "number", "m", "rear axle to front bumper", "truth.body.front")
+    front = RecordedColumn("to_front_m", "number", "m", "rear axle to front bumper", "truth.body.front")
     egos = RecordedTable(EGOS.name, EGOS.description, (*EGOS.columns, front), EGOS.key)
     monkeypatch.setattr("cosim.recording.recorder.EGOS", egos)
     record(tmp_path, TinyWorld())
-    assert set(pq.read_table(tmp_path / egos.file)["front_m"].to_pylist()) == {BODY.front}
+    assert set(pq.read_table(tmp_path / egos.file)["to_front_m"].to_pylist()) == {BODY.front}
 
 
 def test_a_number_that_is_not_finite_is_recorded_as_undefined(tmp_path: Path) -> None:
