@@ -1,4 +1,4 @@
-"""Where measured numbers are kept: a JSON file with all sections, and the page made from it."""
+"""The files of measured numbers: JSON with all sections, and the page made from it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from measuring.bars import Bar
 
 FOLDER = Path(__file__).resolve().parent.parent
 BUSY = 1.5
-"""Load average above which somebody else was at work: one benchmark at a time runs, on one core."""
+"""Load average above which other programs were at work: one benchmark at a time runs, on one core."""
 PACKAGES = ("numpy", "scipy", "osqp", "qpsolvers", "daqp", "libsumo", "casadi", "pymoo")
 SECTIONS = (
     "control_step",
@@ -41,14 +41,14 @@ def publish(section: str, content: Mapping[str, Any], bars: Sequence[Bar], folde
     everything = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     everything["environment"] = environment()
     everything[section] = {**content, "bars": [bar.entry() for bar in bars], "load": os.getloadavg()[0]}
-    # What earlier code measured, and this code cannot show any more, is not kept.
+    # Sections of earlier code that this code cannot show are dropped.
     everything = {name: one for name, one in everything.items() if name not in SECTIONS or _shown(name, one)}
     path.write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     (folder / "results.md").write_text(page(everything), encoding="utf-8")
 
 
 def environment() -> dict[str, Any]:
-    """Return what the numbers depend on, without naming the machine."""
+    """Return the versions and the number of cores; the machine is not named."""
     versions = {}
     for package in PACKAGES:
         try:
@@ -70,15 +70,15 @@ def page(everything: Mapping[str, Any]) -> str:
     parts = [
         "# Results of `make bench`",
         f"Python {about['python']}, {about['cores']} cores, one BLAS thread; {packages}. "
-        "Milliseconds depend on the machine and on what else it does: compare ratios. "
-        "How it is measured: [docs/performance.md](../docs/performance.md).",
+        "Milliseconds depend on the machine and its load: compare ratios. "
+        "The method is described in [docs/performance.md](../docs/performance.md).",
     ]
     measured = [name for name in SECTIONS if name in everything]
     busy = [name for name in measured if everything[name].get("load", float("inf")) > BUSY]
     if busy:
         parts.append(
-            f"**The machine was busy with other things** (load average above {BUSY:g}, or not known) while "
-            f"these were measured, so their times and their spread say little: {', '.join(busy)}."
+            f"**The machine was busy** (load average above {BUSY:g}, or not known) while these sections were "
+            f"measured, so their times and spreads are unreliable: {', '.join(busy)}."
         )
     if bars := all_bars(everything):
         heads = ("what", "bar", "measured", "verdict", "note")

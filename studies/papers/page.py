@@ -20,22 +20,23 @@ from studies.papers.execution import CLAIMS, FIGURES
 from studies.papers.table import read_claims
 
 _INTRODUCTION = """\
-# What became of the papers' claims
+# Claims of the papers
 
-Each method of the papers is a controller here. Their experiments are repeated on a road without SUMO, with
-the papers' initial conditions.
+Each method of the papers is a controller here. The papers' experiments are repeated on a road without SUMO,
+with the papers' initial conditions.
 
     python -m studies.papers --out results/papers
 
 runs them and writes `claims.csv` and the figures; `make papers` writes this page from them.
 
 - **reproduced**: our number lies within the tolerance of the paper's, or the event it reports happens.
-- **fitted**: it does, but a parameter that the paper does not give was chosen so that it does. This is no
-  independent evidence.
-- **not reproduced**: it does not, or the paper leaves out what would be needed. The last column says which.
+- **fitted**: the same, but for a parameter that the paper does not give, a value was chosen with which it
+  holds. This is no independent evidence.
+- **not reproduced**: our number lies outside the tolerance, the event does not happen, or the paper leaves
+  out necessary information. The last column gives the reason.
 
-An empty cell under "paper" means that the paper gives no number. Where a claim is held against something
-else, such as another solver, it says so and the cell has that number.
+An empty cell under "paper" means that the paper gives no number. A claim that is compared with
+something else, such as another solver, says so, and the cell has that number.
 """
 
 _HEADINGS = ("experiment", "claim", "paper", "ours", "unit", "tolerance", "status", "why")

@@ -1,4 +1,4 @@
-"""Whether the naive programs are the same problems."""
+"""Agreement of the naive programs with ours: the same problems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The control step: how long, of what, and against the naive one."""
+"""Times of the control step, by part and against the naive one."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         table_of(parts),
         "Programs: how many, and how long it takes to solve one and to check its certificate. "
         "The 99th percentile is over every solve of every repetition; *of medians*: each program's median "
-        "over the repetitions first, which leaves out what else the machine does.",
+        "over the repetitions first, which leaves out the effect of other load on the machine.",
         table_of(programs),
         "Memory of the control step (tracemalloc), after a warm-up, at 30 intervals and 5 pedestrians; a "
         "step's peak is what it has allocated at most at one time.",

@@ -23,6 +23,6 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
     return [
         "## Instructions",
         f"Valgrind's callgrind, {found['case']} (N/pedestrians), mean of {found['steps']} control steps from "
-        f"number {found['first']} of one approach on; what the machine does beside it changes no count.",
+        f"number {found['first']} of one approach on; other load on the machine does not change the counts.",
         table_of(rows),
     ]

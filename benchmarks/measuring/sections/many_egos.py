@@ -28,7 +28,7 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
     return [
         "## Many egos in one network",
         "A grid city, every ego with `vo_mpc` as it is by default, planning every 0.1 s; each run in a "
-        "process of its own on one core, recording included; mean ms per step, after everybody has departed. "
-        "Numbers of egos are means: one whose route ends leaves the road.",
+        "process of its own on one core, recording included; mean ms per step, after all have departed. "
+        "Numbers of egos are means, because an ego leaves the road at the end of its route.",
         table_of(rows),
     ]

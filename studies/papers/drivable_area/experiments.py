@@ -80,7 +80,7 @@ def _braking_claims() -> list[Claim]:
             unit="m",
             test="sign of the gap",
             fitted=BRAKE,
-            why="A3 hangs on 8 cm" if one.name == "A3" else "",
+            why="A3 depends on 8 cm" if one.name == "A3" else "",
         )
         for one in SITUATIONS
     ]
@@ -104,7 +104,7 @@ def _text_claims() -> list[Claim]:
         ),
         said(
             "A2, text",
-            "The distance is beyond what braking can do; AEB fails.",
+            "The distance is shorter than the braking distance; AEB fails.",
             second.gap < 0.0,
             f"{second.gap:.2f} m are left",
             "gap below 0",
@@ -278,7 +278,7 @@ def _distance_claims() -> list[Claim]:
                 test="R² above 0.9",
                 fitted=f"start {start:.1f} m, walking {'left' if way > 0 else 'right'} at {PACE:g} m/s",
                 why=f"a car that does not react passes at {min(unhindered):.1f} to {max(unhindered):.1f} m"
-                + (", so that nobody is in danger and AEB cannot collide" if min(unhindered) > 1.95 else ""),
+                + (", so that the pedestrian is not in danger and AEB cannot collide" if min(unhindered) > 1.95 else ""),
             )
         )
     return claims
@@ -314,7 +314,7 @@ def _choice_claims(one: Situation, shannon: Found, printed: Found) -> list[Claim
             observed(
                 PAPER,
                 experiment,
-                "The chosen candidate touches nobody.",
+                "The chosen candidate touches no pedestrian.",
                 holds=bool(clearance > 0.0),
                 ours=f"{clearance:.2f} m between the discs",
                 test="above 0",

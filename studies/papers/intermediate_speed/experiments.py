@@ -33,8 +33,8 @@ SLOW = 5.0
 """Speed of the moving obstacle [m/s]."""
 DEAD_TIME, LAG = 0.3, 0.4
 """Of the actuators in the experiments with a delay [s]."""
-FITTED = "top speed and decelerations, which the paper does not tell, chosen for 13 s and 29 s"
-BEYOND = "not in the paper, which has it as future work"
+FITTED = "top speed and decelerations, which the paper does not give, chosen for 13 s and 29 s"
+BEYOND = "not in the paper, which names it as future work"
 DELAYED = "not in the paper; dead time 0.3 s, lag 0.4 s, one pair of values tried"
 FAMILIES = (
     Parameters(acceleration=1.852, standoff=0.0),
@@ -205,7 +205,7 @@ def _new_moving_claims(drive: Driven, classic: Driven) -> list[Claim]:
         observed(
             PAPER, where, "It follows at the safe distance S_s.",
             holds=abs(gap - safe) < 0.01, ours=f"{gap:.3f}", unit="m", test=f"{safe:.2f} ± 0.01",
-            why="S_s follows from the fitted a_d, that the gap ends there does not",
+            why="S_s follows from the fitted a_d; the final gap does not",
         ),
         observed(
             PAPER, where, "It speeds up, keeps the top speed and slows down once: no fluctuation.",
@@ -241,9 +241,9 @@ def _delayed_claims(delayed: Delayed) -> list[Claim]:
     where = "new planner, actuators with a delay of 0.7 s"
     claims = []
     for name, pair, settles in (
-        ("replanning every 0.1 s from the commanded speed", delayed.naive, False),
-        ("replanning by events from the commanded speed", delayed.event, True),
-        ("replanning every 0.1 s from the predicted state", delayed.predicted, True),
+        ("Replanning every 0.1 s from the commanded speed", delayed.naive, False),
+        ("Replanning by events from the commanded speed", delayed.event, True),
+        ("Replanning every 0.1 s from the predicted state", delayed.predicted, True),
     ):
         late, gap = pair.moving.after(80.0), float(pair.standing.gap[-1])
         end = pair.moving.settles()
@@ -253,14 +253,14 @@ def _delayed_claims(delayed: Delayed) -> list[Claim]:
         stands = "stands exactly before" if settles else "stands too near to"
         claims += [
             observed(
-                PAPER, where, f"By {name} it {ends} obstacle.",
+                PAPER, where, f"{name}, it {ends} obstacle.",
                 holds=(swing < 0.05) is settles,
                 ours=f"{late.speed.min():.2f} … {late.speed.max():.2f} m/s, {when}",
                 test=f"range of the speed after 80 s {'below' if settles else 'above'} 0.05 m/s",
                 why=DELAYED,
             ),
             observed(
-                PAPER, where, f"By {name} it {stands} the standing obstacle.",
+                PAPER, where, f"{name}, it {stands} the standing obstacle.",
                 holds=gap < 1.5 if not settles else abs(gap - Parameters().standoff) < 0.05,
                 ours=f"{gap:.2f}", unit="m", test="2.5 ± 0.05" if settles else "below 1.5", why=DELAYED,
             ),

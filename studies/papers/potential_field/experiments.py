@@ -60,7 +60,7 @@ def _direction_claims() -> list[Claim]:
     model, plain = DirectionModel(), DirectionModel(length_utility="linear", goal_utility="linear")
     lengths, remaining = EXAMPLE.lengths(), EXAMPLE.remaining()
     said = "The most probable direction of the example, from (50, 4) to (45, −5)."
-    chosen = "the forms of both utilities, which are lost; of the plausible ones few give this"
+    chosen = "the forms of both utilities, which are lost; few of the plausible ones give this"
     return [
         compared(
             PAPER,
@@ -177,7 +177,7 @@ def _scene_claims(experiment: str, scene: Scene, pair: Pair) -> list[Claim]:
             variable.side,
         ),
         claim(
-            "Nobody is touched.",
+            "The car touches no pedestrian.",
             min(fixed.clearance, variable.clearance) > 0.0,
             f"{variable.clearance:.2f} with the variable axis, {fixed.clearance:.2f} with the fixed one",
             "m",
@@ -234,7 +234,7 @@ def _grid_claims(found: Orders, *, moving: bool) -> list[Claim]:
         ),
         claim("The car begins to avoid earlier in scenes 1, 2, 4, later in scene 3.", found.begins, 0.75),
         claim("Scene 3 is passed on the left, the others on the right.", found.left, 0.75),
-        claim("Nobody is touched in any scene.", found.untouched, 1.0),
+        claim("The car touches no pedestrian in any scene.", found.untouched, 1.0),
         claim("The car does not leave the road in any scene.", found.on_road, 1.0),
         claim("All of that together.", found.everything, 1.0),
     ]
@@ -257,7 +257,7 @@ def _spread_claims(fixed: Directions, variable: Directions) -> list[Claim]:
             why=why,
         )
 
-    middle = "who is met near the middle of the lane needs the whole shift, and the field gives less"
+    middle = "a pedestrian met near the middle of the lane needs the whole shift, and the field gives less"
     return [
         claim(
             "The variable axis touches fewer pedestrians than the fixed one.",

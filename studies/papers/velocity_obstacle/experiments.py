@@ -113,7 +113,7 @@ def _accelerating(one: Optima) -> Iterable[Claim]:
         theirs="accelerates",
         ours=f"J ahead {other[AHEAD].cost:.2f}, behind {other[BEHIND].cost:.2f}",
         test="ahead costs less",
-        why="so read, braking is the smaller change",
+        why="in this reading, braking is the smaller change",
     )
     yield compared(
         PAPER,
