@@ -1,4 +1,4 @@
-"""What can be wrong with a recorded run."""
+"""Errors in recorded runs, thresholds and metrics."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def in_name(limit: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """What the numbers of a report depend on besides the recording; can be set."""
+    """Settings of the analysis: the numbers of a report depend on them and on the recording."""
 
     encounter_range_m: float = 45.0
     """Both users are within this distance of their conflict area, or of each other."""

@@ -1,1 +1,1 @@
-"""What a check demands, read and judged."""
+"""Criteria of a check: reading and evaluation."""

@@ -43,7 +43,7 @@ STATISTICS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """What a number is held against."""
+    """A limit that a number is compared with."""
 
     id: str
     scope: str

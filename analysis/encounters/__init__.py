@@ -1,1 +1,1 @@
-"""Who met whom, when, where and how: what metrics are computed from."""
+"""Encounters of egos and pedestrians: the data that metrics are computed from."""

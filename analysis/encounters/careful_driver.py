@@ -52,7 +52,7 @@ class Replay:
 
     @property
     def prevented(self) -> bool:
-        """Whether the careful driver touches nobody while driving."""
+        """Whether the careful driver touches no pedestrian while driving."""
         return bool(np.isnan(self.touched_at))
 
 

@@ -1,4 +1,4 @@
-"""What kind of contact it was: where, who moved into whom, and whether the ego could be at fault at all.
+"""Classes of contacts: place, the party that moved into the other, and whether the ego could be at fault.
 
 By geometry and recorded motion alone; right of way plays no part.
 """
@@ -93,7 +93,7 @@ def _at(track: Track, index: int) -> tuple[int, int]:
 
 
 def moved_by(one: Circumstances) -> str | None:
-    """Return whose motion closed the last gap; ``None`` where there was none between recorded samples.
+    """Return the party whose motion closed the last gap; ``None`` without a gap between recorded samples.
 
     Who alone closed less than a tenth of it, with the other held still, did not move into the other.
     """

@@ -1,4 +1,4 @@
-"""Where on the map a pedestrian was touched: on a crossing, on the carriageway, or off it."""
+"""Places of contacts on the map: on a crossing, on the carriageway, or off it."""
 
 from __future__ import annotations
 

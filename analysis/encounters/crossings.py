@@ -1,4 +1,4 @@
-"""When each ego's body was over each crossing of the map."""
+"""Times at which each ego's body was over each crossing of the map."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Encounter:
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What an encounter is looked up in."""
+    """Data of a run in which encounters are looked up."""
 
     run: RecordedRun
     grid: Grid

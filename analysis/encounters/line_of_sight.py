@@ -1,4 +1,4 @@
-"""Whether somebody can be seen from a place: vehicles are in the way, as rectangles of any height."""
+"""Lines of sight from a place to pedestrians; vehicles block them as rectangles of any height."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When ego and pedestrian will be in their conflict area if both keep their velocity.
+"""Predicted times of ego and pedestrian in their conflict area if both keep their velocity.
 
 Seen from the ego at one sample: its *strip* is the body's width straight ahead. The pedestrian is in the
 area while their disc touches the strip; the ego is in it while the body touches the piece of the strip

@@ -1,4 +1,4 @@
-"""Overlaps of an ego's rectangle with other vehicles, and who moved into whom."""
+"""Overlaps of an ego's rectangle with other vehicles, and the vehicle that moved into the other."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Found:
 
     @property
     def contact(self) -> str:
-        """What kind of contact it was, in a few words; empty without one."""
+        """Kind of the contact in a few words; empty without one."""
         if not self.values["contact_class"]:
             return ""
         kind = {"ego": ""}.get(self.values["contact_class"], self.values["contact_class"])

@@ -1,4 +1,4 @@
-"""How a study was made: runs, commands, versions, seeds, hashes; which runs failed or are not valid."""
+"""Origin of a study: runs, commands, versions, seeds, hashes; runs that failed or are not valid."""
 
 from __future__ import annotations
 

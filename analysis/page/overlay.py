@@ -1,4 +1,4 @@
-"""What a controller's overlay looks like in the world: points, lines and outlines for the replay.
+"""A controller's overlay in the world: points, lines and outlines for the replay.
 
 An overlay is written in the route frame of the ego at the time of the plan; ``reference_line_m`` beside it
 is the axis of that frame. What a name means follows from its parts, so that a new controller is drawn

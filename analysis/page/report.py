@@ -33,7 +33,7 @@ Say = Callable[[Sequence[Mapping[str, Any]], Mapping[str, Measure]], str]
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What was written."""
+    """Files that were written."""
 
     page: Path
     replays: int

@@ -15,7 +15,7 @@ from analysis.geometry import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class PlannedPath:
-    """Where an ego's rear axle was to go."""
+    """Planned path of an ego's rear axle."""
 
     time_s: float
     """When it was planned."""

@@ -1,4 +1,4 @@
-"""What a figure shows: one ego over its trip, or one encounter."""
+"""The subject of a figure: one ego over its trip, or one encounter."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """What the scene is called in titles."""
+        """Name of the scene in titles."""
         if self.number is None:
             return f"ego {self.ego}"
         return f"encounter {self.number}: ego {self.ego}, pedestrian {self.encounters[0].person.name}"
@@ -59,7 +59,7 @@ class Scene:
         return self._within(self.case.egos, {self.ego})
 
     def persons(self) -> list[Piece]:
-        """Return the tracks of the pedestrians whom the shown encounters are with."""
+        """Return the tracks of the pedestrians of the shown encounters."""
         return self._within(self.case.persons, {one.person.name for one in self.encounters})
 
     def ttc(self) -> list[tuple[str, FloatArray, FloatArray]]:

@@ -1,1 +1,1 @@
-"""What test protocols ask of a recorded run: impact, colours, points, verdicts."""
+"""Evaluation of recorded runs by test protocols: impact, colours, points, verdicts."""

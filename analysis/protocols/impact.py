@@ -1,4 +1,4 @@
-"""What a protocol looks at in a recorded run: the impact, the braking, and whether the ego stopped."""
+"""Measurements of a recorded run for a protocol: the impact, the braking, and whether the ego stopped."""
 
 from __future__ import annotations
 

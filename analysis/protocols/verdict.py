@@ -1,4 +1,4 @@
-"""Whether a test was passed: pure functions of what was measured and of what the protocol asks."""
+"""Verdicts of tests: pure functions of the measurements and the protocol's requirements."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Demand:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """How one test ended."""
+    """Result of one test."""
 
     passed: bool
     preventable: bool

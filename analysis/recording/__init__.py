@@ -1,1 +1,1 @@
-"""What a run has recorded: its columns, and how they are read."""
+"""Recordings of runs: their columns and their reader."""

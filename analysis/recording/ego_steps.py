@@ -1,4 +1,4 @@
-"""What each recorded step of an ego says about its ride; arrays over the rows of egos.parquet."""
+"""State of an ego's ride in each recorded step; arrays over the rows of egos.parquet."""
 
 from __future__ import annotations
 

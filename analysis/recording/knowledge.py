@@ -1,4 +1,4 @@
-"""What an ego knew of a pedestrian, and since when; only where its sensing was not perfect."""
+"""An ego's knowledge of pedestrians and its age; only where its sensing was not perfect."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the analysis finds in one run: every metric, and the rows and files made of them."""
+"""Results of the analysis of one run: every metric, and the rows and files made of them."""

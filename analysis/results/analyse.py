@@ -25,7 +25,7 @@ from analysis.thresholds import DRAC_LIMIT_MPS2, PET_LIMITS_S, TTC_LIMITS_S, Thr
 
 @dataclass(frozen=True, slots=True)
 class RunReport:
-    """What the analysis of one run found, as written: undefined values are absent."""
+    """Results of the analysis of one run, as written: undefined values are absent."""
 
     folder: Path
     run: Mapping[str, Any]

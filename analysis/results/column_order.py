@@ -1,4 +1,4 @@
-"""The order in which schema 2 of encounters.csv and runs.csv has its columns, for those who read by place.
+"""The order of columns in schema 2 of encounters.csv and runs.csv, for readers that use positions.
 
 It is fixed, and nothing has to be added here: a column without a place stands behind these, metric by metric.
 """

@@ -1,4 +1,4 @@
-"""The columns of encounters.csv that are no metric: who met whom, where, when and under which rules."""
+"""The columns of encounters.csv that are no metric: participants, place, time and right of way."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class ListedEncounter:
 
     @property
     def priority(self) -> str:
-        """Who goes first by the rules."""
+        """The party with the right of way."""
         one = self.encounter
         return _PRIORITY.get(one.crossing_kind, "none") if one.crossing_id else "ego"
 
     @property
     def first_user(self) -> str:
-        """Who left the conflict area first; who is still inside leaves last."""
+        """The party that left the conflict area first; one that is still inside leaves last."""
         area = self.encounter.area
         if area is None:
             return "none"

@@ -1,4 +1,4 @@
-"""What is summed up and compared over many runs.
+"""Measures that are summed up and compared over many runs.
 
 Shares and rates are named here, with what is divided by what. Every number that a metric writes into
 runs.csv, and the first number of every encounter metric, follow from the metrics by themselves.

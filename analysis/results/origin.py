@@ -14,7 +14,7 @@ SCHEMA_VERSION = "2"
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """What a run says of itself."""
+    """Description of a run, from its run.json."""
 
     meta: Mapping[str, Any]
     """``run.json``."""
@@ -22,12 +22,12 @@ class Origin:
 
     @property
     def actuation(self) -> str:
-        """How the ego was moved."""
+        """Method by which the ego was moved."""
         return self.meta.get("actuation") or "unknown"
 
     @property
     def sensing(self) -> str:
-        """What the ego could sense."""
+        """Sensing model of the ego."""
         return self.meta.get("sensing") or "unknown"
 
 

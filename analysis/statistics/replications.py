@@ -1,4 +1,4 @@
-"""How many runs a mean needs."""
+"""Number of runs that a mean needs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST = 10_000_000
 
 
 def replications_needed(mean: float, deviation: float, precision: float = 0.10) -> int | None:
-    """Return the number of runs whose interval is the mean plus or minus a share of it.
+    """Return the number of runs for which the interval is the mean plus or minus a share of it.
 
     The smallest n >= 2 with t(0.975, n − 1) · s / sqrt(n) <= e · |mean|.
 

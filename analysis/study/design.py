@@ -1,4 +1,4 @@
-"""What was varied in a study: conditions (scenario and setting), configurations of controllers, pairs.
+"""Design of a study: conditions (scenario and setting), configurations of controllers, pairs.
 
 A *label* names a configuration of a controller: its name and, where the study has several parameter sets
 of it, the parameters that differ. A *condition* is everything two controllers must share to be compared:

@@ -35,7 +35,8 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
     return [
         "## One ego in a loop with SUMO",
         f"A grid city, hybrid actuation, {found['horizon']} intervals, {city['steps']} steps of "
-        f"{city['step_s']:g} s after all vehicles and persons have departed; mean ms per step, medians of the repeats. "
+        f"{city['step_s']:g} s after all vehicles and persons have departed; mean ms per step, "
+        "medians of the repeats. "
         "*Control* is sense, decide, plan and act; `advance()` is *advance* and *SUMO's step* together. "
         "SUMO without an ego: the same configuration in a loop that does nothing but step.",
         table_of(rows),

@@ -278,7 +278,11 @@ def _distance_claims() -> list[Claim]:
                 test="R² above 0.9",
                 fitted=f"start {start:.1f} m, walking {'left' if way > 0 else 'right'} at {PACE:g} m/s",
                 why=f"a car that does not react passes at {min(unhindered):.1f} to {max(unhindered):.1f} m"
-                + (", so that the pedestrian is not in danger and AEB cannot collide" if min(unhindered) > 1.95 else ""),
+                + (
+                    ", so that the pedestrian is not in danger and AEB cannot collide"
+                    if min(unhindered) > 1.95
+                    else ""
+                ),
             )
         )
     return claims
