@@ -31,7 +31,7 @@ Shown = AbstractContextManager[Callable[[Tally], None]]
 
 @dataclass(frozen=True, slots=True)
 class BatchRequest:
-    """What a user asks for."""
+    """Request of a user for a batch."""
 
     study: Path
     out: Path | None = None
@@ -71,7 +71,7 @@ class BatchRequest:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """How a batch ended."""
+    """Result of a batch."""
 
     tally: Tally
     stopped: str

@@ -29,7 +29,7 @@ class Crew(Protocol):
 
     @property
     def processes(self) -> int:
-        """How many runs are made at a time."""
+        """Number of runs made at a time."""
         ...
 
     def capacity(self) -> int:
@@ -49,7 +49,7 @@ class Crew(Protocol):
 
 @dataclass(slots=True)
 class Tally:
-    """How a batch stands."""
+    """Progress of a batch."""
 
     total: int
     done: int = 0

@@ -49,7 +49,7 @@ LOOK_FOR_WORKERS_EVERY_S = 5.0
 
 
 class StudyOnWorker(WorkerPlugin):
-    """What every worker of the cluster keeps for a study: the files of its scenarios, and processes.
+    """Data of a study on each worker of the cluster: the files of its scenarios, and processes.
 
     Dask sends it once to each worker, also to those that join later.
     """
@@ -80,7 +80,7 @@ class StudyOnWorker(WorkerPlugin):
             shutil.rmtree(self._folder, ignore_errors=True)
 
     def make(self, job: Job) -> tuple[str, bool, bytes]:
-        """Return why there is no run, whether that is nobody's fault, and the files of the attempt."""
+        """Return the reason for a missing run, whether it was lost by no fault of its own, and its files."""
         assert self._pool is not None
         assert self._folder is not None
         folder = self._folder / uuid.uuid4().hex
@@ -174,7 +174,7 @@ class Cluster:
 
     @property
     def processes(self) -> int:
-        """How many runs are made at a time."""
+        """Number of runs made at a time."""
         return self._threads
 
     def capacity(self) -> int:
@@ -211,7 +211,7 @@ class Cluster:
             return Outcome(job, folder, " ".join(f"{type(error).__name__}: {text}".split()))
 
     def _agree(self, controllers: tuple[str, ...]) -> None:
-        """Check that everybody has the same versions; who joins later is noticed by the runs' identity."""
+        """Check that all workers have the same versions; the runs' identity shows those that join later."""
         ours = _versions(controllers)
         try:
             answers: dict[str, dict[str, str]] = self._client.run(_versions, controllers)

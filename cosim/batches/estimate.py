@@ -1,4 +1,4 @@
-"""How long a batch will take, and on what that is founded."""
+"""Estimate of the duration of a batch, and its basis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run was made from, compared with what it would be made from now."""
+"""Inputs of a finished run, compared with the inputs that it would have now."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _NESTED = ("parameters", "egos", "inputs", "versions")
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What decides the numbers of a run."""
+    """The inputs that determine the numbers of a run."""
 
     run_id: str
     source: str

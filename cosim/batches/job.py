@@ -40,18 +40,18 @@ class Configuration:
 
     @property
     def settings(self) -> Pairs:
-        """What ``cosim run --set`` takes."""
+        """Parameters for ``cosim run --set``."""
         return self.scenario_settings + self.controller_settings
 
     @property
     def road(self) -> object:
-        """What is the same for every configuration that differs in the controller alone."""
+        """The part of a configuration that does not depend on the controller."""
         egos = self.ego_route, self.ego_vehicle, self.ego_share
         return self.place, self.scenario_settings, *egos, self.sensing
 
     @property
     def label(self) -> str:
-        """How it is called in tables and messages."""
+        """Name in tables and messages."""
         varied = ", ".join(f"{key}={value}" for key, value in self.varied)
         return f"{self.scenario_name} with {self.controller}" + (f", {varied}" if varied else "")
 

@@ -162,7 +162,7 @@ def _configurations(
 
 
 def _egos(values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return who is an ego, as the request of a run takes it."""
+    """Return the selection of egos in the form of a run's request."""
     chosen: dict[str, Any] = {}
     if "ego_route" in values:
         chosen["ego_route"] = tuple(_text(values["ego_route"]).split())

@@ -1,4 +1,4 @@
-"""What became of one attempt at a run."""
+"""Outcome of one attempt at a run."""
 
 from __future__ import annotations
 

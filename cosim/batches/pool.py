@@ -61,7 +61,7 @@ class Pool:
 
     @property
     def processes(self) -> int:
-        """How many runs are made at a time."""
+        """Number of runs made at a time."""
         return self._processes
 
     def capacity(self) -> int:

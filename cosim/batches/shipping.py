@@ -1,4 +1,4 @@
-"""What travels to other machines and back: the files of a study's own scenarios, and finished runs."""
+"""Files sent to other machines and back: those of a study's own scenarios, and finished runs."""
 
 from __future__ import annotations
 

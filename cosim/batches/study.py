@@ -1,4 +1,4 @@
-"""What a study file may hold; every other key is an error."""
+"""The keys of a study file; every other key is an error."""
 
 from __future__ import annotations
 

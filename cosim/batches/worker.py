@@ -1,4 +1,4 @@
-"""What runs in a worker process: one run after the other, each watched from outside.
+"""Worker processes: one run after the other, each watched from outside.
 
 A run that fails ends its process, so that nothing of it can reach the next run; the pool starts
 another one.
@@ -44,7 +44,7 @@ RECORDINGS = ("*.parquet", "map.json", "datapackage.json")
 
 @dataclass(frozen=True, slots=True)
 class Handling:
-    """How runs are made, which does not decide their numbers."""
+    """Settings of the execution of runs, which do not affect their numbers."""
 
     timeout_s: float
     drop_recordings: bool = False

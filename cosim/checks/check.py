@@ -31,7 +31,7 @@ DEFAULT_LEVEL = 0.05
 
 @dataclass(frozen=True, slots=True)
 class CheckRequest:
-    """What a user asks for."""
+    """Request of a user for a check."""
 
     targets: tuple[str, ...]
     out: Path | None = None
@@ -65,7 +65,7 @@ class CheckRequest:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a check has found."""
+    """Result of a check."""
 
     folder: Path
     findings: tuple[Finding, ...]

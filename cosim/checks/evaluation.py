@@ -28,7 +28,7 @@ MOST_SEEDS = 10
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """What became of a run."""
+    """Outcome of a run."""
 
     job: Job
     folder: Path | None
@@ -68,7 +68,7 @@ class Evaluation:
         return [self._made(Job(one, seed)) for seed in self._batch.matrix.seeds]
 
     def origin(self, one: Configuration) -> Finding:
-        """Return a finding that says whose it is and nothing else."""
+        """Return a finding that holds only its origin."""
         varied = " ".join(f"{key}={value}" for key, value in one.varied)
         return Finding(
             target=self._target.name,

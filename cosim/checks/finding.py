@@ -1,4 +1,4 @@
-"""What a check has found: one criterion and what it judges."""
+"""Findings of a check: one criterion and its subject."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Finding:
 
     @property
     def subject(self) -> str:
-        """What is judged, in words."""
+        """Subject of the criterion, in words."""
         words = [f"{self.scenario_id} with {self.configuration}"]
         if self.seed is not None:
             words.append(f"seed {self.seed}")

@@ -1,4 +1,4 @@
-"""What a check has found, for people: a table of criteria, and what failed."""
+"""Summary of a check for readers: a table of criteria, and the failures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is checked: a scenario, a study or a suite becomes a study and the criteria of its runs."""
+"""Targets of a check: a scenario, a study or a suite becomes a study and the criteria of its runs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _UNSAFE = re.compile(r"[^A-Za-z0-9_.+=-]+")
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
-    """What the command line asks of every target."""
+    """Options of the command line for every target."""
 
     controllers: tuple[str, ...] = ()
     """None: as a study says, otherwise the default one."""

@@ -1,4 +1,4 @@
-"""A command in a process of its own: if SUMO crashes, somebody is left to tell of it."""
+"""A command in a process of its own: if SUMO crashes, the parent process reports it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ OWN_PROCESS = "own process"
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How the process ended; what the one that began it gets."""
+    """End of the process, as sent to the parent process."""
 
     code: int
     signal: str
@@ -27,7 +27,7 @@ class Ended:
 
 @dataclass(frozen=True, slots=True)
 class Inside:
-    """What the new process gets."""
+    """Input of the new process."""
 
     pipe: int = -1
 

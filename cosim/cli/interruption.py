@@ -1,4 +1,4 @@
-"""A request to end, from the keyboard or from whoever started the process, ends a run in good order."""
+"""A request to end, from the keyboard or from the parent process, ends a run in good order."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ SUITE = "suite:"
 
 
 class Kind(StrEnum):
-    """What can be listed."""
+    """Kinds of things that can be listed."""
 
     SCENARIOS = "scenarios"
     CONTROLLERS = "controllers"

@@ -1,1 +1,1 @@
-"""What SUMO does to an external ego, as cases that can fail."""
+"""SUMO's treatment of an external ego, as cases that can fail."""

@@ -1,4 +1,4 @@
-"""What a conformance case is, and what came out of one."""
+"""A conformance case and its result."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from cosim.sumo.placement import Executed
 
 
 class Driver(Protocol):
-    """What makes a vehicle be at a pose; `cosim.sumo.placement.Placement`, or a worse way of doing it."""
+    """Places a vehicle at a pose: `cosim.sumo.placement.Placement`, or a worse method."""
 
     def take_over(self, name: str) -> None:
         """Begin to drive."""
@@ -116,7 +116,7 @@ def _as_sumo_says(sumo: Any, name: str) -> Executed:
 
 @dataclass(slots=True)
 class Ride:
-    """What was seen."""
+    """Observations of a ride."""
 
     error: float = 0.0
     """Largest distance of SUMO's position from the track [m]."""

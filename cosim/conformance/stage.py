@@ -1,4 +1,4 @@
-"""A small network, a running simulation, and somebody who watches."""
+"""A small network, a running simulation, and an observer."""
 
 from __future__ import annotations
 

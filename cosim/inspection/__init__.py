@@ -1,1 +1,1 @@
-"""What a SUMO network and its demand offer to a study of pedestrian crossings; runs no simulation."""
+"""Inspection of a SUMO network and its demand for a study of crossings; runs no simulation."""

@@ -1,4 +1,4 @@
-"""What was carried over to a mended network, and what could not be."""
+"""Objects carried over to a mended network, and those that could not be."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Carried:
         self._renumbered[kind] += 1
 
     def moved(self, kind: str) -> None:
-        """Count one whose position along its lane is another one now."""
+        """Count an object whose position along its lane has changed."""
         self._moved[kind] += 1
 
     def left_out(self, kind: str, name: str, why: str) -> None:

@@ -1,4 +1,4 @@
-"""Who drives and walks, as route and additional files say; nothing is simulated."""
+"""Vehicles and pedestrians of route and additional files; nothing is simulated."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _POISSON = re.compile(r"exp\(([^)]+)\)")
 
 @dataclass(slots=True)
 class Demand:
-    """What the files hold, in expected numbers over the simulated time."""
+    """Content of the files, in expected numbers over the simulated time."""
 
     vehicles: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     """Expected number by vehicle class."""

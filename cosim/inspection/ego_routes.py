@@ -31,7 +31,7 @@ class EgoRoute:
 
 @dataclass(frozen=True, slots=True)
 class Passing:
-    """How many cars of the demand drive over a crossing."""
+    """Number of cars of the demand that drive over a crossing."""
 
     cars: float
     """Whose route is known, expected number."""

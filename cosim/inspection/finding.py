@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Level(StrEnum):
-    """How severe a finding is."""
+    """Severity of a finding."""
 
     GOOD = "good"
     NOTE = "note"

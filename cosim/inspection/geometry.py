@@ -37,7 +37,7 @@ _APPROACH = 12.0
 
 
 def waiting_places(network: Network) -> list[Finding]:
-    """Say where people who wait for a crossing stand in the way of cars.
+    """Return findings on crossings where waiting pedestrians stand in a car lane.
 
     That is where the place of a waiting person is nearer to a car lane's centre line than half a car and the
     person's radius, 1.15 m.

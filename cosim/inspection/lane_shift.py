@@ -45,7 +45,7 @@ class LaneShift:
         return None if old is None else self._lanes(old.edge).get(name)
 
     def lane_on_foot(self, name: str) -> str | None:
-        """Return where people walk who walked on a lane: it, or the sidewalk of its edge."""
+        """Return the new lane of pedestrians of a lane: the same one, or the sidewalk of its edge."""
         new = self.lane(name)
         if new is None or self.after.lanes[new].permissions.allows(ON_FOOT):
             return new

@@ -1,4 +1,4 @@
-"""Findings on roads, sidewalks and who may use them."""
+"""Findings on roads, sidewalks and their permissions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How cars get through a network, and which crossings they drive over."""
+"""Ways of cars through a network, and the crossings on them."""
 
 from __future__ import annotations
 

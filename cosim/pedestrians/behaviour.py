@@ -118,7 +118,7 @@ class State:
 
 
 class Behaviour(Protocol):
-    """How one pedestrian walks: a pure function of their state, the time and the scene."""
+    """The behaviour of one pedestrian: a pure function of their state, the time and the scene."""
 
     def first(self, scene: Scene) -> State | None:
         """Return the state at the appearance; ``None`` before it."""

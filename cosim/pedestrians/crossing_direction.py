@@ -1,4 +1,4 @@
-"""In which direction somebody crosses a road that has no crossing: a logit model over 121 directions.
+"""The direction in which a pedestrian crosses away from crossings: a logit model over 121 directions.
 
 A direction is the angle between the way the cars drive and the way the pedestrian walks, from 30° to 150°:
 below 90° they walk along with the cars, above it towards them. It does not say from which side they come.

@@ -35,7 +35,7 @@ class Roadside:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What somebody at the roadside wants.
+    """The intention of a pedestrian at the roadside.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A straight line that somebody walks along, and where vehicles meet it."""
+"""A straight line that a pedestrian walks along, and its intersections with vehicles' ways."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SIDE = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Meeting:
-    """Where a vehicle's way crosses a line."""
+    """The place where a vehicle's way crosses a line."""
 
     along: float
     """From the front bumper to the line; negative when it has passed it [m]."""
@@ -32,7 +32,7 @@ class Meeting:
     furthest: float
 
     def arrival(self, vehicle: RoadUser) -> float:
-        """Return the time until the front bumper is at the line; inf for who stands or has passed [s]."""
+        """Return the time until the front bumper is at the line; inf if it stands or has passed [s]."""
         if self.furthest + vehicle.length < 0.0:
             return math.inf
         if self.nearest <= RADIUS + SIDE:
@@ -40,7 +40,7 @@ class Meeting:
         return (self.nearest - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
 
     def leaves_gap(self, vehicle: RoadUser, enters: float, gap: float) -> bool:
-        """Return whether the vehicle lets somebody pass who enters what its body sweeps in a time.
+        """Return whether the vehicle leaves a gap for a pedestrian who enters its swept area in a time.
 
         It does if it would be there at least ``gap`` later, if it is past by then, or if it stands.
 

@@ -51,7 +51,7 @@ class Pace:
 
 
 class Manner(Protocol):
-    """How somebody walks along a line."""
+    """The manner in which a pedestrian walks along a line."""
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
         """Return the walk planned at the start.

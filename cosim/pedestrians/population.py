@@ -42,7 +42,7 @@ ON_THE_ROAD = 2.0
 
 
 class Places(Protocol):
-    """Where the places of a description are in the world."""
+    """Finds the positions in the world of the places that a description names."""
 
     def on_lane(self, lane: str, along: float, across: float) -> tuple[float, float]:
         """Return a place along and across a lane [m]."""
@@ -114,7 +114,7 @@ class Population:
         """Crossings whose signals somebody waits for."""
 
     def for_ego(self, ego: str) -> tuple[Scripted, ...]:
-        """Return those who wait for an ego; the same for the same seed and name."""
+        """Return the pedestrians who wait for an ego; the same for the same seed and name."""
         return tuple(
             one
             for table in self._tables

@@ -1,4 +1,4 @@
-"""Somebody whose walk was recorded: replayed as it was, whoever comes."""
+"""A pedestrian whose walk was recorded; it is replayed without reactions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When somebody sets off: at a time, when an ego is near enough, or when the road is clear."""
+"""The start of a pedestrian: at a time, when an ego is near enough, or when the road is clear."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cosim.pedestrians.line import Line
 
 
 class Start(Protocol):
-    """Says when somebody sets off."""
+    """Decides when a pedestrian sets off."""
 
     def instant(self, scene: Scene, until: float) -> float | None:
         """Return the instant, if it comes before ``until``; it may lie between two steps [s]."""

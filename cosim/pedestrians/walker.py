@@ -1,4 +1,4 @@
-"""Somebody who waits at the beginning of a line, walks along it, and goes away at its end."""
+"""A pedestrian who waits at the beginning of a line, walks along it, and goes away at its end."""
 
 from __future__ import annotations
 

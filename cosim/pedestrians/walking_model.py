@@ -1,4 +1,4 @@
-"""How people of the world walk near vehicles: at an uneven speed, and pushed away by the nearest one."""
+"""Walking of scripted pedestrians near vehicles: at an uneven speed, pushed away by the nearest one."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Where one walker wants to go: a unit vector, and the mean speed [m/s]."""
+    """The goal of one walker: a unit vector, and the mean speed [m/s]."""
 
     east: float
     north: float

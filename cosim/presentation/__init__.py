@@ -1,1 +1,1 @@
-"""What finished runs say: their numbers, comparisons, reports and pictures."""
+"""Presentation of finished runs: numbers, comparisons, reports and pictures."""

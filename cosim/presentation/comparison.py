@@ -19,7 +19,7 @@ from cosim.errors import InputError
 
 @dataclass(frozen=True, slots=True)
 class CompareRequest:
-    """What a user asks for."""
+    """Request of a user for a comparison."""
 
     folder: Path
     alt: str
@@ -46,7 +46,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What was found."""
+    """Result of a comparison."""
 
     folder: Path
     base: str

@@ -1,4 +1,4 @@
-"""What a user has to know of a run beside its numbers, a line each."""
+"""Notes that a user needs beside the numbers of a run, a line each."""
 
 from __future__ import annotations
 

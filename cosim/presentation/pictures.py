@@ -1,4 +1,4 @@
-"""What has to be there before something is drawn."""
+"""Requirements of drawing: matplotlib, and a picture's name of a known format."""
 
 from __future__ import annotations
 

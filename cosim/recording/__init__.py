@@ -1,1 +1,1 @@
-"""What is written of a run: tables, the description of the run and the folder that they go to."""
+"""Recording of a run: tables, the description of the run and their folder."""

@@ -1,4 +1,4 @@
-"""Where a run's files go; what is there already is never mixed with them."""
+"""Folders of runs; files of two runs are never mixed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a run's numbers come from: ``run.json`` and the identity of a run."""
+"""Provenance of a run's numbers: ``run.json`` and the identity of a run."""
 
 from __future__ import annotations
 

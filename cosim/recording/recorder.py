@@ -1,4 +1,4 @@
-"""What happened in a run, written while it runs; ``analysis/recording/columns.py`` names the columns."""
+"""The recorder, which writes during the run; ``analysis/recording/columns.py`` names the columns."""
 
 from __future__ import annotations
 

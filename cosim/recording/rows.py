@@ -1,4 +1,4 @@
-"""What the rows of a recording are made of: the sources of ``analysis/recording/columns.py`` begin here.
+"""Objects of a recording's rows: the sources of ``analysis/recording/columns.py`` begin here.
 
 ``sensing.parquet`` is made of :class:`cosim.sensing.interface.Sensed` as it is.
 """
@@ -48,7 +48,7 @@ class PlannedEgo:
 
     @property
     def overlay(self) -> str:
-        """What a replay may draw, as JSON, with the route frame's axis where there is anything."""
+        """The overlay of a replay as JSON, with the route frame's axis unless it is empty."""
         drawn = {
             name: [value if math.isfinite(value) else None for value in np.ravel(values).tolist()]
             for name, values in self.plan.overlay.items()

@@ -28,7 +28,7 @@ from sumo_scenarios.library import Scenario
 
 @dataclass(frozen=True, slots=True)
 class Composition:
-    """A world that stands at its first step, and who drives in it."""
+    """A world at its first step, and the drivers of its egos."""
 
     world: World
     drivers: Drivers
@@ -88,7 +88,7 @@ def inputs_of(request: RunRequest) -> Inputs:
 
 @dataclass(frozen=True, slots=True)
 class _Tried:
-    """What a run is made of, found to be possible."""
+    """The checked parts of a run."""
 
     scenario: Scenario
     controller: dict[str, object]

@@ -17,7 +17,7 @@ from cosim.running.simulation import Progress, RunResult, keep_recorded, run
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a user gets from one run."""
+    """Result of one run for the user."""
 
     folder: Path
     description: dict[str, Any]
@@ -46,7 +46,7 @@ def execute(
 
 
 def salvage(folder: Path, reason: str) -> Outcome:
-    """Return what is left of a run whose process ended without a word, analysed as far as it goes.
+    """Return the analysed rest of a run whose process ended without a message.
 
     Parameters
     ----------

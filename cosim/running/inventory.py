@@ -1,4 +1,4 @@
-"""What exists: scenarios, controllers, metrics and sensing models, with first lines and parameters."""
+"""The list of scenarios, controllers, metrics and sensing models, with first lines and parameters."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from cosim.step.toy_world import ToyWorld
 
 
 def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> None:
-    """Let a controller plan twice, behind a slower car and towards somebody on a zebra.
+    """Let a controller plan twice, behind a slower car and towards a pedestrian on a zebra crossing.
 
     Parameters are checked by value when a controller is built; that a solver is not installed, or that
     a tolerance is none, shows only where it is used.

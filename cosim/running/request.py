@@ -1,4 +1,4 @@
-"""What a user asks for: one run."""
+"""Request of a user for one run."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ TELEPORTED = "SUMO teleported"
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """What came out of a run."""
+    """Result of a run."""
 
     folder: Path
     description: dict[str, Any]
@@ -46,7 +46,7 @@ class RunResult:
 
     @property
     def invalid_reason(self) -> str:
-        """Why it is not valid, in one line; empty for a valid run."""
+        """Reason why the run is not valid, in one line; empty for a valid run."""
         return str(self.description["invalid_reason"] or "")
 
 

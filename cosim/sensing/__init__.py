@@ -1,1 +1,1 @@
-"""What egos can know of pedestrians: models between the world's truth and the controllers' perception."""
+"""Sensing of pedestrians: models between the world's truth and the controllers' perception."""

@@ -1,4 +1,4 @@
-"""Which sensing model a run has, and with which parameters: by its scenario, and by who asks for the run."""
+"""Choice of a run's sensing model and its parameters, from the scenario and the run's request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an ego knows of its own sensing: where it looks from, and what roadside units watch for it."""
+"""An ego's knowledge of its own sensing: its sensor's place, and the areas that roadside units watch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a sensing model is told, and what it answers.
+"""Inputs and outputs of a sensing model.
 
 A model stands between the world's truth and one ego's perception. It is told where everybody really is
 and answers whom the ego knows of, and where it believes them. Positions and velocities are in world
@@ -26,7 +26,7 @@ FARTHEST_UNIT = 50.0
 
 
 class State(IntEnum):
-    """How it stands with one pedestrian at one instant; of several sensors the smallest value counts."""
+    """Detection of one pedestrian at one instant; of several sensors the smallest value counts."""
 
     VISIBLE = 0
     """Measured, and the ego has the newest measurement."""
@@ -44,7 +44,7 @@ class State(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What does not move."""
+    """The parts of a scene that do not move."""
 
     crossings: Mapping[str, FloatArray]
     """By name: (n, 2) middle line from kerb to kerb."""
@@ -81,7 +81,7 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What an ego knows of the pedestrians of a scene: a row for each, also for those it knows nothing of."""
+    """An ego's knowledge of the pedestrians of a scene: a row for each, also for unknown ones."""
 
     told: BoolArray
     """Whether the controller is told of this one."""
@@ -98,7 +98,7 @@ class Belief:
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """What one ego knew of the pedestrians near it when it planned last; arrays of length n."""
+    """One ego's knowledge of the pedestrians near it at its last plan; arrays of length n."""
 
     time: float
     ego: str
@@ -116,7 +116,7 @@ class Sensed:
 
 
 class Sensor(Protocol):
-    """What one ego senses with during one run; it remembers."""
+    """The sensor of one ego during one run; it has a memory."""
 
     def look(self, scene: Scene) -> Belief:
         """Return what the ego knows now; called with growing time."""
@@ -128,7 +128,7 @@ class Sensing(Protocol):
 
     @property
     def exact(self) -> bool:
-        """Whether egos know the truth, so that nobody has to look."""
+        """Whether egos know the truth, so that no sensor is needed."""
         ...
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:

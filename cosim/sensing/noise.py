@@ -1,4 +1,4 @@
-"""Random numbers that depend on who is measured, by whom and when, and on nothing else."""
+"""Random numbers that depend only on the measured object, the sensor and the time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Draws:
 
 
 class Noise:
-    """Draws by name and tick, whoever else is drawn for and in whatever order.
+    """Draws by name and tick, independent of other draws and their order.
 
     So the same pedestrian is measured with the same error at the same instant, whichever controller
     drives and whoever was seen before: runs with one seed are pairs.

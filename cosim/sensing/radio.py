@@ -102,7 +102,7 @@ class _Message:
 
 @dataclass(slots=True)
 class _Sent:
-    """What a unit measured last."""
+    """Last measurement of a unit."""
 
     number: int
     stamp: float
@@ -138,7 +138,7 @@ def units_of(settings: RadioSettings, site: Site, seed: int) -> list[Unit]:
 
 
 class Radio:
-    """What one ego is told by radio.
+    """Messages that one ego receives by radio.
 
     A unit puts everybody whom it sees into one message, with the time of the measurement. The ego keeps
     the newest measurement of each pedestrian, whichever unit it is from, and extrapolates it at the

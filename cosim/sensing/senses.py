@@ -61,5 +61,5 @@ class Senses:
 
     @property
     def now(self) -> tuple[Sensed, ...]:
-        """What the egos knew at this instant, in the order in which they looked."""
+        """Knowledge of the egos at this instant, in the order in which they looked."""
         return tuple(self._now)

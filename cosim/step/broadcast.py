@@ -1,4 +1,4 @@
-"""The step told to several who take note of it."""
+"""A record that passes the step on to several records."""
 
 from __future__ import annotations
 

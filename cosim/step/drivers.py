@@ -1,4 +1,4 @@
-"""Who drives which ego: controllers built when an ego first appears, each with a seed of its own."""
+"""The controllers of the egos, built when an ego first appears, each with a seed of its own."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ class Departures:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Nothing: who plans is on the road."""
+        """Do nothing: an ego that plans is on the road."""
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Keep the controllers of those who are still there."""
+        """Keep the controllers of the egos that are still on the road."""
         self._drivers.keep([ego.name for ego in snapshot.egos])
 
 

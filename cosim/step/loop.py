@@ -23,7 +23,7 @@ _NEW_OBJECTS = 20_000
 
 
 class Record(Protocol):
-    """What the step tells about itself."""
+    """Receives the events of the step."""
 
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld

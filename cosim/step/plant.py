@@ -94,7 +94,7 @@ class Plant:
     def adopt(
         self, front_x: float, front_y: float, heading: float, speed: float, acceleration: float
     ) -> None:
-        """Take the state over from somebody else who drives; the wheels point straight ahead then.
+        """Take the state over from another driver; the wheels point straight ahead then.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""A straight road, and who is on it by a script.
+"""A straight road with scripted road users.
 
 The road runs east from x = 0, lanes count from the right (south) and lane 0's centre line is y = 0.
 """
@@ -24,7 +24,7 @@ Motion = Callable[[float], tuple[float, float, float, float]]
 
 @runtime_checkable
 class ReactingMotion(Protocol):
-    """The motion of somebody who sees the ego. It remembers, so: one per pedestrian and run."""
+    """The motion of a pedestrian who sees the ego. It has a memory: use one per pedestrian and run."""
 
     def __call__(self, time: float) -> tuple[float, float, float, float]:
         """Return place and velocity at the time last told, or at the start."""
@@ -38,7 +38,7 @@ class ReactingMotion(Protocol):
 def walk(
     x: float, y: float, x_speed: float, y_speed: float, start: float = 0.0, stop: float = np.inf
 ) -> Motion:
-    """Return the motion of somebody who stands at (x, y), walks from ``start`` to ``stop``, then stands."""
+    """Return the motion of a pedestrian who is at (x, y), walks from ``start`` to ``stop``, then stands."""
 
     def at(time: float) -> tuple[float, float, float, float]:
         walked = min(max(time - start, 0.0), stop - start)

@@ -79,7 +79,7 @@ class PersonsTruth:
 
     @property
     def heading(self) -> list[float | None]:
-        """Direction of motion; ``None`` for who stands [rad]."""
+        """Direction of motion; ``None`` for a standing pedestrian [rad]."""
         return [
             math.atan2(v, u) if u or v else None
             for u, v in zip(self.x_speed.tolist(), self.y_speed.tolist(), strict=True)
@@ -129,7 +129,7 @@ class VehiclesTruth:
 
 @dataclass(frozen=True, slots=True)
 class Mishaps:
-    """What went wrong between a simulator and egos since the start, and was mended or given up."""
+    """Faults between a simulator and egos since the start that were mended or given up."""
 
     routes_restored: int = 0
     """How often an ego had another route than its own, and was given it back."""

@@ -46,7 +46,7 @@ EVENED = 0.02
 
 
 class Turning(NamedTuple):
-    """What of a vehicle decides how it gets round a bend."""
+    """The properties of a vehicle that decide how it gets round a bend."""
 
     radius: float
     """Smallest that the middle of its rear axle can drive [m]."""
@@ -124,7 +124,7 @@ def highest_speed(path: Path, start: float, end: float, turning: Turning) -> flo
 
 
 class _Tight(NamedTuple):
-    """Where a path bends too much; stations [m]."""
+    """The stretch in which a path bends too much; stations [m]."""
 
     first: float
     middle: float

@@ -48,7 +48,7 @@ class Connection:
 
     @property
     def errors(self) -> tuple[type[Exception], ...]:
-        """What its calls raise."""
+        """The exceptions that its calls raise."""
         return _errors(self.sumo)
 
     @contextmanager

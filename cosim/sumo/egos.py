@@ -1,4 +1,4 @@
-"""How egos come about: trips of our own, vehicles of the demand by id, or a share of its cars."""
+"""Origins of egos: trips of our own, vehicles of the demand by id, or a share of its cars."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ class EgoSources:
         return name not in self._egos.vehicles and bool(self._egos.share)
 
     def check_seen(self, any_ego: bool, end: float) -> None:
-        """Check at the end of a run that everybody came who was expected.
+        """Check at the end of a run that all expected egos appeared.
 
         Raises
         ------

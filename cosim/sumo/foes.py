@@ -38,7 +38,7 @@ SAMPLE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """Where two ways through a junction are too near to each other; distances from where each begins."""
+    """The stretch in which two ways through a junction are too near; distances from where each begins."""
 
     foe: Connection
     must_yield: bool
@@ -223,6 +223,6 @@ class FoeFinder:
 
 
 def _stopped(connection: Connection, lights: Lights) -> bool:
-    """Return whether a red light holds back whoever comes along that way."""
+    """Return whether a red light holds back the vehicles on that way."""
     letter = lights.letter(connection.signal, connection.signal_index)
     return letter != "" and letter in "ru"

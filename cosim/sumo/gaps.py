@@ -1,4 +1,4 @@
-"""Who is ahead and behind, in the ego's lane and beside it, by the shapes of the bodies."""
+"""Vehicles ahead and behind, in the ego's lane and beside it, by the shapes of the bodies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CROSSWISE = math.radians(45.0)
 
 @dataclass(frozen=True, slots=True)
 class Extents:
-    """What vehicles cover in the route frame [m]."""
+    """Extents of vehicles in the route frame [m]."""
 
     rear: FloatArray
     front: FloatArray
@@ -37,7 +37,7 @@ class Extents:
 
 @dataclass(frozen=True, slots=True)
 class LaneLine:
-    """Where a lane is in the route frame."""
+    """Position of a lane in the route frame."""
 
     width: float
     along: FloatArray | None = None

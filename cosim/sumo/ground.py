@@ -1,4 +1,4 @@
-"""What the ground is at a place: lane, crossing, walking area or nothing; and where described places are."""
+"""The ground at a place: lane, crossing, walking area or nothing; positions of described places."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class _Strip:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """What is at a place."""
+    """The ground at a place."""
 
     edge: str
     """Of the crossing, the lane or the walking area; empty beside all of them."""

@@ -1,4 +1,4 @@
-"""Whether SUMO did what the plant did in a step, and if not, why."""
+"""Interventions: steps in which SUMO did not follow the plant, and their causes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SPEED_TOLERANCE = 0.1
 
 
 class Cause(StrEnum):
-    """Why SUMO did something else; ``INTERVENTIONS`` of ``analysis/recording/columns.py`` explains each."""
+    """Cause of an intervention; ``INTERVENTIONS`` of ``analysis/recording/columns.py`` explains each."""
 
     TIGHT_BEND = "tight_bend"
     WAY_LOST = "way_lost"

@@ -1,4 +1,4 @@
-"""What the egos of a SUMO world know of pedestrians: the surroundings as each believes them."""
+"""Knowledge of pedestrians in a SUMO world: the surroundings as each ego believes them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Knowledge:
 
     @property
     def now(self) -> tuple[Sensed, ...] | None:
-        """What the egos knew at this instant; ``None`` where they know the truth."""
+        """Knowledge of the egos at this instant; ``None`` where they know the truth."""
         return None if self._senses is None else self._senses.now
 
     def eyesight(self, body: Body) -> Eyesight | None:

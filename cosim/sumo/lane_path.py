@@ -1,4 +1,4 @@
-"""What lies along a lane and the lanes that continue it: crossings, signals, limits, neighbouring lanes."""
+"""A lane and its continuation: crossings, signals, limits and neighbouring lanes along it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class PathCrossing:
 
     @property
     def kind(self) -> CrossingKind:
-        """Who has to wait."""
+        """Kind of the crossing, which gives the right of way."""
         return self.source.kind
 
 
@@ -72,7 +72,7 @@ class PathSignal:
 
 @dataclass(frozen=True, slots=True)
 class PathJunction:
-    """Where a path goes through a junction."""
+    """The passage of a path through a junction."""
 
     connection: Connection
     start: float
@@ -105,7 +105,7 @@ class Piece:
 
 
 class LanePath:
-    """What lies along one lane of one edge of a route, and along the lanes that continue it.
+    """One lane of one edge of a route and the lanes that continue it, with the objects along them.
 
     ``along`` is 0 where the edge begins and negative before it.
     """

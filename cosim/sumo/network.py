@@ -1,4 +1,4 @@
-"""What a SUMO network says about lanes, connections, crossings and walking areas; no simulation needed."""
+"""Reader of a SUMO network: lanes, connections, crossings and walking areas; no simulation needed."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class NetLane:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """How one lane continues in another."""
+    """Connection from one lane to another."""
 
     source: str
     target: str
@@ -103,7 +103,7 @@ class NetCrossing:
 
 @dataclass(frozen=True, slots=True)
 class WalkingArea:
-    """Where pedestrians wait and turn."""
+    """An area in which pedestrians wait and turn."""
 
     name: str
     outline: FloatArray
@@ -111,7 +111,7 @@ class WalkingArea:
 
 @dataclass(frozen=True, slots=True)
 class Requests:
-    """Right of way in a junction: who meets whom, and who yields."""
+    """Right of way in a junction: the connections that conflict, and those that yield."""
 
     lanes: tuple[str, ...]
     """The last internal lane of each way through the junction."""

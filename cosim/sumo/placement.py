@@ -43,14 +43,14 @@ _LATERAL_SPEED = 10.0
 
 
 class Method(StrEnum):
-    """How the ego is made to follow the plant: what the parameter ``actuation`` chooses from."""
+    """Methods by which SUMO's ego follows the plant: the values of the parameter ``actuation``."""
 
     HYBRID = "hybrid"
     MOVE = "move"
 
 
 class Executed(NamedTuple):
-    """Where SUMO says the ego is."""
+    """Position of the ego in SUMO."""
 
     x: float
     """Centre of the front bumper [m]."""
@@ -62,7 +62,7 @@ class Executed(NamedTuple):
 
 @dataclass(slots=True)
 class _Ego:
-    """What is remembered of one driven vehicle."""
+    """Memory of one driven vehicle."""
 
     vehicle_class: str
     width: float

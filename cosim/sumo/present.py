@@ -1,4 +1,4 @@
-"""Who is in the simulation at one instant: the only road users about whom SUMO may be asked."""
+"""Road users in the simulation at one instant; SUMO may be queried about these only."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Value = TypeVar("Value")
 
 
 class Present(NamedTuple):
-    """Everybody who is there after a step.
+    """All road users after a step.
 
     SUMO's lists of a step (who departed, who is near an ego) also name vehicles and persons that the same
     step has taken away again: arrived, removed, vaporised, teleporting. SUMO refuses every question about
@@ -23,7 +23,7 @@ class Present(NamedTuple):
 
 
 def everybody_present(sumo: Any) -> Present:
-    """Return who is in the simulation now.
+    """Return the road users in the simulation now.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def everybody_present(sumo: Any) -> Present:
 
 
 def forget_absent(known: dict[str, Value], present: Iterable[str]) -> None:
-    """Drop what is remembered of those who are gone, once they are the greater part of it.
+    """Drop the entries of absent road users once they outnumber those of the present ones.
 
     >>> known = dict.fromkeys(map(str, range(300)), 0)
     >>> forget_absent(known, frozenset({"1", "2"}))

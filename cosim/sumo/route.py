@@ -225,7 +225,7 @@ def _after(network: Network, lanes: Sequence[str], vehicle_class: str) -> str:
 
 
 def _similar(network: Network, edge: str) -> str:
-    """Say which edges exist whose names are most like the given one."""
+    """Return a hint with the existing edges whose names are most similar to the given one."""
     roads = network.roads
     near = difflib.get_close_matches(edge, roads, n=5, cutoff=0.3) or sorted(roads)[:5]
     names = ", ".join(f'"{name}"' for name in near)

@@ -1,4 +1,4 @@
-"""What SUMO says is near the egos: read once per step, as arrays."""
+"""Road users near the egos: read from SUMO once per step, as arrays."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Cars:
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """Everything near any ego at one instant, and who is near whom."""
+    """All road users near any ego at one instant, and the egos that each of them is near."""
 
     persons: Persons
     cars: Cars
@@ -77,7 +77,7 @@ class Surroundings:
 
 
 class KnownState(NamedTuple):
-    """What our plant knows of a vehicle better than SUMO does."""
+    """State of a vehicle that our plant knows better than SUMO."""
 
     x: float
     """Front bumper [m]."""
@@ -266,7 +266,7 @@ class Observer:
 
 
 def _there(place: Sequence[float]) -> bool:
-    """Return whether a position is one; SUMO's of somebody who is nowhere is far away, or no number."""
+    """Return whether a position is valid; SUMO gives absent road users a far one, or no number."""
     return abs(place[0]) < INVALID and abs(place[1]) < INVALID
 
 

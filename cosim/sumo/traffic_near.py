@@ -32,7 +32,7 @@ _LAYER = 200
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What SUMO's type of a vehicle says."""
+    """Properties of SUMO's type of a vehicle."""
 
     length: float
     width: float

@@ -1,4 +1,4 @@
-"""What sumo-gui shows of a run: who the egos are, and what they plan."""
+"""The window of sumo-gui: marks the egos and shows their plans."""
 
 from __future__ import annotations
 

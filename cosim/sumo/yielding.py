@@ -1,4 +1,4 @@
-"""Makes SUMO's own drivers brake for scripted pedestrians, whom SUMO does not know.
+"""Makes SUMO's own drivers brake for scripted pedestrians, which SUMO does not know.
 
 SUMO's drivers can see a person that ``moveToXY`` puts on a lane, but not reliably and not safely: see
 docs/pedestrians.md. The speed of each vehicle that would meet one is therefore limited from here, like that
@@ -123,11 +123,11 @@ class Yielding:
                 self._sumo.vehicle.setLaneChangeMode(name, mode)
 
     def forget(self, name: str) -> None:
-        """Give a vehicle back to its driver, and leave it alone from now on: somebody else will drive it."""
+        """Give a vehicle back to its driver, and leave it alone from now on: another driver takes it over."""
         self._release([name] if name in self._held else [], [name] if name in self._kept else [])
 
     def _look(self, vehicle: RoadUser, pedestrian: Seen, body: Body) -> float | None:
-        """Return the highest speed of the coming step, inf for any; ``None`` for somebody of no concern."""
+        """Return the highest speed of the coming step, inf for any; ``None`` without any concern."""
         before = max(RADIUS + body.min_gap, pedestrian.half_crossing + STOP_LINE)
         # Who is further away than a comfortable stop needs is no concern yet; ways are no shorter than that.
         far = stopping_distance(vehicle.speed + body.comfortable * self._step, body.comfortable, self._step)

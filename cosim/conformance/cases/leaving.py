@@ -1,4 +1,4 @@
-"""An ego that leaves its way, and one whose route somebody else changes."""
+"""An ego that leaves its way, and an ego whose route is changed from outside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``moveToXY`` does to lanes, routes, signals and the next run."""
+"""Effects of ``moveToXY`` on lanes, routes, signals and the next run."""
 
 from __future__ import annotations
 

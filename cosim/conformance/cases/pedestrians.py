@@ -1,4 +1,4 @@
-"""How SUMO's pedestrians react to an ego."""
+"""Reactions of SUMO's pedestrians to an ego."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Encounter:
 
 @dataclass(slots=True)
 class Seen:
-    """What the pedestrian did."""
+    """Behaviour of the pedestrian."""
 
     waits_at: float = math.inf
     """Time at which the pedestrian first stands before the crossing [s]."""

@@ -1,4 +1,4 @@
-"""What SUMO reports: collisions, gaps, detectors, trip information."""
+"""SUMO's reports: collisions, gaps, detectors, trip information."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether neighbours see an ego that is in two lanes."""
+"""Reactions of neighbours to an ego that is in two lanes."""
 
 from __future__ import annotations
 

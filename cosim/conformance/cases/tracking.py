@@ -1,4 +1,4 @@
-"""How exactly SUMO's ego is where the plant is."""
+"""Accuracy with which SUMO's ego follows the plant."""
 
 from __future__ import annotations
 

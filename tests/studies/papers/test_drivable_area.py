@@ -102,7 +102,7 @@ def test_the_readings_of_the_distance_cost(results: tuple[list[Claim], Path]) ->
         claim = claims[f"cost_d, v_s as {form.value}"]
         assert float(claim.our_value.removeprefix("R² = ")) == pytest.approx(fit, abs=0.015)
     assert claims["cost_d, v_s as m/s"].paper_value == "3.06 / 2.99 / 2.26 / 2.04 m"
-    assert "nobody is in danger" in claims["cost_d, v_s as km/h"].why
+    assert "the pedestrian is not in danger" in claims["cost_d, v_s as km/h"].why
 
 
 @pytest.mark.parametrize("mode", EntropyMode)
