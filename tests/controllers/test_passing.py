@@ -349,3 +349,10 @@ def test_a_forecast_between_and_beyond_its_samples() -> None:
     along, across = forecast.velocities()
     assert along == pytest.approx(np.ones((1, 61)))
     assert across == pytest.approx(np.ones((1, 61)))
+
+
+def test_who_comes_to_a_crossing_from_the_far_side_waits_there() -> None:
+    """The crossing reaches 1.75 m to the right and 5.25 m to the left; its middle is at 1.75 m."""
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.75, left=5.25)
+    far = perception(walkers=[Walker(30.0, 7.0, 0.0, -1.2, 0, waiting=True)], crossings=[crossing])
+    assert len(_find([], far)) == 0
