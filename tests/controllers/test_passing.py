@@ -356,3 +356,14 @@ def test_who_comes_to_a_crossing_from_the_far_side_waits_there() -> None:
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.75, left=5.25)
     far = perception(walkers=[Walker(30.0, 7.0, 0.0, -1.2, 0, waiting=True)], crossings=[crossing])
     assert len(_find([], far)) == 0
+
+
+def test_who_is_let_pass_sets_no_bound_for_passing_the_others_ahead() -> None:
+    """Whoever enters first is farthest away; a speed of 0 carries no bound on."""
+    found = _find([Walker(60.0, -2.0, 0.0, 1.0), Walker(20.0, -3.0, 0.0, 1.0), Walker(40.0, -4.0, 0.0, 1.0)])
+    largest = [
+        position_bounds(found, behind, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))[1].max()
+        for behind in range(4)
+    ]
+    past = 0.25 + 1.0 + REAR
+    assert largest == pytest.approx([60.0 + past, 40.0 + past, 40.0 + past, -np.inf])
