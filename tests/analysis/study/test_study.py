@@ -599,3 +599,14 @@ def test_every_measure_is_made_of_columns_and_tallies_that_exist() -> None:
 def test_a_measure_says_which_direction_is_worse(name: str, worse: str) -> None:
     (measure,) = [measure for measure in run_measures() if measure.name == name]
     assert measure.worse == worse
+
+
+def test_who_ran_under_one_of_two_conditions_is_not_compared_over_both(tmp_path: Path) -> None:
+    ran = [("sumo", 300), ("aeb", 300), ("sumo", 600)]
+    folders = [
+        write_study_run(tmp_path / f"{name}-{demand}", name, 1, setting={"pedestrians_per_hour": demand})
+        for name, demand in ran
+    ]
+    _, comparisons = tables(tmp_path / "out", folders)
+    rows = [row for row in comparisons if row["metric"] == "ego_delay_mean_s"]
+    assert [row["condition"] for row in rows] == ["pedestrians_per_hour=300"]
