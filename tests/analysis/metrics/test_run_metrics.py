@@ -196,5 +196,6 @@ def test_a_side_change_is_that_of_the_pedestrian_of_the_encounter(tmp_path: Path
 
 
 def test_the_stop_of_an_ego_that_came_later_is_counted_as_well(tmp_path: Path) -> None:
-    # 2 s after the recording began; it stands over the crossing for 3 s.
-    assert summary(tmp_path, Ego(stops(3.0, 6.0), start=2.0))["n_stopped_on_crossing"] == 1
+    # 2 s after somebody far away was recorded first; it stands over the crossing for 3 s.
+    run = summary(tmp_path, Ego(stops(3.0, 6.0), start=2.0), Person(line(32.5, -80, 0, 0)))
+    assert run["n_stopped_on_crossing"] == 1
