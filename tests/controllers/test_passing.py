@@ -16,8 +16,10 @@ from controllers.conflicts.passing import (
     class_bounds,
     class_name,
     find,
+    stops,
 )
 from controllers.interface import CrossingKind, FloatArray, Perception
+from controllers.numerics.passing_classes import shortfalls
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
@@ -349,3 +351,47 @@ def test_a_forecast_between_and_beyond_its_samples() -> None:
     along, across = forecast.velocities()
     assert along == pytest.approx(np.ones((1, 61)))
     assert across == pytest.approx(np.ones((1, 61)))
+
+
+def test_who_comes_to_a_crossing_from_the_far_side_waits_there() -> None:
+    """The crossing reaches 1.75 m to the right and 5.25 m to the left; its middle is at 1.75 m."""
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.75, left=5.25)
+    far = perception(walkers=[Walker(30.0, 7.0, 0.0, -1.2, 0, waiting=True)], crossings=[crossing])
+    assert len(_find([], far)) == 0
+
+
+def test_who_is_let_pass_sets_no_bound_for_passing_the_others_ahead() -> None:
+    """Whoever enters first is farthest away; a speed of 0 carries no bound on."""
+    found = _find([Walker(60.0, -2.0, 0.0, 1.0), Walker(20.0, -3.0, 0.0, 1.0), Walker(40.0, -4.0, 0.0, 1.0)])
+    largest = [
+        position_bounds(found, behind, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))[1].max()
+        for behind in range(4)
+    ]
+    past = 0.25 + 1.0 + REAR
+    assert largest == pytest.approx([60.0 + past, 40.0 + past, 40.0 + past, -np.inf])
+
+
+def test_who_is_let_pass_is_stopped_for_at_the_line_or_before_them_once_it_is_past() -> None:
+    """The stop line is at 27 m; the disc and the margin are 1.25 m. The overlap ends at 1.75 m."""
+    found = _find([], _on_zebra([Walker(30.0, -2.0, 0.0, 1.25, 0, True)]))
+    at, line, until = stops(found, 1, FRONT, 1.0)
+    assert (at.tolist(), line.tolist(), until.tolist()) == ([30.0], [27.0], [pytest.approx(3.0)])
+    assert stops(found, 1, 27.2, 1.0)[1].tolist() == [27.2]
+    assert stops(found, 1, 27.4, 1.0)[1].tolist() == [28.75]
+    assert [len(part) for part in stops(found, 0, FRONT, 1.0)] == [0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("largest", "late"),
+    [(np.inf, 1.0), (10.5, 1.5)],
+)
+def test_a_class_falls_short_by_what_driving_on_and_braking_cannot_reach(largest: float, late: float) -> None:
+    """From 10 m/s to 12 m/s at 2 m/s²: 11 m in 1 s, 35 m in 3 s. Braking with 4 m/s²: 8 m, 12.5 m."""
+    free = np.inf
+    lower = np.array([[12.0, 30.0], [-free, -free], [11.5, 36.0], [8.0, 20.0]])
+    upper = np.array([[free, free], [free, 12.0], [7.5, free], [11.0, 35.0]])
+    found = shortfalls(
+        lower, upper, np.array([largest, free]), np.array([1.0, 3.0]), 10.0, np.array([9.0, 12.0]), 2.0, 4.0
+    )
+    # Too late, too soon, both, and reachable.
+    assert found == pytest.approx([late + 0.0, 0.5, 1.0 + 0.5, 0.0])

@@ -254,3 +254,15 @@ def test_the_ego_itself_hides_nobody_though_it_is_recorded_as_a_vehicle(tmp_path
     itself = Vehicle(driving(36.0), "ego")
     row = only(tmp_path, Ego(driving(36.0)), walker(line(-20.0, 0.3, 0, 0)), itself)
     assert row["preventable_r157"] is True
+
+
+def test_who_leaves_the_lane_for_a_second_and_comes_back_was_a_risk_all_along(tmp_path: Path) -> None:
+    """Seen outside for 1 s, less than the 2 s after which the driver would drive on."""
+
+    def returns(t: float) -> tuple[float, float]:
+        there = ahead(50.0, 6.0, 5.0)
+        return there, 0.0 if t < 5.0 or t >= 6.0 else -2.0
+
+    row = only(tmp_path, Ego(driving(50.0)), walker(returns))
+    assert row["collision"] is True
+    assert row["preventable_r157"] is True

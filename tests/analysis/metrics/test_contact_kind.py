@@ -224,3 +224,13 @@ def test_a_contact_that_lies_in_two_encounters_of_a_pair_is_one(tmp_path: Path) 
     assert all(row["t_end_s"] > 29.0 for row in found.encounters), "both hold the contact"
     assert sum(row["collision"] for row in found.encounters) == 1
     assert found.run["n_collisions"] == 1
+
+
+def test_a_lane_whose_last_piece_is_short_ends_where_it_ends(tmp_path: Path) -> None:
+    """The last piece is 0.5 m long; the pedestrians are struck 0.4 m before and 1.2 m after its end."""
+    lane = {**LANE, "shape_m": [[-200.0, 0.0], [-20.5, 0.0], [-20.0, 0.0]]}
+    places = [
+        only(tmp_path / str(x), Ego(line(-100, 0, 10, 0)), walker(line(x, 0, 0, 0)), areas=(lane,))
+        for x in (-20.4, -18.8)
+    ]
+    assert [row["contact_place"] for row in places] == ["carriageway", "walking_area_or_kerb"]

@@ -186,3 +186,16 @@ def test_a_slow_ego_stops_while_the_braking_still_rises() -> None:
     assert stopping_distance(speed, 0.0, 7.59, 0.6)[0] == pytest.approx(
         (2 / 3) * float(np.sqrt(2 / jerk)), rel=1e-9
     )
+
+
+def test_a_side_change_is_that_of_the_pedestrian_of_the_encounter(tmp_path: Path) -> None:
+    ego = recorded(passing=lambda t: "behind=a|b ahead=" if t < 2.0 else "behind=a ahead=b")
+    people = [Person(line(32.5, -4, 0, 1.25), name="a"), Person(line(32.5, -5, 0, 1.25), name="b")]
+    rows = analyse_run(write_run(tmp_path, [ego], people)).encounters
+    assert {row["ped_id"]: row["side_changes"] for row in rows} == {"a": 0, "b": 1}
+
+
+def test_the_stop_of_an_ego_that_came_later_is_counted_as_well(tmp_path: Path) -> None:
+    # 2 s after somebody far away was recorded first; it stands over the crossing for 3 s.
+    run = summary(tmp_path, Ego(stops(3.0, 6.0), start=2.0), Person(line(32.5, -80, 0, 0)))
+    assert run["n_stopped_on_crossing"] == 1

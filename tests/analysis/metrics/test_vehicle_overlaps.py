@@ -57,3 +57,10 @@ def test_vehicles_in_the_next_lane_do_not_overlap(tmp_path: Path) -> None:
         write_run(tmp_path, [Ego(line(0, 0, 8, 0))], [], [Vehicle(line(0, 3.2, 8, 0))], duration=3.0)
     )
     assert report.overlaps == []
+
+
+def test_an_ego_that_comes_later_than_the_vehicle_is_met_where_it_is(tmp_path: Path) -> None:
+    # At 3 s their middles are 14 m apart: 9.5 m of gap at 6 m/s.
+    row = overlap(tmp_path, Ego(line(-12, 0, 10, 0), start=3.0), Vehicle(line(20, 0, 4, 0)))
+    assert row["t_start_s"] == pytest.approx(3.0 + 9.5 / 6, abs=0.051)
+    assert row["closed_by"] == "ego"

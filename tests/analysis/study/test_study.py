@@ -599,3 +599,44 @@ def test_every_measure_is_made_of_columns_and_tallies_that_exist() -> None:
 def test_a_measure_says_which_direction_is_worse(name: str, worse: str) -> None:
     (measure,) = [measure for measure in run_measures() if measure.name == name]
     assert measure.worse == worse
+
+
+def test_who_ran_under_one_of_two_conditions_is_not_compared_over_both(tmp_path: Path) -> None:
+    ran = [("sumo", 300), ("aeb", 300), ("sumo", 600)]
+    folders = [
+        write_study_run(tmp_path / f"{name}-{demand}", name, 1, setting={"pedestrians_per_hour": demand})
+        for name, demand in ran
+    ]
+    _, comparisons = tables(tmp_path / "out", folders)
+    rows = [row for row in comparisons if row["metric"] == "ego_delay_mean_s"]
+    assert [row["condition"] for row in rows] == ["pedestrians_per_hour=300"]
+
+
+def test_runs_with_a_collision_are_compared_by_yes_and_no_and_over_conditions_by_their_share(
+    tmp_path: Path,
+) -> None:
+    """Without signals, three seeds of four have collisions with the base and none with the alternative."""
+    collisions = {("sumo", "none"): (1, 2, 1, 0)}
+    folders = [
+        write_study_run(
+            tmp_path / f"{name}-{signals}-{seed}",
+            name,
+            seed,
+            setting={"signals": signals},
+            numbers={"n_collisions": collisions.get((name, signals), (0, 0, 0, 0))[seed - 1]},
+        )
+        for name in ("sumo", "slow")
+        for signals in ("none", "all")
+        for seed in (1, 2, 3, 4)
+    ]
+    _, comparisons = tables(tmp_path / "out", folders)
+    rows = {row["condition"]: row for row in comparisons if row["metric"] == "runs_with_collision"}
+    without, both = rows["signals=none"], rows["all 2 conditions"]
+    assert (without["test"], float(without["diff_mean"]), float(without["p_value"])) == (
+        "mcnemar",
+        -0.75,
+        0.25,
+    )
+    # 1 of 2 runs for three seeds; t is their mean over its error, 0.375 / (0.25 / 2).
+    assert (both["test"], float(both["diff_mean"])) == ("paired_t", -0.375)
+    assert float(both["statistic"]) == pytest.approx(-3.0)

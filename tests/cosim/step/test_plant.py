@@ -191,3 +191,21 @@ def test_a_command_without_values_is_refused(command: Command) -> None:
 def test_a_body_without_length_is_refused() -> None:
     with pytest.raises(SimulationError, match="length"):
         body_of(0.0, 1.8)
+
+
+def test_a_wheel_that_turns_evenly_draws_a_clothoid() -> None:
+    """Over 0.5 m the curvature grows evenly from 0: sideways a sixth of curvature times distance squared."""
+    vehicle = plant(10.0, replace(DRIVE, steering_lag=0.0))
+    vehicle.follow(constant_command(0.0, 0.6), 0.0, 0.05)
+    curvature = math.tan(0.6 * 0.05) / BODY.wheelbase
+    assert vehicle.steering == pytest.approx(0.03)
+    assert vehicle.heading == pytest.approx(curvature * 0.5 / 2, rel=1e-3)
+    assert vehicle.y == pytest.approx(curvature * 0.5**2 / 6, rel=1e-3)
+
+
+def test_a_call_no_longer_than_a_substep_is_one_of_them() -> None:
+    """Over 0.5 m the wheel turns from 0 to 0.5 rad: Simpson's rule with its three angles."""
+    vehicle = plant(10.0, replace(DRIVE, steering_lag=0.0, max_steering_rate=10.0))
+    vehicle.follow(constant_command(0.0, 0.6), 0.0, 0.05)
+    mean = (4.0 * math.tan(0.25) + math.tan(0.5)) / 6.0 / BODY.wheelbase
+    assert vehicle.heading == pytest.approx(0.5 * mean, rel=1e-12)
