@@ -17,14 +17,14 @@ import qpsolvers
 from measuring.loop_built import LoopBuilt
 from numpy.typing import NDArray
 
-from controllers.conflicts.passing import Conflicts
+from controllers.conflicts.path_conflicts import Conflicts
 from controllers.interface import Body, Perception
-from controllers.mpc.horizon import lagged_ramp
-from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
-from controllers.mpc.speed_planning import SpeedPlanner
-from controllers.numerics import speed_program
 from controllers.optimisation.solve import Memory
+from controllers.velocity_obstacle.mpc.arithmetic import speed_program
+from controllers.velocity_obstacle.mpc.horizon import lagged_ramp
+from controllers.velocity_obstacle.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
+from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.velocity_obstacle.mpc.speed_planning import SpeedPlanner
 
 FloatArray = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class NaiveSpeedPlanner(SpeedPlanner):
 
 
 class NaiveSpeedProgram:
-    """Stands in for :class:`controllers.mpc.longitudinal.LongitudinalProgram`."""
+    """Stands in for :class:`controllers.velocity_obstacle.mpc.longitudinal.LongitudinalProgram`."""
 
     def __init__(self, like: LongitudinalProgram, lag: float) -> None:
         self.dt = like.dt
@@ -235,7 +235,7 @@ class NaiveSpeedProgram:
 
 
 class NaiveSteeringProgram:
-    """Stands in for :class:`controllers.mpc.lateral.LateralProgram`."""
+    """Stands in for :class:`controllers.velocity_obstacle.mpc.lateral.LateralProgram`."""
 
     def __init__(self, like: LateralProgram, lag: float, max_rate: float) -> None:
         self.dt = like.dt

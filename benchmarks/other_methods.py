@@ -26,8 +26,8 @@ from measuring.perceptions import Case
 from measuring.solvers import DEFAULT, SOLVERS
 from measuring.tasks import Planner, Step
 
-from controllers.mpc.lateral import SteeringPlan
-from controllers.mpc.longitudinal import SpeedPlan
+from controllers.velocity_obstacle.mpc.lateral import SteeringPlan
+from controllers.velocity_obstacle.mpc.longitudinal import SpeedPlan
 
 CASE = Case(30, 5)
 CASADI, PYMOO = "CasADi/IPOPT", "pymoo GA"

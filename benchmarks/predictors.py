@@ -20,7 +20,7 @@ import numpy as np
 
 from analysis.markdown import table, write_below
 from controllers.interface import Decision, FloatArray, Perception, Plan
-from controllers.prediction import named
+from controllers.prediction import by_name
 from controllers.prediction.forecast import Predictor
 from cosim.running.compose import compose
 from cosim.running.request import RunRequest
@@ -61,7 +61,7 @@ class Watcher:
         ego, people = perception.ego, perception.pedestrians
         if abs(ego.time - round(ego.time)) > 1e-6 or not len(people):
             return
-        mine = self.predictors.setdefault(ego.name, {name: named.build(name) for name in named.names()})
+        mine = self.predictors.setdefault(ego.name, {name: by_name.build(name) for name in by_name.names()})
         near = np.flatnonzero(np.hypot(people.along, people.across) < NEAR)
         for name, predictor in mine.items():
             forecast = predictor.predict(perception, TIMES)
@@ -108,7 +108,7 @@ def errors(watcher: Watcher) -> str:
     offsets = [f"{value} at {horizon:g} s" for horizon in HORIZONS for value in ("mean", "p95")]
     lines = []
     for group in (CROSSING, STANDING, ALONG):
-        for name in named.names():
+        for name in by_name.names():
             found = [watcher.errors[name, group, horizon] for horizon in HORIZONS]
             if not found[-1]:
                 continue

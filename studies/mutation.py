@@ -46,9 +46,9 @@ PLACES = {
     ),
     "passing": Place(
         (
-            "controllers/conflicts/passing.py",
-            "controllers/conflicts/expectation.py",
-            "controllers/numerics/passing_classes.py",
+            "controllers/conflicts/path_conflicts.py",
+            "controllers/conflicts/expected_behaviour.py",
+            "controllers/velocity_obstacle/mpc/arithmetic/class_bounds.py",
         ),
         tuple(
             f"tests/controllers/**/test_{name}.py"

@@ -12,9 +12,9 @@ from naive import twin
 from numpy.typing import NDArray
 
 from controllers.interface import Drive
-from controllers.mpc.lateral import LateralProgram
-from controllers.mpc.longitudinal import LongitudinalProgram
 from controllers.optimisation.settings import SolverSettings
+from controllers.velocity_obstacle.mpc.lateral import LateralProgram
+from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram
 from measuring import perceptions
 from measuring.perceptions import Case
 from measuring.solvers import DEFAULT

@@ -7,15 +7,15 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from time import perf_counter
 from typing import Any
 
-from controllers.conflicts import bystanders, passing
-from controllers.mpc import lateral, longitudinal
-from controllers.mpc.driver import VelocityObstacleMpc
-from controllers.mpc.lateral import LateralProgram
-from controllers.mpc.longitudinal import LongitudinalProgram
-from controllers.mpc.speed_planning import SpeedPlanner
-from controllers.mpc.speed_tasks import SpeedTasks
+from controllers.conflicts import bystanders, path_conflicts
 from controllers.optimisation import solve as solving
 from controllers.safety.last_check import LastCheck
+from controllers.velocity_obstacle.mpc import lateral, longitudinal
+from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
+from controllers.velocity_obstacle.mpc.lateral import LateralProgram
+from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram
+from controllers.velocity_obstacle.mpc.speed_planning import SpeedPlanner
+from controllers.velocity_obstacle.mpc.speed_tasks import SpeedTasks
 from measuring.stopwatch import OTHER, Stopwatch, replaced, watching
 
 PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, CHECK = (
@@ -30,10 +30,10 @@ PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, CHECK = (
 PARTS = (PREDICT, CONFLICTS, TASK, ASSEMBLY, SOLVE, VERIFY, CHECK, OTHER)
 PLACES = (
     (SpeedPlanner, "look", PREDICT),
-    (passing, "expected", PREDICT),
-    (passing, "find", CONFLICTS),
+    (path_conflicts, "expected", PREDICT),
+    (path_conflicts, "find", CONFLICTS),
     (bystanders, "bystanders", CONFLICTS),
-    (passing, "class_bounds", CONFLICTS),
+    (path_conflicts, "class_bounds", CONFLICTS),
     (SpeedPlanner, "_candidates", CONFLICTS),
     (SpeedTasks, "task", TASK),
     (VelocityObstacleMpc, "_steering_task", TASK),

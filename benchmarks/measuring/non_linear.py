@@ -15,10 +15,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.mpc.horizon import lagged_ramp
-from controllers.mpc.lateral import SteeringTask
-from controllers.mpc.longitudinal import SpeedTask
-from controllers.numerics.speed_program import FAST, SLOW
+from controllers.velocity_obstacle.mpc.arithmetic.speed_program import FAST, SLOW
+from controllers.velocity_obstacle.mpc.horizon import lagged_ramp
+from controllers.velocity_obstacle.mpc.lateral import SteeringTask
+from controllers.velocity_obstacle.mpc.longitudinal import SpeedTask
 from measuring.tasks import Layout, Step
 
 FloatArray = NDArray[np.float64]

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from controllers.interface import Drive
-from controllers.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
-from controllers.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory
+from controllers.velocity_obstacle.mpc.lateral import LateralProgram, SteeringPlan, SteeringTask
+from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 from measuring import perceptions
 from measuring.perceptions import Case
 from measuring.solvers import DEFAULT

@@ -1,1 +1,1 @@
-"""Who crosses the ego's way: passing order, collision cones, hidden places."""
+"""Who is in conflict with the ego's way: in it, beside it, or hidden where nobody can be seen."""

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving import way_into_lane
-from controllers.driving.path_clearance import disc_clearances
+from controllers.driving.lanes import way_into_lane
+from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Body, FloatArray, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0

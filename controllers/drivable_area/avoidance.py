@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.conflicts.passing import Conflicts
+from controllers.conflicts.path_conflicts import Conflicts
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, boxes, walkers
 from controllers.drivable_area.course import Course
@@ -22,7 +22,7 @@ from controllers.drivable_area.evaluation import (
 from controllers.drivable_area.pareto_search import Budget, Front, search
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.driving import lane_keeping
+from controllers.driving.lanes import lane_keeping
 from controllers.interface import FloatArray, Perception
 
 CREEPING = 2.0

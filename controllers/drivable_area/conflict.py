@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.conflicts.expectation import PedestrianAssumptions, Watch
-from controllers.conflicts.passing import Conflicts, find
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
+from controllers.conflicts.path_conflicts import Conflicts, find
 from controllers.drivable_area.clearances import Boxes, Shape
-from controllers.drivable_area.social_force import Walkers
-from controllers.driving.traffic import footprints
+from controllers.driving.vehicles_ahead import footprints
 from controllers.interface import FloatArray, Perception
+from controllers.prediction.social_force_model import Walkers
 
 SHIFTING = 1.3
 """Speed across the road with which a lane is returned or changed to [m/s]."""

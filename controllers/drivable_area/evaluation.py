@@ -24,8 +24,8 @@ from controllers.drivable_area.meetings import Meetings, meetings
 from controllers.drivable_area.motions import Motions, motions
 from controllers.drivable_area.quintic_path import PathStart, QuinticPaths, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.drivable_area.social_force import SocialForceModel, Walkers
 from controllers.interface import FloatArray
+from controllers.prediction.social_force_model import SocialForceModel, Walkers
 
 STANDING = 0.1
 """A slower car runs into nobody [m/s]."""

@@ -1,1 +1,1 @@
-"""What every method needs to drive in traffic: rules, lanes, vehicles ahead, braking in an emergency."""
+"""What every method needs to drive in traffic: vehicles ahead, right of way, speeds, lanes."""

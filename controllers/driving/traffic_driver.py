@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
-from controllers.driving.lane_choice import LaneChoice
+from controllers.driving.lanes import lane_keeping
+from controllers.driving.lanes.lane_choice import LaneChoice
 from controllers.interface import Decision, FloatArray, Manoeuvre, Perception
 
 PAUSING = -3.0

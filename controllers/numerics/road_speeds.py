@@ -1,4 +1,4 @@
-"""How fast bends and limits ahead let the ego drive; see :mod:`controllers.driving.road_profile`."""
+"""How fast bends and limits ahead let the ego drive; see :mod:`controllers.driving.road_speeds`."""
 
 from __future__ import annotations
 

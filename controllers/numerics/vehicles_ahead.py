@@ -1,4 +1,4 @@
-"""Who is ahead in a band of the road, and where they will be; see :mod:`controllers.driving.traffic`."""
+"""Who is ahead in a band of the road, and where they will be; see ``driving.vehicles_ahead``."""
 
 from __future__ import annotations
 

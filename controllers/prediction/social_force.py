@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from controllers.drivable_area.social_force import CarOutline, SocialForceModel, Walkers, aims_of
 from controllers.interface import EgoState, FloatArray, Perception
 from controllers.prediction.forecast import Forecast, Predictor
+from controllers.prediction.social_force_model import CarOutline, SocialForceModel, Walkers, aims_of
 
 LONGEST_STEP = 0.1
 """Of a random walk [s]."""

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.path_clearance import disc_clearances
-from controllers.driving.plane import to_plane
+from controllers.geometry.path_clearance import disc_clearances
+from controllers.geometry.plane import to_plane
 from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
@@ -40,7 +40,7 @@ CROWDED, CROWD = 0.4, 2.0
 
 
 class Obstacles(NamedTuple):
-    """Discs that the body may not touch, n of them, in the plane of :mod:`controllers.driving.plane`."""
+    """Discs that the body may not touch, n of them, in the plane of :mod:`controllers.geometry.plane`."""
 
     x: FloatArray
     """Shape (n,) [m]."""

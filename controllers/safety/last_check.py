@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.path_clearance import disc_clearances
 from controllers.driving.standing import STANDING
+from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, Plan
-from controllers.prediction.discs import Discs, discs
 from controllers.prediction.forecast import Forecast
+from controllers.safety.pedestrian_discs import Discs, discs
 from controllers.safety.rollout import LAG, SPACING, Course, Motion, braked, course, planned, poses
 from controllers.safety.vehicle_outlines import standing_vehicles
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controllers.driving.plane import to_plane
+from controllers.geometry.plane import to_plane
 from controllers.interface import FloatArray, Perception, Plan
 
 LAG = 0.35

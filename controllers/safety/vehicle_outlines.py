@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.plane import vehicles_in_plane
-from controllers.driving.traffic import footprints
+from controllers.driving.vehicles_ahead import footprints
+from controllers.geometry.plane import vehicles_in_plane
 from controllers.interface import FloatArray, Perception
-from controllers.prediction.discs import Discs
+from controllers.safety.pedestrian_discs import Discs
 
 STANDING = 0.5
 """Slower ones stand [m/s]."""
@@ -29,7 +29,7 @@ OUTLINE = np.vstack(
 def standing_vehicles(perception: Perception, count: int) -> Discs:
     """Return the outlines of those that stand, as discs without a radius, the same at ``count`` instants.
 
-    They are in the plane of :mod:`controllers.driving.plane`.
+    They are in the plane of :mod:`controllers.geometry.plane`.
     """
     who = _apart(perception, NEAR) & _stand(perception)
     if not who.any():

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.path_clearance import disc_clearances
 from controllers.driving.standing import STANDING
+from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, constant_command
-from controllers.prediction.discs import Discs
 from controllers.safety import free_way
 from controllers.safety.free_way import Obstacles
+from controllers.safety.pedestrian_discs import Discs
 from controllers.safety.vehicle_outlines import driving_vehicles, standing_vehicles
 
 PATIENCE = 4.0

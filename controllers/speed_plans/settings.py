@@ -5,9 +5,9 @@ from __future__ import annotations
 from pydantic import model_validator
 
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.emergency_braking import EmergencyBraking
-from controllers.prediction import named
-from controllers.prediction.named import PredictorName
+from controllers.prediction import by_name
+from controllers.prediction.by_name import PredictorName
+from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.settings import ControllerSettings, NotNegative, Positive, PositiveOrInfinite
 from controllers.speed_plans.speed_targets import CrossingRule
 from controllers.speed_plans.trapezoid_profile import PlanningLimits
@@ -40,7 +40,7 @@ class SpeedPlanSettings(ControllerSettings):
     """What a pedestrian's disc is grown by across the way."""
     emergency_brake: bool = True
     """Whether automatic emergency braking, as of aeb, is there for whoever no plan is made for."""
-    predictor: PredictorName = named.CONSTANT_VELOCITY
+    predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
     @model_validator(mode="after")

@@ -11,10 +11,9 @@ from enum import StrEnum
 
 import numpy as np
 
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.emergency_braking import EmergencyBraking
 from controllers.driving.following import BEND, SPEED_LIMIT, limit_now
+from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
@@ -29,6 +28,7 @@ from controllers.interface import (
     Plan,
 )
 from controllers.prediction.forecast import Predictor
+from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.speed_plans.actuator_prediction import CommandHistory, PredictedState, predicted_state
 from controllers.speed_plans.plan_keeping import KeptPlan, Moment, PlanKeeper, PlanSettings
 from controllers.speed_plans.speed_profile import Segment, SpeedProfile

@@ -13,7 +13,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from controllers.conflicts import expectation, passing
+from controllers.conflicts import path_conflicts
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
+from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import neighbours_ahead
 from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
@@ -70,7 +72,7 @@ class CrossingRule:
     """Distance behind the ego at which a pedestrian may cross [m]."""
     horizon: float = 8.0
     """Pedestrians who come into the way later do not matter yet [s]."""
-    assume: expectation.PedestrianAssumptions = field(default_factory=expectation.PedestrianAssumptions)
+    assume: PedestrianAssumptions = field(default_factory=PedestrianAssumptions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +115,7 @@ class PedestrianTargets:
     def __init__(self, rule: CrossingRule, predictor: Predictor | None = None) -> None:
         self.rule = rule
         self._predictor = predictor
-        self._watch = expectation.Watch()
+        self._watch = Watch()
         self._ahead: dict[str, bool] = {}
 
     def find(self, perception: Perception, offset: float, time_past: Callable[[float], float]) -> Yielding:
@@ -128,7 +130,7 @@ class PedestrianTargets:
         ego, rule = perception.ego, self.rule
         half = 0.5 * ego.body.width
         band = (min(ego.across, offset) - half, max(ego.across, offset) + half)
-        conflicts = passing.find(
+        conflicts = path_conflicts.find(
             perception,
             self._watch,
             band,
@@ -167,7 +169,7 @@ class PedestrianTargets:
     def _goes_ahead(
         self,
         perception: Perception,
-        conflicts: passing.Conflicts,
+        conflicts: Conflicts,
         i: int,
         time_past: Callable[[float], float],
     ) -> bool:
@@ -201,7 +203,7 @@ def _others(many: Many, names: frozenset[str]) -> Many:
     return replace(many, names=tuple(many.names[i] for i in kept), **arrays)
 
 
-def _beside(perception: Perception, conflicts: passing.Conflicts, i: int) -> bool:
+def _beside(perception: Perception, conflicts: Conflicts, i: int) -> bool:
     """Say whether somebody is beside the body, behind its front: stopping would not help."""
     ego = perception.ego
     off = abs(float(conflicts.across[i]) - ego.across) - 0.5 * ego.body.width
@@ -209,13 +211,13 @@ def _beside(perception: Perception, conflicts: passing.Conflicts, i: int) -> boo
     return off > radius and float(conflicts.along[i]) + radius < ego.body.front
 
 
-def _target(perception: Perception, conflicts: passing.Conflicts, i: int, rule: CrossingRule) -> SpeedTarget:
+def _target(perception: Perception, conflicts: Conflicts, i: int, rule: CrossingRule) -> SpeedTarget:
     """Return where to stop for one pedestrian."""
     front = perception.ego.body.front
     line, name = float(conflicts.stop_line[i]), conflicts.names[i]
     people, index = perception.pedestrians, int(conflicts.index[i])
     enter, leave = float(conflicts.enter[i]), float(conflicts.leave[i])
-    there = conflicts.along_at(np.array([enter, min(leave, enter + passing.STRAIGHT_ON)]))[i]
+    there = conflicts.along_at(np.array([enter, min(leave, enter + path_conflicts.STRAIGHT_ON)]))[i]
     face = float(there.min() - conflicts.radius[i])
     body_gap = max(face - front, 0.0)
     # Who has not begun to cross, or stands, leaves at no time that could be relied on.

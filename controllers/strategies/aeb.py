@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving.lanes import lane_keeping
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, Perception, Plan
-from controllers.prediction import named
+from controllers.prediction import by_name
+from controllers.prediction.by_name import PredictorName
 from controllers.prediction.forecast import Predictor
-from controllers.prediction.named import PredictorName
+from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
 
@@ -58,7 +58,7 @@ class Settings(ControllerSettings):
     """What a pedestrian's disc is grown by in the prediction."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
-    predictor: PredictorName = named.CONSTANT_VELOCITY
+    predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
 
@@ -71,5 +71,5 @@ def build(settings: Settings) -> Controller:
         settings.stop_margin_m,
         settings.side_margin_m,
     )
-    predictor = named.sampled(settings.predictor, seed=settings.seed)
+    predictor = by_name.sampled(settings.predictor, seed=settings.seed)
     return EmergencyBrakingDriver(DrivingStyle(headway=settings.headway_s), rule, predictor)

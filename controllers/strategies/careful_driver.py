@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.lane_keeping import instants
+from controllers.driving.lanes.lane_keeping import instants
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
+from controllers.geometry.contact_times import disc_contact_times
 from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
-from controllers.prediction.contact import disc_contact_times
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
 BoolArray = NDArray[np.bool_]

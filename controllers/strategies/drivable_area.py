@@ -15,8 +15,8 @@ from typing import Annotated, Final
 import numpy as np
 from pydantic import Field, model_validator
 
-from controllers.conflicts.expectation import PedestrianAssumptions, Watch
-from controllers.conflicts.passing import Conflicts
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
+from controllers.conflicts.path_conflicts import Conflicts
 from controllers.drivable_area.avoidance import AvoidanceSettings, Found, plan
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, first_conflict, outlook, relevant
@@ -26,9 +26,8 @@ from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget, require_pymoo
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
@@ -41,6 +40,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative
 
 NO_CANDIDATE = "no_feasible_candidate"

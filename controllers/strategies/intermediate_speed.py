@@ -10,7 +10,7 @@ that stay safe.
 from __future__ import annotations
 
 from controllers.interface import Controller
-from controllers.prediction import named
+from controllers.prediction import by_name
 from controllers.settings import PositiveOrInfinite
 from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
 from controllers.speed_plans.plan_keeping import PlanSettings, Replanning
@@ -49,6 +49,6 @@ def build(settings: Settings) -> Controller:
         settings.plan_from,
         settings.style(),
         settings.crossing_rule(),
-        named.sampled(settings.predictor, seed=settings.seed),
+        by_name.sampled(settings.predictor, seed=settings.seed),
         settings.brake(),
     )

@@ -15,14 +15,10 @@ from typing import Annotated, Final, Literal
 
 import numpy as np
 
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.emergency_braking import EmergencyBraking
+from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
-from controllers.field.potential_field import Gains
-from controllers.field.road_field import FieldSettings
 from controllers.interface import (
     Command,
     Controller,
@@ -32,8 +28,12 @@ from controllers.interface import (
     Perception,
     Plan,
 )
-from controllers.prediction import named
-from controllers.prediction.named import PredictorName
+from controllers.potential_field.field import Gains
+from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
+from controllers.potential_field.road_field import FieldSettings
+from controllers.prediction import by_name
+from controllers.prediction.by_name import PredictorName
+from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.settings import ControllerSettings, NotNegative, Positive, Unit
 
 NOBODY: Final = np.zeros(0, dtype=np.int64)
@@ -206,5 +206,5 @@ def build(settings: Settings) -> Controller:
     )
     brakes = Brakes() if settings.braking == "aeb" else None
     course = CourseSettings(settings.clearance_m if brakes is not None else None, field)
-    finder = CourseFinder(named.build(settings.predictor, seed=settings.seed), course)
+    finder = CourseFinder(by_name.build(settings.predictor, seed=settings.seed), course)
     return PotentialFieldDriver(finder, DrivingStyle(headway=settings.headway_s), brakes)

@@ -13,11 +13,11 @@ from enum import StrEnum
 
 import numpy as np
 
-from controllers.avoidance.septic_path import SepticPath
-from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.lane_choice import blocker
-from controllers.driving.lane_path import LanePath, Odometer, told
+from controllers.driving.lanes import lane_keeping
+from controllers.driving.lanes.lane_choice import blocker
+from controllers.driving.lanes.lane_path import LanePath, Odometer, told
+from controllers.driving.lanes.septic_path import SepticPath
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,

@@ -10,7 +10,7 @@ around slow and standing vehicles, into gaps that stay safe.
 from __future__ import annotations
 
 from controllers.interface import Controller
-from controllers.prediction import named
+from controllers.prediction import by_name
 from controllers.speed_plans.plan_keeping import PlanSettings, Replanning
 from controllers.speed_plans.settings import SpeedPlanSettings
 from controllers.speed_plans.speed_plan_driver import PlanFrom, SpeedPlanDriver
@@ -29,6 +29,6 @@ def build(settings: Settings) -> Controller:
         PlanFrom.MEASURED,
         settings.style(),
         settings.crossing_rule(),
-        named.sampled(settings.predictor, seed=settings.seed),
+        by_name.sampled(settings.predictor, seed=settings.seed),
         settings.brake(),
     )

@@ -13,12 +13,12 @@ from typing import Annotated
 
 from pydantic import Field
 
-from controllers.avoidance.driver import AvoidanceDriver
-from controllers.avoidance.genetic import GeneticBudget, GeneticOptimiser, check_pymoo
-from controllers.avoidance.settings import PaperSettings
 from controllers.interface import Controller
-from controllers.prediction import named
+from controllers.prediction import by_name
 from controllers.settings import AtLeastOne
+from controllers.velocity_obstacle.paper.driver import AvoidanceDriver
+from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, GeneticOptimiser, check_pymoo
+from controllers.velocity_obstacle.paper.settings import PaperSettings
 
 
 class Settings(PaperSettings):
@@ -42,6 +42,6 @@ def build(settings: Settings) -> Controller:
     return AvoidanceDriver(
         settings.driver(),
         GeneticOptimiser(GeneticBudget(settings.generations, settings.population), settings.seed),
-        named.sampled(settings.predictor, seed=settings.seed),
+        by_name.sampled(settings.predictor, seed=settings.seed),
         settings.brake(),
     )

@@ -1,7 +1,7 @@
 """Velocity-obstacle model predictive control: passing classes, decision rules, sequential QPs.
 
-What its parameters mean; what it does with them is in ``controllers/mpc/driver.py`` and ``docs/control.md``.
-The formulation of the paper is ``vo_paper``.
+What its parameters mean; what it does with them is in ``controllers/velocity_obstacle/mpc/driver.py`` and
+``docs/control.md``. The formulation of the paper is ``vo_paper``.
 """
 
 from __future__ import annotations
@@ -10,23 +10,23 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
-from controllers.conflicts import expectation
-from controllers.conflicts.occlusion import HiddenPedestrian
-from controllers.conflicts.velocity_obstacle import Cone
-from controllers.driving.lane_choice import GapRule
-from controllers.driving.lane_decision import ChangeSettings
-from controllers.driving.unhurried import LONGEST, Unhurried
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions
+from controllers.conflicts.hidden_pedestrians import HiddenPedestrian
+from controllers.driving.lanes.lane_choice import GapRule
 from controllers.interface import Controller
-from controllers.mpc import driver
-from controllers.mpc.driver import ConeParameters, Shape, VelocityObstacleMpc
-from controllers.mpc.horizon import growing_grid
-from controllers.mpc.lateral import SteeringWeights
-from controllers.mpc.longitudinal import SpeedLimits, SpeedWeights
-from controllers.mpc.passing_settings import PassingSettings
 from controllers.optimisation.settings import SolverSettings
-from controllers.prediction import named
-from controllers.prediction.named import PredictorName
+from controllers.prediction import by_name
+from controllers.prediction.by_name import PredictorName
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative, Positive, PositiveOrInfinite
+from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.mpc import driver
+from controllers.velocity_obstacle.mpc.driver import ConeParameters, Shape, VelocityObstacleMpc
+from controllers.velocity_obstacle.mpc.horizon import growing_grid
+from controllers.velocity_obstacle.mpc.idle_planning import LONGEST, Unhurried
+from controllers.velocity_obstacle.mpc.lane_by_cost import ChangeSettings
+from controllers.velocity_obstacle.mpc.lateral import SteeringWeights
+from controllers.velocity_obstacle.mpc.longitudinal import SpeedLimits, SpeedWeights
+from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 
 HIDDEN = HiddenPedestrian(speed=1.5)
 LIMITS = SpeedLimits()
@@ -118,7 +118,7 @@ class Settings(ControllerSettings):
     deviation); 0 for not at all."""
     idle_interval_s: Annotated[float, Field(ge=0.0, le=LONGEST)] = 0.0
     """Time between plans while nobody is near and the road goes straight on; 0 to plan at every step."""
-    predictor: PredictorName = named.CONSTANT_VELOCITY
+    predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
     @model_validator(mode="after")
@@ -151,7 +151,7 @@ def build(settings: Settings) -> Controller:
             steering=SteeringWeights(),
             solver=SolverSettings(settings.solver, settings.tolerance),
         ),
-        named.sampled(settings.predictor, seed=settings.seed),
+        by_name.sampled(settings.predictor, seed=settings.seed),
     )
     return made if settings.idle_interval_s == 0.0 else Unhurried(made, settings.idle_interval_s)
 
@@ -167,7 +167,7 @@ def _passing(settings: Settings) -> PassingSettings:
         reconsider=settings.reconsider_s,
         standstill_gap=settings.standstill_gap_m,
         bend_acceleration=settings.bend_acceleration_mps2,
-        assume=expectation.PedestrianAssumptions(yield_to_standing=settings.yield_to_standing),
+        assume=PedestrianAssumptions(yield_to_standing=settings.yield_to_standing),
         hidden=HiddenPedestrian(
             settings.hidden_speed_mps,
             settings.hidden_reaction_s,

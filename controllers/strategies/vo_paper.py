@@ -9,13 +9,13 @@ for. The same problem by the paper's solver is ``vo_ga``; what holds in closed l
 
 from __future__ import annotations
 
-from controllers.avoidance.classes import QuadraticOptimiser
-from controllers.avoidance.driver import AvoidanceDriver
-from controllers.avoidance.settings import PaperSettings
 from controllers.interface import Controller
 from controllers.optimisation.settings import SolverSettings
-from controllers.prediction import named
+from controllers.prediction import by_name
 from controllers.settings import AtLeastOne, Positive
+from controllers.velocity_obstacle.paper.driver import AvoidanceDriver
+from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser
+from controllers.velocity_obstacle.paper.settings import PaperSettings
 
 
 class Settings(PaperSettings):
@@ -43,6 +43,6 @@ def build(settings: Settings) -> Controller:
     return AvoidanceDriver(
         settings.driver(),
         QuadraticOptimiser(settings.euler_passes, settings.max_classes, solver),
-        named.sampled(settings.predictor, seed=settings.seed),
+        by_name.sampled(settings.predictor, seed=settings.seed),
         settings.brake(),
     )

@@ -53,7 +53,7 @@ class WalkingModel:
     """v(t + h) = v̄ + (v − v̄) e^(−h/τ) + ε, and a push of A e^(γ (r_v + r_p − d)) away from the vehicle.
 
     This moves the people of the world. The controllers that reckon with a social force have a model and
-    parameters of their own (``controllers/drivable_area/social_force.py``), which must not be used here:
+    parameters of their own (``controllers/prediction/social_force_model.py``), which must not be used here:
     they would know the truth. Both begin with the values of the same paper, so that results stay as they
     were published; to see what a predictor is worth with other people, change the values here.
 

@@ -14,8 +14,8 @@ from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdic
 from controllers.drivable_area.pareto_search import Budget, Front
 from controllers.drivable_area.quintic_path import PathStart
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.drivable_area.social_force import Walkers
 from controllers.interface import Body, FloatArray
+from controllers.prediction.social_force_model import Walkers
 
 NUMBER = "002"
 FRICTION = 0.8

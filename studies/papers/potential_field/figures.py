@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from controllers.field.potential_field import Gains
+from controllers.potential_field.field import Gains
 from controllers.prediction.direction_choice import ANGLES, DirectionModel
 from studies.papers.potential_field.scenes import EDGE, SCENES, Scene, Track, field_of
 from studies.papers.potential_field.spread import EXAMPLE

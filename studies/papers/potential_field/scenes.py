@@ -15,7 +15,8 @@ import numpy as np
 
 from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
-from controllers.field.potential_field import (
+from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.potential_field.field import (
     Field,
     Gains,
     curvature,
@@ -26,7 +27,6 @@ from controllers.field.potential_field import (
     side_distance,
     standing,
 )
-from controllers.interface import Decision, FloatArray, Perception, Plan
 from controllers.prediction.direction_choice import WALKING_SPEED, velocity
 from cosim.step.loop import ToWorld, run
 from cosim.step.plant import body_of

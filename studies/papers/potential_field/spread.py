@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.field.potential_field import Field, Gains, standing
 from controllers.interface import FloatArray
+from controllers.potential_field.field import Field, Gains, standing
 from controllers.prediction.direction_choice import ANGLES, DirectionModel, Errand
 from studies.papers.potential_field.scenes import (
     CENTRE,

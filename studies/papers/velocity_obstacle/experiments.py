@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers.avoidance.classes import QuadraticOptimiser
-from controllers.avoidance.genetic import GeneticBudget
-from controllers.avoidance.program import AvoidancePlan
-from controllers.avoidance.velocity_cones import clearances
-from controllers.conflicts.velocity_obstacle import Cone
+from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.paper.cone_margins import clearances
+from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget
+from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser
+from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 from studies.papers.claim import Claim, compared, observed
 from studies.papers.velocity_obstacle import figures as drawings
 from studies.papers.velocity_obstacle import scenes

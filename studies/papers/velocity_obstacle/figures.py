@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from controllers.avoidance.septic_path import SepticPath
+from controllers.driving.lanes.septic_path import SepticPath
 from controllers.interface import FloatArray
 from studies.papers.velocity_obstacle.scenes import RADIUS, STEP, Scene, people
 from studies.papers.velocity_obstacle.search import Spread

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers.avoidance.classes import of_class
-from controllers.avoidance.program import AvoidancePlan
-from controllers.avoidance.septic_path import SepticPath
-from controllers.avoidance.velocity_cones import cone_margins
-from controllers.conflicts.velocity_obstacle import Cone
+from controllers.driving.lanes.septic_path import SepticPath
+from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.paper.cone_margins import cone_margins
+from controllers.velocity_obstacle.paper.passing_classes import of_class
+from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 from studies.papers.claim import Claim, compared, observed
 from studies.papers.velocity_obstacle import figures as drawings
 from studies.papers.velocity_obstacle import scenes

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from controllers.avoidance.classes import QuadraticOptimiser, class_jumps, of_class
-from controllers.avoidance.euler_bicycle import EulerBicycle
-from controllers.avoidance.problem import AvoidanceProblem, End, all_room
-from controllers.avoidance.program import AvoidancePlan, AvoidanceProgram
-from controllers.avoidance.velocity_cones import People
-from controllers.conflicts.velocity_obstacle import Cone
 from controllers.interface import FloatArray
 from controllers.optimisation.settings import SolverSettings
+from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.paper.cone_margins import People
+from controllers.velocity_obstacle.paper.euler_bicycle import EulerBicycle
+from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser, class_jumps, of_class
+from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, End, all_room
+from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan, AvoidanceProgram
 
 STEP = 1.0
 WHEELBASE = 2.6

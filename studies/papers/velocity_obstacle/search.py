@@ -7,11 +7,11 @@ from time import process_time
 
 import numpy as np
 
-from controllers.avoidance.classes import QuadraticOptimiser
-from controllers.avoidance.genetic import GeneticBudget, solve_genetically
-from controllers.avoidance.problem import AvoidanceProblem
-from controllers.avoidance.program import AvoidancePlan
 from controllers.interface import FloatArray
+from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, solve_genetically
+from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser
+from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
+from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 
 QUICKER = 1.0 / 3.0
 REPEATED = 3

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from controllers.driving.decision_rules import Rule
 from controllers.interface import Manoeuvre
+from controllers.velocity_obstacle.decision_rules import Rule
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 

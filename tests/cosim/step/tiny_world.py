@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from controllers.driving.decision_rules import Rule
 from controllers.interface import (
     Body,
     Command,
@@ -24,6 +23,7 @@ from controllers.interface import (
     Vehicles,
     constant_command,
 )
+from controllers.velocity_obstacle.decision_rules import Rule
 from cosim.errors import SimulationError
 from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import EgoTruth, FloatArray, MapArea, PersonsTruth, Snapshot, VehiclesTruth

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from controllers.conflicts.velocity_obstacle import Cone
+from controllers.velocity_obstacle.cones import Cone
 from studies.papers.velocity_obstacle import scenes
 from studies.papers.velocity_obstacle.oracle import Task, best_of
 from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E1, E2, Scene

@@ -1,1 +1,0 @@
-"""The velocity-obstacle paper's own optimisation problem, and its solvers."""

@@ -1,0 +1,1 @@
+"""Lanes: keeping one, choosing another and moving over, as any driver does."""

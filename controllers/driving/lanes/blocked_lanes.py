@@ -1,0 +1,79 @@
+"""Lanes that end at a vehicle which will not drive on: parked, broken down, or roadworks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from controllers.driving.standing import VEHICLE_STANDING
+from controllers.driving.vehicles_ahead import Footprints, footprints
+from controllers.interface import Lane, Perception
+
+
+@dataclass(slots=True)
+class BlockedLanes:
+    """Watches standing vehicles; one per ego.
+
+    A vehicle in its lane that has stood for ``patience`` with no crossing, signal or duty to yield close
+    ahead of it is not waiting for anything. Its lane is then told as ending ``distance`` before it, so that
+    whatever leaves a lane that ends also goes round a parked vehicle, and stops where it still can. One that
+    stands across the lane, or faces the ego, may be waiting for the ego: it does not count.
+
+    Parameters
+    ----------
+    patience
+        [s]
+    reason
+        Within this distance ahead of it a crossing or stop line explains why a vehicle stands [m].
+    distance
+        Room to steer out behind it [m].
+    """
+
+    patience: float = 4.0
+    reason: float = 40.0
+    distance: float = 9.0
+    _since: dict[str, float] = field(default_factory=dict)
+    _blocked: frozenset[int] = frozenset()
+
+    def ends(self, lane: Lane) -> bool:
+        """Return whether a lane was told as ending at a vehicle in the perception returned last."""
+        return lane.number in self._blocked
+
+    def look(self, perception: Perception) -> Perception:
+        """Return the perception with lanes that end where they are blocked."""
+        self._blocked = frozenset()
+        vehicles, time = perception.vehicles, perception.ego.time
+        standing = np.flatnonzero(np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING)
+        names = {vehicles.names[i]: int(i) for i in standing}
+        self._since = {name: self._since.get(name, time) for name in names}
+        parked = [i for name, i in names.items() if time - self._since[name] >= self.patience]
+        if not parked:
+            return perception
+        box = footprints(vehicles)
+        ahead = [i for i in parked if box.rear[i] > 0.0 and box.same_way[i]]
+        blocking = [i for i in ahead if not self._waits(perception, box.front[i])]
+        if not blocking:
+            return perception
+        known = perception.road.lanes
+        lanes = tuple(self._shortened(lane, box, blocking) for lane in known)
+        self._blocked = frozenset(new.number for old, new in zip(known, lanes, strict=True) if new is not old)
+        return replace(perception, road=replace(perception.road, lanes=lanes))
+
+    def _waits(self, perception: Perception, front: float) -> bool:
+        """Return whether something close ahead explains why a vehicle stands."""
+        road = perception.road
+        reasons = [crossing.entry for crossing in road.crossings]
+        reasons += [signal.stop_line for signal in road.signals]
+        reasons += [foe.stop_line for foe in road.foes]
+        return any(-3.0 < place - front < self.reason for place in reasons)
+
+    def _shortened(self, lane: Lane, box: Footprints, blocking: list[int]) -> Lane:
+        right, left = lane.offset - 0.5 * lane.width, lane.offset + 0.5 * lane.width
+        ends = [
+            float(box.rear[i]) - self.distance
+            for i in blocking
+            if box.right[i] < left - 0.3 and box.left[i] > right + 0.3
+        ]
+        end = min(ends, default=np.inf)
+        return replace(lane, follows_route_for=end) if end < lane.follows_route_for else lane

@@ -1,0 +1,138 @@
+"""Paths across the road that outlast a change of the reference lane: told from a lane, over the distance
+travelled.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from controllers.driving.lanes.lane_keeping import Place
+from controllers.interface import EgoState, FloatArray, Perception
+
+LEAST_ADVANCE = 0.2
+"""Points of a path that lie closer together along the lane are left out [m]."""
+
+
+class Shape(Protocol):
+    """Offsets from a lane's centre line."""
+
+    @property
+    def length(self) -> float:
+        """Where it ends [m]; beyond it the last offset goes on."""
+        ...
+
+    def at(self, along: float) -> Place:
+        """Return the place ``along`` after the path's beginning."""
+        ...
+
+
+class SplineShape:
+    """A smooth curve through points, with given directions at both ends.
+
+    Parameters
+    ----------
+    along, across : points, two at least, along ascending [m]
+    begins, ends : slopes at the ends
+    """
+
+    def __init__(self, along: FloatArray, across: FloatArray, begins: float, ends: float) -> None:
+        spline = CubicSpline(along, across, bc_type=((1, np.array(begins)), (1, np.array(ends))))
+        self._curves = [spline, spline.derivative(1), spline.derivative(2)]
+        self._begins, self._ends = float(along[0]), float(along[-1])
+        self._slope_after = ends
+
+    @property
+    def length(self) -> float:
+        """Where the last point is [m]."""
+        return self._ends
+
+    def at(self, along: float) -> Place:
+        """Return the place; beyond the last point the curve goes straight on."""
+        if along > self._ends:
+            last = float(self._curves[0](self._ends))
+            return Place(last + self._slope_after * (along - self._ends), self._slope_after, 0.0)
+        place = max(along, self._begins)
+        across, slope, bend = (float(curve(place)) for curve in self._curves)
+        return Place(across, slope, bend)
+
+
+def through(along: FloatArray, across: FloatArray, begins: float, ends: float) -> SplineShape | None:
+    """Return the curve through points that advance; ``None`` where there are not two of them.
+
+    Parameters
+    ----------
+    along, across : points, the first one to be kept in any case [m]
+    begins, ends : slopes at the ends
+    """
+    kept = [0]
+    for i in range(1, len(along)):
+        if along[i] - along[kept[-1]] >= LEAST_ADVANCE:
+            kept.append(i)
+    if len(kept) < 2:
+        return None
+    return SplineShape(along[kept], across[kept], begins, ends)
+
+
+@dataclass(frozen=True, slots=True)
+class LanePath:
+    """A shape beside the centre line of one lane, begun at some reading of the odometer."""
+
+    lane: int
+    """``Lane.number``."""
+    begun: float
+    """Distance travelled when it began [m]."""
+    shape: Shape
+
+    def seen(self, perception: Perception, travelled: float) -> Course | None:
+        """Return it as a course in the present route frame; ``None`` when there is no such lane any more."""
+        lane = perception.road.lane(self.lane)
+        if lane is None:
+            return None
+        return Course(self.shape, travelled - self.begun, lane.offset)
+
+    def left(self, travelled: float) -> float:
+        """Return the distance until it ends; negative after that [m]."""
+        return self.begun + self.shape.length - travelled
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A shape as it lies in one route frame; see :class:`controllers.driving.lanes.lane_keeping.Course`."""
+
+    shape: Shape
+    passed: float
+    """Along coordinate of the shape where the route frame has its origin [m]."""
+    offset: float
+    """Of the lane that the shape is told from [m]."""
+
+    def at(self, along: float) -> Place:
+        """Return where it leads at an along coordinate."""
+        place = self.shape.at(self.passed + along)
+        return Place(self.offset + place.across, place.slope, place.bend)
+
+
+class Odometer:
+    """Distance travelled along the lane, from the speeds of one ego."""
+
+    def __init__(self) -> None:
+        self.travelled = 0.0
+        self._before: EgoState | None = None
+
+    def look(self, ego: EgoState) -> float:
+        """Return the distance travelled until now [m]; looking twice at the same instant adds nothing."""
+        before, self._before = self._before, ego
+        if before is not None and ego.time > before.time:
+            mean = 0.5 * (before.speed + ego.speed)
+            turned = 0.5 * (before.heading_error + ego.heading_error)
+            self.travelled += mean * math.cos(turned) * (ego.time - before.time)
+        return self.travelled
+
+
+def told(course: Course, along: FloatArray) -> FloatArray:
+    """Return the across coordinates at along coordinates, same shape [m]."""
+    return np.array([course.at(float(place)).across for place in along])

@@ -1,0 +1,138 @@
+"""Where in its lane an ego drives: away from people who stay beside its way, as far as there is room."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.driving.lanes import way_into_lane
+from controllers.driving.vehicles_ahead import footprints
+from controllers.interface import EgoState, FloatArray, Lane, Perception
+
+LOOK_AHEAD = 45.0
+"""People up to here are kept away from [m]."""
+WANTED = 0.8
+"""Distance that is wanted beside the body [m]."""
+LEAST = 0.3
+"""Who could not be passed with this distance is not made room for [m]."""
+ASIDE = 1.5
+"""How much nearer somebody may be in a bend than the lane's centre line says [m]."""
+TO_THE_LINE = 0.2
+"""The body keeps this far from the lane's lines [m]."""
+BEYOND = 0.5
+"""And goes so much further where somebody could not be passed otherwise [m]."""
+SHORT = 0.05
+"""The steering plan may fall short of that by so much [m]."""
+OVER, OVER_S = 3.0, 2.0
+"""And gets there within this distance or this time, whatever is longer [m, s]."""
+TO_VEHICLES = 0.3
+"""And this far from vehicles beside [m]."""
+BESIDE = 10.0
+"""Vehicles from this far behind the rear axle on count as beside [m]."""
+
+
+def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
+    """Return the perception with the reference lane's centre line moved away from those who stay beside it.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    stays : who of the pedestrians is not expected to enter the ego's way
+    """
+    lane = perception.road.lane(perception.road.reference)
+    if lane is None or not stays.any():
+        return perception
+    moved = _shift(perception, lane, stays)
+    if moved == 0.0:
+        return perception
+    lanes = tuple(
+        replace(one, offset=one.offset + moved) if one.number == lane.number else one
+        for one in perception.road.lanes
+    )
+    return replace(perception, road=replace(perception.road, lanes=lanes))
+
+
+def kept(
+    corridor: tuple[FloatArray, FloatArray], shift: float, ego: EgoState, along: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the corridor of a steering plan without the places nearer to those who are kept away from.
+
+    Without that, a plan trades the last centimetres for less steering.
+
+    Parameters
+    ----------
+    corridor : its right and left end for the rear axle, shape (N,) each [m]
+    shift : of the lane's centre line for their sake, left positive [m]
+    ego : where it is
+    along : planned positions from now, shape (N,) [m]
+    """
+    if shift == 0.0:
+        return corridor
+    right, left = corridor
+    side = np.sign(shift)
+    wanted = shift - side * SHORT
+    missing = side * min(side * (ego.across - wanted), 0.0)
+    bound = wanted + missing * np.clip(1.0 - along / max(OVER, OVER_S * ego.speed), 0.0, 1.0)
+    return (np.maximum(right, bound), left) if shift > 0.0 else (right, np.minimum(left, bound))
+
+
+def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
+    """Return how far to move, left positive [m]."""
+    half = 0.5 * perception.ego.body.width
+    beside, gap = _passed(perception, lane, stays)
+    room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
+    to_right, to_left = _to_vehicles(perception, lane, half)
+    from_right = _wanted(gap[beside < 0.0], min(room, to_left), min(room + BEYOND, to_left))
+    from_left = _wanted(gap[beside > 0.0], min(room, to_right), min(room + BEYOND, to_right))
+    if from_right > 0.0 and from_left > 0.0:
+        return 0.5 * (from_right - from_left)
+    return from_right - from_left
+
+
+def _passed(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Return on which side those are who stay near the way, when the body is beside them, and the gap to it.
+
+    In a bend the front swings out and the rear cuts in, so that is told from the body's places along it. The
+    gap is inf where the body never is beside somebody.
+    """
+    body = perception.ego.body
+    _, way = way_into_lane.poses(perception, lane.offset, LOOK_AHEAD)
+    who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
+    who, at = who[stays[who]], at[stays[who]]
+    dx, dy = at[:, :1] - way[0], at[:, 1:] - way[1]
+    cosine, sine = np.cos(way[2]), np.sin(way[2])
+    ahead, beside = cosine * dx + sine * dy, cosine * dy - sine * dx
+    alongside = (ahead < body.front) & (ahead > -body.rear_overhang)
+    radius = perception.pedestrians.radius[who, None]
+    gap = np.where(alongside, np.abs(beside) - 0.5 * body.width - radius, np.inf)
+    nearest = np.argmin(gap, axis=1)
+    each = np.arange(len(who))
+    return beside[each, nearest], gap[each, nearest]
+
+
+def _wanted(gap: FloatArray, room: float, most: float) -> float:
+    """Return how far to keep away from people on one side [m].
+
+    Parameters
+    ----------
+    gap : to each of them as things are [m]
+    room, most : that there is within the lane, and where somebody could not be passed otherwise [m]
+    """
+    passable = gap[(gap < WANTED) & (gap + most > LEAST)]
+    if not len(passable):
+        return 0.0
+    least = float(passable.min())
+    return max(min(WANTED - least, room), min(LEAST - least, most))
+
+
+def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
+    """Return how far the body may move to the right and to the left for the sake of vehicles there [m]."""
+    box = footprints(perception.vehicles)
+    near = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
+    left = box.right[near & (box.right > lane.offset)].min(initial=np.inf)
+    right = box.left[near & (box.left < lane.offset)].max(initial=-np.inf)
+    to_left = left - lane.offset - half - TO_VEHICLES
+    to_right = lane.offset - right - half - TO_VEHICLES
+    return max(to_right, 0.0), max(to_left, 0.0)

@@ -1,0 +1,75 @@
+"""The way from where the ego is into the middle of a lane, true to the curve of the road."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.geometry.plane import people_in_plane, to_plane
+from controllers.interface import FloatArray, Perception
+from controllers.velocity_obstacle.mpc.lane_manoeuvre import minimum_jerk
+
+MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
+"""It takes this distance, or this time [m, s]."""
+SPACING = 0.5
+"""Between the places that are looked at [m]."""
+WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
+"""Pedestrians who walk along the road this fast are met elsewhere; the least closing speed, and how far ahead
+they are followed [m/s, m/s, s]."""
+
+
+def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
+    """Return places along the road, shape (k,) [m], and x, y and heading of the rear axle there, (3, k).
+
+    The plane is that of :func:`controllers.geometry.plane.to_plane`.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    offset : across coordinate of the lane's centre line [m]
+    farthest : how far to look [m]
+    """
+    ego = perception.ego
+    places = np.arange(0.0, farthest + SPACING, SPACING)
+    over = max(MOVING_OVER, MOVING_OVER_S * ego.speed)
+    across = ego.across + (offset - ego.across) * minimum_jerk(places / over)
+    turned = np.arctan(np.diff(across, prepend=across[0]) / SPACING)
+    turned[0] = ego.heading_error
+    at, heading = to_plane(perception.road, places, across)
+    return places, np.vstack((at.T, heading + turned))
+
+
+def people_beside(
+    perception: Perception, way: FloatArray, aside: float
+) -> tuple[NDArray[np.intp], FloatArray]:
+    """Return who is near a way, by index, shape (n,), and where in its plane, (n, 2) [m].
+
+    Those who walk along the road count where the ego meets them.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    way : as :func:`poses` returns it, (3, k)
+    aside : how far beside the rear axle's way to look [m]
+    """
+    places = _meeting_places(perception)
+    apart = np.hypot(places[:, :1] - way[0], places[:, 1:] - way[1]).min(axis=1)
+    who = np.flatnonzero(apart - perception.pedestrians.radius < aside)
+    return who, places[who]
+
+
+def _meeting_places(perception: Perception) -> FloatArray:
+    """Return where the ego gets to everybody, in the plane, shape (n, 2) [m].
+
+    The places in the world, since along the route those at a crossing are told in a frame of that crossing,
+    which says little in a bend.
+    """
+    ego, people = perception.ego, perception.pedestrians
+    places, _ = people_in_plane(ego, perception.road, people)
+    gap = people.along - ego.body.front
+    walk = (people.crossing < 0) & (np.abs(people.along_speed) > WALKING) & (gap > 0.0)
+    if walk.any():
+        until = np.minimum(gap / np.maximum(ego.speed - people.along_speed, CLOSING), FORESEEN_S)
+        there, _ = to_plane(perception.road, people.along + until * people.along_speed, people.across)
+        places = np.where(walk[:, None], there, places)
+    return places

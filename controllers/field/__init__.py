@@ -1,1 +1,0 @@
-"""Steering down a potential field."""

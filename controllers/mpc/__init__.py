@@ -1,1 +1,0 @@
-"""The model predictive controller: speed and steering as two quadratic programs."""

@@ -1,0 +1,1 @@
+"""The potential-field method: steering down a field that pedestrians, vehicles and lanes make."""

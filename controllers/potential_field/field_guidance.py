@@ -1,0 +1,136 @@
+"""Steering down a potential field with a car that has a heading, limits and lags.
+
+The direction of steepest descent is the heading that the car is to have; its curvature command is what
+that direction turns by along the way, and a part that takes the heading error away. Run against a
+kinematic bicycle, the law also says where the car would really go, for several fields at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import EgoState, FloatArray, RoadAhead
+from controllers.potential_field.field import Field
+
+TURNED_OVER = 0.5
+"""Distance over which it is looked how the direction of descent turns [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Guidance:
+    """How briskly to follow the field."""
+
+    heading_time: float = 0.3
+    """Time constant with which a heading error decays [s]."""
+    heading_length: float = 1.4
+    """What ``heading_time`` becomes at low speed, as a distance [m]."""
+    preview: float = 0.12
+    """How far ahead the field is looked at, because the wheel needs time to turn [s]."""
+    lateral_acceleration: float = 4.0
+    """Largest lateral acceleration, the road's own curve included [m/s^2]."""
+    lateral_speed: float = 4.0
+    """Fastest movement across the road [m/s]."""
+    steepest: float = 0.5
+    """Largest angle to the road [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drives:
+    """Where the car would go, K instants and m fields; rear axle, in the route frame."""
+
+    times: FloatArray
+    """Shape (K,), from 0 [s]."""
+    along: FloatArray
+    """Shape (K, m) [m]."""
+    across: FloatArray
+    heading: FloatArray
+    """Relative to the road [rad]."""
+    speed: FloatArray
+    """Shape (K,) [m/s]."""
+    angle: FloatArray
+    """Commanded front-wheel angles over the steps, shape (K − 1, m) [rad]."""
+
+
+def drive(
+    shape: Field,
+    count: int,
+    ego: EgoState,
+    road: RoadAhead,
+    speeds: FloatArray,
+    step: float,
+    guidance: Guidance | None = None,
+) -> Drives:
+    """Return what becomes of the car in fields.
+
+    Parameters
+    ----------
+    shape : the field; its arrays of shape (count,) make several of it
+    count : m
+    ego : where it begins
+    road : for the curvature of its lane
+    speeds : at the beginning of every step and at the end of the last, shape (K,) [m/s]
+    step : length [s]
+    guidance : how briskly
+    """
+    guidance = guidance or Guidance()
+    instants = len(speeds)
+    along, across, heading = (np.zeros((instants, count)) for _ in range(3))
+    angle = np.zeros((instants - 1, count))
+    across[0], heading[0] = ego.across, ego.heading_error
+    realised = np.full(count, ego.steering)
+    limits, wheelbase = ego.drive, ego.body.wheelbase
+    for k in range(instants - 1):
+        now, speed = k * step, 0.5 * float(speeds[k] + speeds[k + 1])
+        x, y, psi = along[k], across[k], heading[k]
+        bend = _bend(road, x)
+        stretch = np.maximum(1.0 - bend * y, 0.2)
+        angle[k] = _angle(shape, (x, y, psi), realised, bend / stretch, speed, now, ego, guidance)
+        rate = (angle[k] - realised) / max(limits.steering_lag, step)
+        turned = realised + step * np.clip(rate, -limits.max_steering_rate, limits.max_steering_rate)
+        onward = speed * np.cos(psi) / stretch
+        turn = speed * np.tan(0.5 * (realised + turned)) / wheelbase - bend * onward
+        along[k + 1] = x + step * onward
+        across[k + 1] = y + step * speed * np.sin(psi + 0.5 * step * turn)
+        heading[k + 1] = psi + step * turn
+        realised = turned
+    return Drives(step * np.arange(instants, dtype=np.float64), along, across, heading, speeds, angle)
+
+
+def _angle(
+    shape: Field,
+    state: tuple[FloatArray, FloatArray, FloatArray],
+    realised: FloatArray,
+    bend: FloatArray,
+    speed: float,
+    now: float,
+    ego: EgoState,
+    guidance: Guidance,
+) -> FloatArray:
+    """Return the front-wheel angle that follows the field [rad], from where the car is a preview ahead."""
+    x, y, psi = state
+    wheelbase = ego.body.wheelbase
+    early = speed * guidance.preview
+    psi = psi + early * (np.tan(realised) / wheelbase - bend)
+    x, y = x + early * np.cos(psi), y + early * np.sin(psi)
+    further = TURNED_OVER * np.array([[0.0], [1.0]])
+    later = np.array([[0.0], [TURNED_OVER / max(speed, 1.0)]])
+    wanted = shape.heading(
+        x + further * np.cos(psi), y + further * np.sin(psi), now + guidance.preview + later
+    )
+    steepest = min(guidance.steepest, guidance.lateral_speed / max(speed, 0.1))
+    wanted = np.clip(wanted, -steepest, steepest)
+    settling = max(guidance.heading_length, speed * guidance.heading_time)
+    curvature = bend * np.cos(psi) + (wanted[1] - wanted[0]) / TURNED_OVER + (wanted[0] - psi) / settling
+    strongest = guidance.lateral_acceleration / max(speed * speed, 1.0)
+    wheel = np.arctan(wheelbase * np.clip(curvature, -strongest, strongest))
+    return np.asarray(np.clip(wheel, -ego.drive.max_steering, ego.drive.max_steering))
+
+
+def _bend(road: RoadAhead, along: FloatArray) -> FloatArray:
+    """Return the curvature of the reference lane [1/m], 0 where the view has ended."""
+    if len(road.curvature) == 0 or road.curvature_step <= 0.0:
+        return np.zeros_like(along)
+    places = np.arange(len(road.curvature)) * road.curvature_step
+    return np.interp(along, places, road.curvature, right=0.0)

@@ -1,0 +1,80 @@
+"""Where pedestrians will be, as discs in a plane: for whoever lays the true body of a car beside them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.geometry.plane import people_in_plane, to_plane
+from controllers.interface import FloatArray, Perception
+from controllers.prediction.forecast import Forecast
+
+
+class Discs(NamedTuple):
+    """Pedestrians in the plane of :mod:`controllers.geometry.plane`; n of them at K instants."""
+
+    x: FloatArray
+    """Shape (n, K) [m]."""
+    y: FloatArray
+    radius: FloatArray
+    """Of the disc, plus the uncertainty of its place, shape (n, K) [m]."""
+
+
+def discs(
+    perception: Perception,
+    who: NDArray[np.intp],
+    walks: NDArray[np.bool_],
+    forecast: Forecast | None,
+    times: FloatArray,
+    walk_on: float = 0.0,
+    across_speed: FloatArray | None = None,
+) -> Discs:
+    """Return where some of the pedestrians will be.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    who
+        Which of them, by index, shape (n,).
+    walks
+        Which of all pedestrians go on as they do; the others come to a stop.
+    forecast
+        Where walking pedestrians go; ``None``: they keep their velocities.
+    times
+        From now, shape (K,) [s].
+    walk_on
+        After which time the others stand [s]. Those who are at no crossing go on along the road: only what
+        leads them across it ends.
+    across_speed
+        Of those of all whose movement is known better than by their velocity: straight across the road where
+        they are; nan for others [m/s].
+    """
+    people = perception.pedestrians
+    places, velocities = people_in_plane(perception.ego, perception.road, people)
+    _, heading = to_plane(perception.road, people.along, people.across)
+    if across_speed is not None:
+        across = across_speed[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
+        velocities = np.where(np.isnan(across), velocities, across)
+    ahead = np.column_stack((np.cos(heading), np.sin(heading)))
+    kept = np.where(people.crossing < 0, (velocities * ahead).sum(axis=1), 0.0)[:, None] * ahead
+    stopped = np.minimum(times, walk_on)
+    on = (velocities - kept)[who, :, None] * stopped + kept[who, :, None] * times
+    if forecast is None:
+        gone = velocities[who, :, None] * times
+        reach = np.zeros((len(who), len(times)))
+    else:
+        # What a forecast says about the way from here, in the frame of the road where each of them is.
+        there, here = forecast.at(times), forecast.at(np.zeros(1))
+        along, across = (there.along - here.along)[who], (there.across - here.across)[who]
+        cosine, sine = ahead[who, :1], ahead[who, 1:]
+        gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
+        reach = there.reach[who]
+    moves = walks[who, None]
+    return Discs(
+        places[who, :1] + np.where(moves, gone[:, 0], on[:, 0]),
+        places[who, 1:] + np.where(moves, gone[:, 1], on[:, 1]),
+        people.radius[who, None] + np.where(moves, reach, 0.0),
+    )

@@ -1,0 +1,1 @@
+"""The velocity-obstacle method: collision cones and decision rules, in two formulations."""

@@ -1,0 +1,142 @@
+"""Who is in the way when, and what passing classes ask; see ``conflicts.path_conflicts``."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def overlap(
+    across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return when points that move at constant speed enter and leave [low, high]; inf for never."""
+    moving = np.abs(speed) > 1e-6
+    safe = np.where(moving, speed, 1.0)
+    first = (np.where(safe > 0.0, low, high) - across) / safe
+    last = (np.where(safe > 0.0, high, low) - across) / safe
+    inside = (across >= low) & (across <= high)
+    past = last < 0.0
+    stands = np.where(inside, 0.0, np.inf)
+    enter = np.where(moving, np.where(past, np.inf, np.maximum(first, 0.0)), stands)
+    leave = np.where(moving & ~past, last, np.inf)
+    return enter, leave
+
+
+def by_entry(foremost: FloatArray, enter: FloatArray, horizon: float, begin: float) -> IntArray:
+    """Return who is in conflict, in the order of entry.
+
+    Parameters
+    ----------
+    foremost, enter : along coordinate of each disc's far end, and time of entry, shape (n,) [m, s]
+    horizon : later entries do not count [s]
+    begin : along coordinate before which nobody counts [m]
+    """
+    chosen = np.flatnonzero((enter < horizon) & (foremost >= begin))
+    return chosen[np.argsort(enter[chosen], kind="mergesort")]
+
+
+def straight_on(
+    along: FloatArray, speed: FloatArray, reach: FloatArray, times: FloatArray, until: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return where people are who keep their speed until then, and how far to keep away, shape (n, N)."""
+    kept = np.empty((len(along), len(times)))
+    kept[:] = reach.reshape(-1, 1)
+    return along.reshape(-1, 1) + speed.reshape(-1, 1) * np.minimum(times, until), kept
+
+
+def class_bounds(
+    enter: FloatArray,
+    leave: FloatArray,
+    stop_line: FloatArray,
+    x: FloatArray,
+    reach: FloatArray,
+    times: FloatArray,
+    speed: FloatArray,
+    front: float,
+    rear: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the bounds of all passing classes: upper, lower and freeze, shape (n + 1, N) each.
+
+    Parameters
+    ----------
+    enter, leave, stop_line
+        As in ``Conflicts``, shape (n,).
+    x, reach
+        Where each pedestrian is along the road, and how far to keep from there, shape (n, N) [m].
+    times, speed
+        Horizon and expected speed, shape (N,).
+    front, rear
+        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+    """
+    n, count = len(enter), len(times)
+    upper = np.full((n + 1, count), np.inf)
+    lower = np.full((n + 1, count), -np.inf)
+    freeze = np.full((n + 1, count), np.inf)
+    previous = np.append(0.0, times[:-1])
+    following = np.append(times[1:], np.inf)
+    enters, leaves, line = enter.reshape(-1, 1), leave.reshape(-1, 1), stop_line.reshape(-1, 1)
+    # Once the bumper is past the stop line only the pedestrian counts.
+    before = x - reach
+    limit = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
+    active = previous < leaves
+    late = np.where(active, speed * np.maximum(times - leaves, 0.0), 0.0)
+    upper[1:] = np.where(active, limit - front + late, np.inf)
+    freeze[1:] = np.where(active & (following > enters), limit - 0.25 - front, np.inf)
+    late = np.where(previous < enters, speed * np.maximum(times - enters, 0.0), 0.0)
+    lower[:-1] = np.where((times >= enters) & active, x + reach + rear + late, -np.inf)
+    for j in range(1, n + 1):
+        upper[j] = np.minimum(upper[j], upper[j - 1])
+        freeze[j] = np.minimum(freeze[j], freeze[j - 1])
+        lower[n - j] = np.maximum(lower[n - j], lower[n - j + 1])
+    return upper, lower, freeze
+
+
+def straight_class_bounds(
+    enter: FloatArray,
+    leave: FloatArray,
+    stop_line: FloatArray,
+    along: FloatArray,
+    along_speed: FloatArray,
+    until: float,
+    reach: FloatArray,
+    times: FloatArray,
+    speed: FloatArray,
+    front: float,
+    rear: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return :func:`class_bounds` for people who keep their speed along the road until a time."""
+    x, kept = straight_on(along, along_speed, reach, times, until)
+    return class_bounds(enter, leave, stop_line, x, kept, times, speed, front, rear)
+
+
+def shortfalls(
+    lower: FloatArray,
+    upper: FloatArray,
+    largest: FloatArray,
+    times: FloatArray,
+    speed: float,
+    reference: FloatArray,
+    acceleration: float,
+    braking: float,
+) -> FloatArray:
+    """Return by how far each class cannot be reached, shape (n + 1,) [m].
+
+    Parameters
+    ----------
+    lower, upper : of the classes, shape (n + 1, N) [m]
+    largest : position that anything else allows, shape (N,) [m]
+    times : horizon, shape (N,) [s]
+    speed : now [m/s]
+    reference : wanted speeds, shape (N,) [m/s]
+    acceleration, braking : comfortable ones [m/s^2]
+    """
+    top = max(reference.max(), speed)
+    t = np.minimum(times, (top - speed) / acceleration)
+    farthest = np.minimum(speed * t + 0.5 * acceleration * t**2 + (times - t) * top, largest)
+    t = np.minimum(times, speed / braking)
+    nearest = speed * t - 0.5 * braking * t**2
+    late, soon = (lower - farthest).max(axis=1), (nearest - upper).max(axis=1)
+    return np.asarray(np.maximum(late, 0.0) + np.maximum(soon, 0.0))

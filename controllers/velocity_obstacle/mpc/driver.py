@@ -1,0 +1,371 @@
+"""One ego under model predictive control: decide on a lane, plan the speed, then the steering.
+
+Speed and steering are two quadratic programs, solved one after the other. The pedestrians bound the
+position along the lane only, so the steering program can use the speed profile already found, which is
+more accurate than linearising both at once. With a collision cone both are one program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.conflicts import path_conflicts
+from controllers.conflicts.path_conflicts import Conflicts
+from controllers.driving.lanes import place_in_lane
+from controllers.driving.lanes.blocked_lanes import BlockedLanes
+from controllers.driving.right_of_way import RightOfWay
+from controllers.driving.standing import HOLDING_GENTLY, STANDING
+from controllers.interface import (
+    Body,
+    Command,
+    Decision,
+    Lane,
+    Manoeuvre,
+    Perception,
+    Plan,
+    Solves,
+    constant_command,
+)
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Memory, Tally
+from controllers.prediction.forecast import Predictor
+from controllers.safety.last_check import LastCheck
+from controllers.safety.rollout import STEERED_FROM
+from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.mpc.arithmetic import last_plan
+from controllers.velocity_obstacle.mpc.cone_planning import SLOTS, ConePlanner
+from controllers.velocity_obstacle.mpc.cone_program import ConeProgram
+from controllers.velocity_obstacle.mpc.cone_rows import ConeSettings, Outline
+from controllers.velocity_obstacle.mpc.lane_by_cost import ChangeSettings, LaneDecision
+from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
+from controllers.velocity_obstacle.mpc.lateral import (
+    LateralProgram,
+    SteeringPlan,
+    SteeringTask,
+    SteeringWeights,
+)
+from controllers.velocity_obstacle.mpc.longitudinal import (
+    LongitudinalProgram,
+    SpeedLimits,
+    SpeedPlan,
+    SpeedWeights,
+)
+from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
+from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory, sampled_command
+from controllers.velocity_obstacle.mpc.speed_planning import Chosen, SpeedPlanner, with_margins
+from controllers.velocity_obstacle.mpc.speed_tasks import front_across
+
+FloatArray = NDArray[np.float64]
+
+FRESH = 0.5
+"""A plan is followed on for this long when no new one is found [s]."""
+SLACK, SLACK_FROM = "slack", 0.05
+"""Status of a plan that goes farther than people allow, and from when on it does [m]."""
+BODY_OUT_OF_LANE = 0.75
+"""Share of a lane's width after which the body is beside whoever drives in the middle of the old lane."""
+
+
+class Shape(StrEnum):
+    """What a collision cone encloses."""
+
+    RECTANGLE = "rectangle"
+    DISC = "disc"
+
+
+@dataclass(frozen=True, slots=True)
+class ConeParameters:
+    """Which collision cone keeps the ego away from pedestrians."""
+
+    kind: Cone
+    shape: Shape
+    disc_radius: float
+    truncation: float
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Parameters of the controller, as ``controllers.strategies.vo_mpc.build`` documents them."""
+
+    dt: FloatArray
+    passing: PassingSettings
+    cone: ConeParameters
+    change: ChangeSettings
+    change_duration: float
+    weights: SpeedWeights
+    limits: SpeedLimits
+    steering: SteeringWeights
+    solver: SolverSettings
+
+
+class VelocityObstacleMpc:
+    """Drives one ego; see the module's docstring.
+
+    Parameters
+    ----------
+    settings : how
+    predictor : where pedestrians will be; ``None``: they keep their velocities
+    """
+
+    def __init__(self, settings: Settings, predictor: Predictor | None = None) -> None:
+        self.settings = settings
+        self._predictor = predictor
+        self._times = np.cumsum(settings.dt)
+        self._memory = PlanMemory(self._times)
+        self._lanes = LaneManoeuvre(settings.change_duration)
+        self._decision = LaneDecision(settings.change, self._lanes)
+        self._blocked = BlockedLanes()
+        self._last_check = LastCheck()
+        self._view: tuple[Perception, Perception] | None = None
+        self._kept: Chosen | None = None
+        self._speed: SpeedPlanner | None = None
+        self._steering: LateralProgram | None = None
+        self._tally = Tally()
+        self._steering_memory, self._joint_memory = Memory(self._tally), Memory(self._tally)
+
+    def decide(self, perception: Perception) -> Decision:
+        """Apply the decision rules on the neighbour gaps; see ``lane_by_cost``."""
+        perception = self._seen(perception)
+        planner = self._planner(perception)
+        self._kept = None
+
+        def cost(lane: Lane) -> float:
+            chosen = planner.cheapest(perception, lane, leaving_for=0.0)
+            if lane.number == perception.road.reference:
+                self._kept = chosen
+            return chosen.plan.cost
+
+        decision = self._decision.decide(perception, cost)
+        return decision if decision.because else replace(decision, because=planner.nearest_stop())
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Solve the speed program for each passing class, take the cheapest, then solve the steering.
+
+        Whatever comes of it is checked with the true body before it is carried out.
+        """
+        plan, chosen = self._plan(perception, decision)
+        seen = self._seen(perception)
+        planner = self._planner(seen)
+        return self._last_check.checked(
+            seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
+        )
+
+    def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:
+        """Return the plan before the last check, and the speed plan that it is made of."""
+        perception = self._seen(perception)
+        planner = self._planner(perception)
+        lane = self._lanes.lane(perception)
+        if self._kept is not None and decision.manoeuvre is Manoeuvre.KEEP:
+            chosen = self._kept  # the decision has already found out what keeping the lane costs
+        else:
+            chosen = planner.cheapest(perception, lane, self._leaving(perception, lane))
+        steering = chosen.steering
+        if steering is None and chosen.plan.found:
+            steering = self._steering_program(perception).solve(
+                self._steering_task(perception, chosen.plan, lane), memory=self._steering_memory
+            )
+        if steering is None or not steering.found:
+            return self._fallback(perception, chosen), chosen
+        planner.commit(perception, chosen)
+        command = self._command(perception, chosen.plan, steering)
+        ego, plan = perception.ego, chosen.plan
+        self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
+        answer = Plan(
+            command,
+            status=SLACK if chosen.too_far > SLACK_FROM else "ok",
+            passing=path_conflicts.class_name(chosen.conflicts, chosen.behind),
+            slack=chosen.plan.slack,
+            times=self._times,
+            along=chosen.plan.position,
+            across=steering.across,
+            speed=chosen.plan.speed,
+            overlay=_overlay(chosen.conflicts, float(self._times[-1])),
+            solves=self._solves(),
+        )
+        return answer, chosen
+
+    def _solves(self) -> Solves:
+        """Return what was solved since this was asked last."""
+        return Solves(self.settings.solver.name, *self._tally.take())
+
+    def _seen(self, perception: Perception) -> Perception:
+        """Return the perception as it is planned on; worked out once per plan.
+
+        Blocked lanes are told as ending, and the own lane's centre line keeps away from people beside it.
+        """
+        if self._view is None or self._view[0] is not perception:
+            seen = self._blocked.look(with_margins(perception, self.settings.passing.uncertainty_gain))
+            planner = self._planner(seen)
+            planner.look(seen, self._waiting_place(seen))
+            if not self._lanes.running:
+                seen = place_in_lane.look(seen, ~planner.may_enter)
+            self._view = (perception, seen)
+        return self._view[1]
+
+    def _waiting_place(self, perception: Perception) -> float:
+        """Return where to wait for a change that the route asks for; a blocked lane ends early already."""
+        here = perception.road.lane(perception.road.reference)
+        if here is None or self._blocked.ends(here):
+            return np.inf
+        return self._decision.waiting_place(perception)
+
+    def _leaving(self, perception: Perception, lane: Lane | None) -> float:
+        """Return how long vehicles ahead in the present lane still matter on the way into another [s]."""
+        if lane is None or not self._lanes.running:
+            return 0.0
+        towards = float(np.sign(lane.offset - perception.ego.across)) or 1.0
+        moved = lane.width - towards * (lane.offset - front_across(perception))
+        still = BODY_OUT_OF_LANE * lane.width - moved
+        return max(self._memory.shifted_by(towards * still), 0.5) if still > 0.0 else 0.5
+
+    def _steering_task(self, perception: Perception, speed: SpeedPlan, lane: Lane | None) -> SteeringTask:
+        """Return the task of steering into a lane; one that is not the target is taken as reached already."""
+        ego, road, target = perception.ego, perception.road, self._lanes.lane(perception)
+        there = lane is not None and (target is None or lane.number != target.number)
+        mean, curvature = last_plan.in_intervals(
+            speed.position, ego.speed, speed.speed, road.curvature, road.curvature_step
+        )
+        half = 0.5 * ego.body.width
+        lanes = [one for one in (road.lane(road.reference), target, lane) if one is not None]
+        right = min((lane.offset - 0.5 * lane.width for lane in lanes), default=-2.0) + half
+        left = max((lane.offset + 0.5 * lane.width for lane in lanes), default=2.0) - half
+        if right > left:  # a body wider than its lane
+            right = left = 0.5 * (right + left)
+        n = len(self._times)
+        corridor = np.full(n, right), np.full(n, left)
+        here = road.lane(road.reference)
+        if here is not None and not self._lanes.running:
+            corridor = place_in_lane.kept(corridor, here.offset, ego, speed.position)
+        task = SteeringTask(
+            across=ego.across,
+            heading_error=ego.heading_error,
+            steering=ego.steering,
+            command=self._memory.commanded(ego)[1],
+            speed=np.maximum(mean, STEERED_FROM),
+            curvature=curvature,
+            target=self._lanes.offsets(perception, self._times),
+            right=corridor[0],
+            left=corridor[1],
+        )
+        if lane is None or not there:
+            return task
+        return task._replace(across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
+
+    def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
+        ego = perception.ego
+        command = sampled_command(
+            self._times,
+            self._memory.commanded(ego),
+            speed.command,
+            steering.command,
+            ego.plan_interval + FRESH,
+        )
+        if ego.speed < STANDING and float(speed.speed.max()) < 0.3:
+            # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
+            return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
+        planner = self._planner(perception)
+        red_line = planner.right_of_way.red_line
+        if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:
+            # The plan, smooth as it is, ends beyond a red light's line. Who stands there is in the junction
+            # for everybody else: all the brakes for as long as that is so.
+            hardest = -planner.program.limits.emergency_braking
+            return replace(command, acceleration=np.full(len(command.times), hardest))
+        return command
+
+    def _fallback(self, perception: Perception, chosen: Chosen) -> Plan:
+        """Return the declared fallback: the last plan while fresh, then a comfortable, then a hard stop."""
+        ego, limits = perception.ego, self._planner(perception).program.limits
+        rest = self._memory.rest(ego.time)
+        if rest is not None and self._memory.age(ego.time) < FRESH:
+            return Plan(rest, solved=False, status="fallback_last_plan", solves=self._solves())
+        stopping = ego.speed**2 / (2.0 * limits.comfortable_braking) + 2.0
+        near = chosen.conflicts.along - ego.body.front < stopping
+        braking = limits.emergency_braking if near.any() else limits.comfortable_braking
+        status = "fallback_emergency_stop" if near.any() else "fallback_comfortable_stop"
+        angle = self._memory.commanded(ego)[1]
+        return Plan(constant_command(-braking, angle), False, status, solves=self._solves())
+
+    def _planner(self, perception: Perception) -> SpeedPlanner:
+        """Return the speed planner, built once the vehicle is known."""
+        if self._speed is None:
+            s, drive = self.settings, perception.ego.drive
+            limits = replace(
+                s.limits,
+                acceleration=min(s.limits.acceleration, drive.max_acceleration),
+                emergency_braking=min(s.limits.emergency_braking, drive.max_deceleration),
+                comfortable_braking=min(s.limits.comfortable_braking, 0.9 * drive.max_deceleration),
+            )
+            program = _speed_program(tuple(s.dt), drive.drive_lag, s.weights, limits, s.solver)
+            right_of_way = RightOfWay(limits.acceleration)
+            if s.cone.kind is Cone.STEP:
+                self._speed = SpeedPlanner(
+                    s.passing, program, self._memory, right_of_way, self._predictor, Memory(self._tally)
+                )
+            else:
+                steering, cone = self._steering_program(perception), self._cone(perception.ego.body)
+                self._speed = ConePlanner(
+                    s.passing,
+                    program,
+                    self._memory,
+                    right_of_way,
+                    self._predictor,
+                    Memory(self._tally),
+                    steering=steering,
+                    steering_of=self._steering_task,
+                    steering_memory=self._steering_memory,
+                    joint_memory=self._joint_memory,
+                    joint=ConeProgram(program, steering, cone, SLOTS),
+                )
+        return self._speed
+
+    def _cone(self, body: Body) -> ConeSettings:
+        cone, margins = self.settings.cone, self.settings.passing
+        length, width, radius = 0.0, 0.0, None
+        if cone.shape is Shape.RECTANGLE:
+            length = 0.5 * body.length + margins.margin_along
+            width = 0.5 * body.width + margins.margin_across
+        else:
+            radius = cone.disc_radius
+        outline = Outline(length, width, body.front - 0.5 * body.length, radius)
+        return ConeSettings(cone.kind, outline, cone.truncation)
+
+    def _steering_program(self, perception: Perception) -> LateralProgram:
+        if self._steering is None:
+            s, drive, body = self.settings, perception.ego.drive, perception.ego.body
+            self._steering = _steering_program(
+                tuple(s.dt),
+                drive.steering_lag,
+                body.wheelbase,
+                body.front,
+                drive.max_steering,
+                drive.max_steering_rate,
+                s.steering,
+                s.solver,
+            )
+        return self._steering
+
+
+# Egos of one kind share their programs, over runs too: only what is written anew for each solve is in them.
+@lru_cache(maxsize=32)
+def _speed_program(dt: tuple[float, ...], *arguments: Any) -> LongitudinalProgram:
+    return LongitudinalProgram(np.array(dt), *arguments)
+
+
+@lru_cache(maxsize=32)
+def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
+    return LateralProgram(np.array(dt), *arguments)
+
+
+def _overlay(conflicts: Conflicts, horizon: float) -> dict[str, FloatArray]:
+    """Return what a replay may draw: where the people in conflict are, and when they are in the way."""
+    return {
+        "conflict_along": conflicts.along,
+        "conflict_across": conflicts.across,
+        "conflict_enter_s": conflicts.enter,
+        "conflict_leave_s": np.minimum(conflicts.leave, horizon),
+    }

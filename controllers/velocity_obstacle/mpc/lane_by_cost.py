@@ -1,0 +1,209 @@
+"""Straight, lane change or autonomous: the decision rules applied to the road and traffic at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.driving.lanes.lane_choice import GapRule, blocker, lane_for_route
+from controllers.interface import Decision, Lane, Manoeuvre, Perception
+from controllers.velocity_obstacle import decision_rules
+from controllers.velocity_obstacle.decision_rules import Rule
+from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
+
+CostOfLane = Callable[[Lane], float]
+"""Objective of driving in a lane as if the ego were in it already."""
+OVER = 1.0
+"""So far beyond a waiting place somebody still waits at it [m]."""
+WAITING_BRAKING = 4.0
+"""Who needs more than this to stop with room for a change ahead drives on to the lane's end [m/s^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeSettings:
+    """When lanes are changed."""
+
+    allowed: bool
+    cost: float
+    """What a change costs, in units of the objective."""
+    reconsider: float
+    """The cost of other lanes is looked at only this often [s]."""
+    pause: float
+    """Time between two changes that the route does not ask for [s]."""
+    before_crossing: float
+    after_crossing: float
+    least_speed: float
+    room: float
+    """Kept free before the end of a lane that has to be left, to steer out of it from a standstill [m]."""
+    standstill_gap: float
+    headway: float
+    gaps: GapRule
+
+
+class LaneDecision:
+    """Decides which lane to drive in; one per ego.
+
+    Parameters
+    ----------
+    settings
+        See :class:`ChangeSettings`.
+    manoeuvre
+        The lane change that may be running.
+    """
+
+    def __init__(self, settings: ChangeSettings, manoeuvre: LaneManoeuvre) -> None:
+        self.settings = settings
+        self.manoeuvre = manoeuvre
+        self._rule = Rule.STRAIGHT  # under which the running change began
+        self._looked = -np.inf
+
+    def decide(self, perception: Perception, cost: CostOfLane) -> Decision:
+        """Return what to do; begins or aborts the manoeuvre accordingly."""
+        self.manoeuvre.settle(perception)
+        if self._gave_up(perception):
+            self.manoeuvre.end(perception)
+        if self.manoeuvre.running:
+            return self._go_on(perception)
+        required = lane_for_route(perception) if self.settings.allowed else None
+        if required is not None:
+            return self._for_the_route(perception, required)
+        return self._by_the_rules(perception, cost)
+
+    def _gave_up(self, perception: Perception) -> bool:
+        """Return whether a change given up has come to a standstill, so that another may be tried."""
+        running = self.manoeuvre
+        waited = perception.ego.time - running.started
+        return (
+            running.running
+            and running.target == running.origin
+            and waited > 2.0
+            and perception.ego.speed < 1.0
+        )
+
+    def _by_the_rules(self, perception: Perception, cost: CostOfLane) -> Decision:
+        s, road, gaps = self.settings, perception.road, perception.gaps
+        ahead = gaps.ahead.name if gaps.ahead is not None else ""
+        g_min = decision_rules.least_gap(perception.ego.speed, s.standstill_gap, s.headway)
+        here = road.lane(road.reference)
+        rules = [Rule.STRAIGHT]
+        due = perception.ego.time - self._looked >= s.reconsider - 1e-9
+        keeping: float | None = None
+        for lane in self._open_lanes(perception):
+            side = lane.number - road.reference
+            rule = decision_rules.rule(decision_rules.towards(gaps, side), g_min)
+            rules.append(rule)
+            if not due or rule is Rule.STRAIGHT or here is None:
+                continue
+            self._looked = perception.ego.time
+            # The rule LANE CHANGE finds the own lane too tight already: half the reason is enough.
+            price = s.cost if rule is Rule.AUTONOMOUS else 0.5 * s.cost
+            keeping = cost(here) if keeping is None else keeping
+            # Staying that costs less than the change itself needs no second look.
+            if keeping < price or blocker(perception, lane.number, s.gaps) is not None:
+                continue
+            if cost(lane) + price < keeping:
+                self.manoeuvre.begin(perception, lane.number)
+                self._rule = rule
+                return Decision(_change(side), lane.number, rule, ahead)
+        # Of several adjacent lanes the one that leaves the most freedom describes the situation.
+        freest = next(rule for rule in (Rule.AUTONOMOUS, Rule.LANE_CHANGE, Rule.STRAIGHT) if rule in rules)
+        return Decision(Manoeuvre.KEEP, road.reference, freest, ahead)
+
+    def _for_the_route(self, perception: Perception, number: int) -> Decision:
+        reference = perception.road.reference
+        obstacle = self._crossing_in_the_way(perception)
+        obstacle = obstacle or blocker(perception, number, self.settings.gaps) or ""
+        if obstacle:
+            return Decision(Manoeuvre.KEEP, reference, Rule.LANE_CHANGE, obstacle)
+        self.manoeuvre.begin(perception, number)
+        self._rule = Rule.LANE_CHANGE
+        return Decision(_change(number - reference), number, Rule.LANE_CHANGE, "lane end")
+
+    def _go_on(self, perception: Perception) -> Decision:
+        """Continue a running change, or return to the lane it began in when the gap closes."""
+        running, road = self.manoeuvre, perception.road
+        origin = running.origin if running.origin is not None else road.reference
+        target = running.lane(perception)
+        if target is None or running.target == origin:
+            return Decision(Manoeuvre.ABORT_CHANGE, origin, Rule.STRAIGHT)
+        side = 1 if target.number > origin else -1
+        line = target.offset - side * 0.5 * target.width
+        intruded = side * (perception.ego.across - line) + 0.5 * perception.ego.body.width
+        # Half a metre over the line the neighbours have reacted; to swing back would surprise them.
+        if intruded < 0.5 and target.number != road.reference and road.lane(origin) is not None:
+            who = blocker(perception, target.number, self.settings.gaps, begun=True)
+            if who is not None:
+                running.begin(perception, origin)
+                return Decision(Manoeuvre.ABORT_CHANGE, origin, Rule.STRAIGHT, who)
+        return Decision(_change(side), target.number, self._rule)
+
+    def _open_lanes(self, perception: Perception) -> list[Lane]:
+        """Return the adjacent lanes that a change may go to here and now, gaps not considered."""
+        s, ego, road = self.settings, perception.ego, perception.road
+        pausing = ego.time - self.manoeuvre.finished < s.pause
+        if not s.allowed or pausing or ego.speed < s.least_speed or self._near_crossing(perception):
+            return []
+        here = road.lane(road.reference)
+        needed = self._length_of_change(perception)
+        if here is None or _bends(perception, needed):
+            return []
+        worth = min(here.follows_route_for, needed + 150.0)
+        return [
+            lane
+            for side in (1, -1)
+            if (lane := road.lane(road.reference + side)) is not None and lane.follows_route_for >= worth
+        ]
+
+    def _length_of_change(self, perception: Perception) -> float:
+        return perception.ego.speed * (self.manoeuvre.duration + 0.5)
+
+    def waiting_place(self, perception: Perception) -> float:
+        """Return where the front bumper has to wait for a change that the route asks for; inf for none.
+
+        It leaves the room that the change takes from a standstill, and for a change to the right that of
+        another vehicle too: of two side by side who want each other's lane one has to let the other go first.
+        Who could not stop there any more waits nearer to the lane's end, or may use the lane to its end.
+        """
+        road, ego = perception.road, perception.ego
+        here, wanted = road.lane(road.reference), lane_for_route(perception)
+        if here is None or not self.settings.allowed or wanted is None:
+            return np.inf
+        place = here.follows_route_for - self.settings.room
+        behind = ego.body.length + self.settings.gaps.minimum + OVER if wanted < road.reference else 0.0
+        for before in (behind, 0.0):
+            # Who stands there already may be a little over it.
+            if ego.speed**2 / (2.0 * WAITING_BRAKING) <= place - before + OVER - ego.body.front:
+                return place - before
+        return np.inf
+
+    def _crossing_in_the_way(self, perception: Perception) -> str:
+        """Return the crossing that a change for the route would not end before; empty for none.
+
+        Such a change may begin nearer to a crossing than others: a lane that ends there would never be left.
+        """
+        body = perception.ego.body
+        needed = max(self._length_of_change(perception), self.settings.room - 1.0)
+        crossings = perception.road.crossings
+        near = [c for c in crossings if c.exit > -body.rear_overhang and c.entry - body.front < needed]
+        return "crossing" if near else ""
+
+    def _near_crossing(self, perception: Perception) -> bool:
+        """Return whether a change begun now would touch a crossing's surroundings."""
+        s, body = self.settings, perception.ego.body
+        before = max(s.before_crossing, self._length_of_change(perception) + 5.0)
+        return any(
+            crossing.exit > -s.after_crossing and crossing.entry - body.front < before
+            for crossing in perception.road.crossings
+        )
+
+
+def _bends(perception: Perception, distance: float) -> bool:
+    road = perception.road
+    count = int(distance / road.curvature_step) + 1
+    return bool((np.abs(road.curvature[:count]) > 0.02).any())
+
+
+def _change(side: int) -> Manoeuvre:
+    return Manoeuvre.CHANGE_LEFT if side > 0 else Manoeuvre.CHANGE_RIGHT

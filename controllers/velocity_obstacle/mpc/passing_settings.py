@@ -1,0 +1,28 @@
+"""How pedestrians are passed, as parameters of the speed plans."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions
+from controllers.conflicts.hidden_pedestrians import HiddenPedestrian
+
+
+@dataclass(frozen=True, slots=True)
+class PassingSettings:
+    """How pedestrians are passed."""
+
+    margin_along: float
+    margin_across: float
+    hysteresis: float
+    lock: float
+    max_classes: int
+    passes: int
+    reconsider: float
+    """While the present class is reachable, others are tried only this often [s]."""
+    standstill_gap: float
+    bend_acceleration: float
+    assume: PedestrianAssumptions
+    hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
+    uncertainty_gain: float = 0.0
+    """What a margin grows by for each metre that a position is uncertain (standard deviation)."""

@@ -1,0 +1,106 @@
+"""What the controller planned last, moved to the present."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import Command, EgoState
+from controllers.velocity_obstacle.mpc.arithmetic import last_plan
+
+FloatArray = NDArray[np.float64]
+
+FORGOTTEN_AFTER = 1.5
+"""An older plan is no guide any more [s]."""
+COMMAND_SPACING = 0.05
+"""Commands are given as a sequence this fine, so that a long simulation step is driven well too [s]."""
+
+
+@dataclass(slots=True)
+class PlanMemory:
+    """The last plan: when it was made, its command, and positions and speeds at the horizon's times."""
+
+    times: FloatArray
+    made_at: float | None = None
+    command: Command | None = None
+    position: FloatArray | None = None
+    speed: FloatArray | None = None
+    shift: FloatArray | None = None
+    """Planned movement across the road from where the ego was, left positive [m]."""
+    _asked: tuple[float | None, float] | None = None
+    _now: tuple[float, float] = (0.0, 0.0)
+    # What was commanded for that time, of the plan made then; it is asked for several times a step.
+
+    def keep(
+        self, time: float, command: Command, position: FloatArray, speed: FloatArray, shift: FloatArray
+    ) -> None:
+        """Remember a plan."""
+        self.made_at, self.command, self.position, self.speed = time, command, position, speed
+        self.shift = shift
+
+    def shifted_by(self, distance: float) -> float:
+        """Return the time until the ego has moved ``distance`` across the road; inf if it will not [s]."""
+        if self.shift is None:
+            return float("inf")
+        there = np.flatnonzero(np.sign(distance) * self.shift >= abs(distance))
+        return float(self.times[there[0]]) if len(there) else float("inf")
+
+    def age(self, time: float) -> float:
+        """Return the time since the plan was made; inf without one [s]."""
+        return time - self.made_at if self.made_at is not None else float("inf")
+
+    def expected(self, ego: EgoState) -> tuple[FloatArray, FloatArray]:
+        """Return positions (from now) and speeds of the last plan; constant speed without a fresh one."""
+        age = self.age(ego.time)
+        if self.position is None or self.speed is None or age > FORGOTTEN_AFTER:
+            return ego.speed * self.times, np.full(len(self.times), ego.speed)
+        return last_plan.moved(self.times, self.position, self.speed, age)
+
+    def commanded(self, ego: EgoState) -> tuple[float, float]:
+        """Return acceleration and steering that are commanded at this instant."""
+        if self.command is None:
+            return ego.acceleration, ego.steering
+        if self._asked != (self.made_at, ego.time):
+            i = _entry(self.command, self.age(ego.time))
+            self._now = float(self.command.acceleration[i]), float(self.command.steering[i])
+            self._asked = self.made_at, ego.time
+        acceleration, steering = self._now
+        # A vehicle at its limits, or one that SUMO held, has left the command behind.
+        return (ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration), steering
+
+    def rest(self, time: float) -> Command | None:
+        """Return what is left of the last command, as a command from now on."""
+        return None if self.command is None else rest_of(self.command, self.age(time))
+
+
+def rest_of(command: Command, age: float) -> Command:
+    """Return what is left of a command that was given ``age`` ago [s], as a command from now on."""
+    i = _entry(command, age)
+    times = np.maximum(command.times[i:] - age, 0.0)
+    return Command(times, command.acceleration[i:], command.steering[i:])
+
+
+def _entry(command: Command, age: float) -> int:
+    return max(int(np.searchsorted(command.times, age + 1e-9)) - 1, 0)
+
+
+def sampled_command(
+    times: FloatArray,
+    now: tuple[float, float],
+    acceleration: FloatArray,
+    steering: FloatArray,
+    duration: float,
+) -> Command:
+    """Return the command that follows two profiles for a time.
+
+    Parameters
+    ----------
+    times : horizon, shape (N,) [s]
+    now : both commands at this instant
+    acceleration, steering : at ``times``, linear in between
+    duration : [s]
+    """
+    profiles = last_plan.sampled(times, now[0], acceleration, now[1], steering, COMMAND_SPACING, duration)
+    return Command(*profiles)

@@ -1,0 +1,193 @@
+"""What bounds the speed plan apart from people in conflict: the road, signals, vehicles, who is beside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.conflicts import hidden_pedestrians
+from controllers.conflicts.expected_behaviour import Watch
+from controllers.driving import road_speeds, vehicles_ahead
+from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.driving.standing import VEHICLE_STANDING
+from controllers.driving.vehicles_ahead import Blockade
+from controllers.interface import Lane, Perception
+from controllers.velocity_obstacle.mpc.arithmetic import position_bounds
+from controllers.velocity_obstacle.mpc.longitudinal import SpeedLimits, SpeedTask
+from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
+from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
+
+FloatArray = NDArray[np.float64]
+
+SIDE_CLEARANCE = 0.3
+"""Distance kept beside other vehicles [m]."""
+BESIDE = 0.1
+"""The same of an ego that stands, and for those in the lane that is being left: only who is really in the way
+counts [m]."""
+SIDE_CLEARANCE_FROM = 2.0
+"""From this speed on the whole distance is kept, below it in proportion [m/s]."""
+SLOW = 1.0
+"""Slower is slow [m/s]."""
+CAREFUL_BEFORE = 5.0
+"""Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
+CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
+"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
+deceleration [m/s^2], plus this [m/s]."""
+SLOWING_FOR_THE_ROAD = 1.5
+"""Deceleration with which limits and bends ahead are met [m/s^2]."""
+SpeedLimit = tuple[FloatArray, FloatArray]
+"""Positions of the rear axle, and the speed allowed there [m, m/s]."""
+
+
+@dataclass(slots=True)
+class SpeedTasks:
+    """Makes the tasks of one ego."""
+
+    settings: PassingSettings
+    limits: SpeedLimits
+    memory: PlanMemory
+    right_of_way: RightOfWay
+    stops: list[StopPlace] = field(default_factory=list)
+    waiting_place: float = np.inf
+    """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    _no_lower_bound: FloatArray = field(init=False)
+    _demands: FloatArray = field(init=False)
+    # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
+
+    def __post_init__(self) -> None:
+        lateral = self.settings.bend_acceleration
+        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
+        self._demands = np.array([wanted, ceiling])
+        self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
+
+    def look(self, perception: Perception, waiting_place: float) -> None:
+        """Take note of signals and of vehicles with priority."""
+        self.stops = self.right_of_way.stops(perception)
+        self.waiting_place = waiting_place
+
+    def task(
+        self,
+        perception: Perception,
+        lane: Lane | None,
+        leaving_for: float,
+        watch: Watch,
+        slowly: SpeedLimit | None,
+    ) -> tuple[SpeedTask, str, float]:
+        """Return the speed task without people in conflict, who bounds the position, and where to wait.
+
+        The front bumper of a slow ego has to wait there: for lights, for vehicles that will go on, for the
+        lane's end; inf for nowhere, and for a faster ego [m].
+
+        Parameters
+        ----------
+        perception, lane, leaving_for
+            As for :meth:`controllers.velocity_obstacle.mpc.speed_planning.SpeedPlanner.cheapest`.
+        watch
+            What is remembered of the pedestrians.
+        slowly
+            How fast people may be passed who stay beside the way; ``None``: nobody is near.
+        """
+        s, ego, front = self.settings, perception.ego, perception.ego.body.front
+        times, limits = self.memory.times, self.limits
+        positions, expected = self.memory.expected(ego)
+        ahead = self._vehicles(perception, lane, leaving_for)
+        line, stop = self._line(perception, lane, ahead.rest, self.stops)
+        waits_at = self._waits_at(perception, lane, ahead.rest) if ego.speed < SLOW else np.inf
+        gap_now = s.standstill_gap + limits.headway * ego.speed
+        upper, stoppable, headway = position_bounds.position_bounds(
+            ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
+        )
+        reference, ceiling = road_speeds.reference_speeds(
+            perception,
+            positions,
+            self._demands,
+        )
+        ceiling += CEILING_MARGIN
+        for along in watch.carefully_past(perception, s.assume):
+            beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
+            reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
+        for limit in (slowly, hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)):
+            if limit is not None:
+                slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
+                reference = np.minimum(reference, slow)
+                ceiling = np.minimum(ceiling, hidden_pedestrians.reached(*limit, positions, CEILING_BRAKING))
+        task = SpeedTask(
+            speed=ego.speed,
+            acceleration=ego.acceleration,
+            command=self.memory.commanded(ego)[0],
+            reference=reference,
+            expected=expected,
+            ceiling=ceiling,
+            upper=upper,
+            lower=self._no_lower_bound,
+            stoppable=stoppable,
+            headway=headway,
+        )
+        return task, stop or ahead.name, waits_at
+
+    def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> Blockade:
+        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
+        ego, times = perception.ego, self.memory.times
+        # Where two vehicles beside each other wait for each other, one has to pass closely and slowly.
+        kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
+        reach = 0.5 * ego.body.width + kept
+        offset = lane.offset if lane is not None else 0.0
+        then = vehicles_ahead.blockade(perception, (offset - reach, offset + reach), times)
+        if abs(offset - ego.across) < 0.3:
+            return then
+        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
+        body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
+        now = vehicles_ahead.blockade(perception, (at - body, at + body), times)
+        left = times > leaving_for
+        return Blockade(
+            np.minimum(np.where(left, np.inf, now.rear), then.rear),
+            np.minimum(np.where(left, np.inf, now.rest), then.rest),
+            np.minimum(np.where(left, np.inf, now.rear), then.follow),
+            then.name or (now.name if leaving_for > 0.0 else ""),
+        )
+
+    def _waits_at(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> float:
+        """Return the line, or the vehicle of its own lane, where the ego has to wait; inf for nowhere.
+
+        A vehicle that stands across its way may wait for the ego, and no waiting helps.
+        """
+        vehicles = perception.vehicles
+        standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
+        stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
+        line, _ = self._line(perception, lane, rest, [stop for stop in self.stops if stop.name not in stand])
+        box = vehicles_ahead.footprints(vehicles)
+        right, left = swept(perception, lane)
+        ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
+        gap = self.settings.standstill_gap
+        return min(line, float(box.rear[ahead].min(initial=np.inf)) - gap)
+
+    def _line(
+        self, perception: Perception, lane: Lane | None, rest: FloatArray, stops: Sequence[StopPlace]
+    ) -> tuple[float, str]:
+        """Return the place the front bumper must not pass now, and why; inf for none."""
+        places = [(stop.along, stop.name) for stop in stops]
+        gap = self.settings.standstill_gap
+        places.append(road_speeds.keep_clear_line(perception, self.memory.times, rest, gap))
+        if lane is not None:
+            here = lane.number == perception.road.reference
+            end = min(lane.follows_route_for, self.waiting_place) if here else lane.follows_route_for
+            places.append((end, "lane end"))
+        nearest, name = min(places)
+        return nearest, name if np.isfinite(nearest) else ""
+
+
+def front_across(perception: Perception) -> float:
+    """Return the across coordinate of the front bumper's centre [m]."""
+    ego = perception.ego
+    return ego.across + ego.body.front * float(np.sin(ego.heading_error))
+
+
+def swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
+    """Return right and left end of what the body sweeps on its way into a lane."""
+    half = 0.5 * perception.ego.body.width
+    offset = lane.offset if lane is not None else 0.0
+    across = perception.ego.across
+    return min(across, offset) - half, max(across, offset) + half

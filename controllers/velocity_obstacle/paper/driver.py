@@ -1,0 +1,383 @@
+"""One ego that drives as traffic asks, and by an avoidance plan while pedestrians are in conflict with it.
+
+Plans are made of a few long steps and followed in between: the speed along the planned profile, a change of
+lane along the planned path. A plan is made anew when its time is up, and before that when somebody new is
+in conflict or the ego has strayed from it. Signals, right of way, bends, leaders, lane keeping and changes
+of lane that traffic or route ask for are the traffic driver's; what it allows is never exceeded.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from controllers.conflicts.path_conflicts import Conflicts
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.following import Following
+from controllers.driving.lanes import lane_keeping
+from controllers.driving.lanes.lane_path import LanePath, Odometer, through
+from controllers.driving.standing import HOLDING_GENTLY, STANDING
+from controllers.driving.traffic_driver import TrafficDriver
+from controllers.interface import (
+    Command,
+    Decision,
+    EgoState,
+    FloatArray,
+    Lane,
+    Manoeuvre,
+    Perception,
+    Plan,
+    Solves,
+)
+from controllers.prediction.forecast import Predictor
+from controllers.safety.emergency_braking import EmergencyBraking
+from controllers.velocity_obstacle.decision_rules import Rule
+from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, HEADING, SPEED, STEERING
+from controllers.velocity_obstacle.paper.lane_rules import Change, LaneRules
+from controllers.velocity_obstacle.paper.passing_classes import Optimiser, not_avoided, passed_behind
+from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
+from controllers.velocity_obstacle.paper.scene import SceneReader, SceneSettings
+from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
+
+STRAYED = 1.0
+"""An ego whose speed differs by more from the plan needs a new one [m/s]."""
+SURPRISE = 0.5
+"""So does one that meets pedestrians farther from where they were expected, across the road [m]."""
+SPEED_TIME = 0.4
+"""Time constant with which a deviation from the planned speed is corrected [s]."""
+COMFORTABLE = 3.0
+"""With which the fallback brakes where that is enough [m/s^2]."""
+STOPPED_BEFORE = 1.0
+"""Distance at which the fallback stops before somebody [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriverSettings:
+    """How the driver drives.
+
+    Parameters
+    ----------
+    scene
+        What its problems look like.
+    replan
+        A plan is followed for this long [s].
+    change_steps
+        Steps that a change of lane takes; ``None``: lanes are changed for traffic and route only.
+    """
+
+    scene: SceneSettings
+    replan: float
+    change_steps: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A plan for one lane."""
+
+    lane: Lane
+    problem: AvoidanceProblem
+    conflicts: Conflicts
+    plan: AvoidancePlan
+    threats: tuple[str, ...]
+    """Who is not avoided by it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """An option that is being followed."""
+
+    option: Option
+    made: float
+    """When [s]."""
+    travelled: float
+    """Where, by the odometer [m]."""
+    path: LanePath | None
+    """Of a change of lane."""
+    other: Option | None
+    """The best of those that were not taken."""
+
+    @property
+    def avoids(self) -> bool:
+        """Whether everybody is."""
+        return not self.option.threats
+
+    @property
+    def step(self) -> float:
+        """Length of its steps [s]."""
+        return self.option.problem.bicycle.step
+
+    def speed_at(self, times: FloatArray) -> FloatArray:
+        """Return the planned speeds at simulated times [m/s]; between the steps they change evenly."""
+        speeds = self.option.plan.states[SPEED]
+        return np.asarray(np.interp(times - self.made, self.step * np.arange(len(speeds)), speeds))
+
+    def turned_at(self, time: float) -> tuple[float, float]:
+        """Return the planned heading and wheel angle at a simulated time [rad]."""
+        states = self.option.plan.states
+        at = (time - self.made) / self.step
+        grid = np.arange(states.shape[1])
+        return float(np.interp(at, grid, states[HEADING])), float(np.interp(at, grid, states[STEERING]))
+
+    def surprised(self, perception: Perception) -> bool:
+        """Say whether pedestrians are not where they were expected to be by now."""
+        people, conflicts = perception.pedestrians, self.option.conflicts
+        expected = self.option.problem.people
+        age = perception.ego.time - self.made
+        at = np.concatenate(([0.0], self.step * np.arange(1.0, expected.across.shape[1] + 1.0)))
+        places = dict(zip(people.names, people.across, strict=True))
+        lane = perception.road.lane(self.option.lane.number)
+        shifted = lane.offset - self.option.lane.offset if lane is not None else 0.0
+        for i, name in enumerate(conflicts.names):
+            there = np.concatenate((conflicts.across[i : i + 1], expected.across[i]))
+            if name in places and abs(places[name] - shifted - np.interp(age, at, there)) > SURPRISE:
+                return True
+        return False
+
+    def moved_on(self, time: float) -> FloatArray:
+        """Return the inputs that are left, with none after them, shape (2, n) [m/s, rad]."""
+        inputs = self.option.plan.inputs
+        gone = min(round((time - self.made) / self.step), inputs.shape[1])
+        return np.concatenate((inputs[:, gone:], np.zeros((2, gone))), axis=1)
+
+
+class AvoidanceDriver:
+    """Drives one ego.
+
+    Parameters
+    ----------
+    settings
+        How.
+    optimiser
+        Solves the problems.
+    predictor
+        Where pedestrians will be; ``None``: they keep their velocities.
+    brake
+        An emergency brake that has the last word along; ``None`` for none.
+    """
+
+    def __init__(
+        self,
+        settings: DriverSettings,
+        optimiser: Optimiser,
+        predictor: Predictor | None = None,
+        brake: EmergencyBraking | None = None,
+    ) -> None:
+        scene = settings.scene
+        style = DrivingStyle(headway=scene.headway, standstill_gap=scene.standstill_gap)
+        self.settings = settings
+        self._optimiser = optimiser
+        self._traffic = TrafficDriver(style)
+        self._reader = SceneReader(scene, Following(style), predictor)
+        self._rules = LaneRules(scene, settings.change_steps)
+        self._brake = brake
+        self._odometer = Odometer()
+        self._kept: Kept | None = None
+        self._change: Change | None = None
+        self._rule = Rule.STRAIGHT
+
+    def decide(self, perception: Perception) -> Decision:
+        """Choose the lane by the decision rules while somebody is in conflict, as traffic asks otherwise."""
+        self._odometer.look(perception.ego)
+        threat = self._brake.watch(perception) if self._brake is not None else ""
+        decision = self._traffic.decide(perception, threat)
+        if self._change is not None and self._change.over(perception, decision):
+            self._change = self._kept = None
+        lane = perception.road.lane(decision.target_lane)
+        conflicts = self._reader.conflicts(perception, lane) if lane is not None else None
+        if lane is None or conflicts is None or not len(conflicts):
+            self._kept, self._rule = None, Rule.STRAIGHT
+            return decision
+        if self._due(perception, lane, conflicts):
+            decision = self._plan_anew(perception, decision, lane, conflicts)
+        return replace(decision, rule=self._rule, because=decision.because or conflicts.names[0])
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Follow the plan, slower where traffic asks for it."""
+        ego, kept, drive = perception.ego, self._kept, perception.ego.drive
+        times = lane_keeping.instants(ego)
+        if kept is None:
+            acceleration = self._traffic.accelerations(perception, decision)
+        else:
+            acceleration = self._traffic.accelerations(perception, decision, free_speed=math.inf)
+            asked = _tracked(ego, kept, times) if kept.avoids else _fallback(perception, kept, times)
+            acceleration = np.minimum(acceleration, asked)
+        if self._brake is not None:
+            acceleration = np.minimum(acceleration, self._brake.accelerations(ego, times))
+        acceleration = np.clip(acceleration, -drive.max_deceleration, drive.max_acceleration)
+        command = Command(times, acceleration, self._steering(perception, decision, acceleration))
+        plan = Plan(command) if kept is None else self._told(perception, kept, command)
+        programs, unsolved = self._optimiser.tally.take()
+        solver = self._optimiser.solver
+        return plan if solver is None else replace(plan, solves=Solves(solver.name, programs, unsolved))
+
+    def _due(self, perception: Perception, lane: Lane, conflicts: Conflicts) -> bool:
+        """Say whether a new plan is needed."""
+        kept, ego = self._kept, perception.ego
+        if kept is None or kept.option.lane.number != lane.number:
+            return True
+        known = kept.option.conflicts.names
+        if ego.time - kept.made >= self.settings.replan - 1e-9 or not set(conflicts.names) <= set(known):
+            return True
+        planned = float(kept.speed_at(np.array([ego.time]))[0])
+        return kept.avoids and (abs(ego.speed - planned) > STRAYED or kept.surprised(perception))
+
+    def _plan_anew(
+        self, perception: Perception, decision: Decision, lane: Lane, conflicts: Conflicts
+    ) -> Decision:
+        """Plan for the lane, and for those beside it to which the rules allow a change; keep the best."""
+        ego, reader = perception.ego, self._reader
+        if self._change is not None:
+            return self._go_on(perception, decision, self._change, lane, conflicts)
+        best = self._option(lane, reader.straight(perception, lane, conflicts), conflicts, ego.time)
+        other: Option | None = None
+        self._rule, steps = Rule.STRAIGHT, self.settings.change_steps
+        if decision.manoeuvre is Manoeuvre.KEEP and steps is not None:
+            self._rule, beside = self._rules.open_lanes(perception)
+            for one in beside:
+                involved = reader.conflicts(perception, one)
+                problem = reader.change(perception, one, involved, steps)
+                option = self._option(one, problem, involved, ego.time)
+                rule = self._rule if best.lane is lane else Rule.AUTONOMOUS
+                if option.plan.solved and self._rules.better(best.plan, option.plan, rule):
+                    best, other = option, best
+                elif other is None:
+                    other = option
+        self._keep(perception, best, other)
+        if best.lane is lane or steps is None:
+            return decision
+        self._change = Change(best.lane.number, ego.time, steps)
+        self._traffic.change_to(perception, best.lane.number, conflicts.names[0])
+        left = best.lane.number > perception.road.reference
+        manoeuvre = Manoeuvre.CHANGE_LEFT if left else Manoeuvre.CHANGE_RIGHT
+        return Decision(manoeuvre, best.lane.number, because=conflicts.names[0])
+
+    def _go_on(
+        self,
+        perception: Perception,
+        decision: Decision,
+        change: Change,
+        lane: Lane,
+        conflicts: Conflicts,
+    ) -> Decision:
+        """Plan the rest of a change, or go back where the old lane is still there and avoids better."""
+        ego, road, kept = perception.ego, perception.road, self._kept
+        turned = kept.turned_at(ego.time) if kept is not None and kept.path is not None else None
+        arrival = change.arrival(ego.time, self.settings.scene)
+        problem = self._reader.change(perception, lane, conflicts, arrival, turned)
+        onward = self._option(lane, problem, conflicts, ego.time)
+        here = road.lane(road.reference)
+        if here is None or here.number == lane.number or not onward.threats:
+            self._keep(perception, onward)
+            return decision
+        involved = self._reader.conflicts(perception, here)
+        back = self._option(here, self._reader.straight(perception, here, involved), involved, ego.time)
+        if back.plan.merit >= onward.plan.merit:
+            self._keep(perception, onward, back)
+            return decision
+        self._keep(perception, back, onward)
+        self._change, self._rule = None, Rule.STRAIGHT
+        self._traffic.change_to(perception, here.number, conflicts.names[0])
+        return Decision(Manoeuvre.ABORT_CHANGE, here.number, because=conflicts.names[0])
+
+    def _option(self, lane: Lane, problem: AvoidanceProblem, conflicts: Conflicts, time: float) -> Option:
+        """Solve a problem, from the last plan where that was one of the same kind."""
+        kept = self._kept
+        start = None
+        if kept is not None and kept.option.problem.steers == problem.steers and kept.avoids:
+            start = kept.moved_on(time)
+        plan = self._optimiser.solve(problem, start)
+        # Of a plan that no solver stands for nobody can say whom it avoids.
+        met = not_avoided(problem, plan.states) if plan.solved else np.ones(len(conflicts), dtype=bool)
+        return Option(lane, problem, conflicts, plan, tuple(conflicts.names[i] for i in np.flatnonzero(met)))
+
+    def _keep(self, perception: Perception, option: Option, other: Option | None = None) -> None:
+        """Follow an option from now on."""
+        path, travelled = None, self._odometer.travelled
+        if option.problem.steers and option.plan.solved:
+            along, across, heading, *_ = option.plan.states
+            slopes = np.tan(np.clip(heading, -1.0, 1.0))
+            shape = through(along, across - option.lane.offset, float(slopes[0]), float(slopes[-1]))
+            path = LanePath(option.lane.number, travelled, shape) if shape is not None else None
+        self._kept = Kept(option, perception.ego.time, travelled, path, other)
+
+    def _steering(self, perception: Perception, decision: Decision, acceleration: FloatArray) -> FloatArray:
+        """Return the front-wheel angles along the planned path or, without one, along the lane [rad]."""
+        kept = self._kept
+        if kept is not None and kept.path is not None and decision.target_lane == kept.path.lane:
+            course = kept.path.seen(perception, self._odometer.travelled)
+            if course is not None:
+                return lane_keeping.steering(perception, course, acceleration)
+        return self._traffic.steering(perception, decision, acceleration)
+
+    def _told(self, perception: Perception, kept: Kept, command: Command) -> Plan:
+        """Return the plan as it lies before the ego now."""
+        option, ego = kept.option, perception.ego
+        states, conflicts = option.plan.states, option.conflicts
+        times = kept.made - ego.time + kept.step * np.arange(float(states.shape[1]))
+        ahead = times > 1e-9
+        moved = kept.travelled - self._odometer.travelled
+        lane = perception.road.lane(option.lane.number)
+        shifted = (lane.offset if lane is not None else option.lane.offset) - option.lane.offset
+        behind = passed_behind(option.problem, states)
+        names = np.array(conflicts.names, dtype=object)
+        overlay = {
+            "conflict_along": conflicts.along + moved,
+            "conflict_across": conflicts.across + shifted,
+            "conflict_enter_s": conflicts.enter,
+            "conflict_leave_s": np.minimum(conflicts.leave, self.settings.scene.horizon),
+        }
+        if kept.other is not None:
+            path = kept.other.plan.states[[ALONG, ACROSS]]
+            overlay["other_option"] = (path + np.array([[moved], [shifted]])).T
+        return Plan(
+            command,
+            solved=kept.avoids,
+            status="ok" if kept.avoids else "fallback_stop",
+            passing=f"behind={'|'.join(names[behind])} ahead={'|'.join(names[~behind])}",
+            slack=option.plan.into_cones,
+            times=times[ahead],
+            along=states[ALONG, ahead] + moved,
+            across=states[ACROSS, ahead] + shifted,
+            speed=states[SPEED, ahead],
+            overlay=overlay,
+        )
+
+
+def _tracked(ego: EgoState, kept: Kept, times: FloatArray) -> FloatArray:
+    """Return the accelerations that follow the planned speeds behind the drive's lag [m/s^2]."""
+    step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
+    share = -math.expm1(-step / ego.drive.drive_lag) if ego.drive.drive_lag > 0.0 else 1.0
+    at = ego.time + np.append(times, times[-1] + step)
+    planned = kept.speed_at(at)
+    result = np.zeros(len(times))
+    speed, actual = max(ego.speed, 0.0), ego.acceleration
+    for i in range(len(times)):
+        slope = (planned[i + 1] - planned[i]) / step
+        result[i] = slope + (planned[i] - speed) / SPEED_TIME
+        if speed < STANDING and planned[i + 1] < STANDING:
+            result[i] = HOLDING_GENTLY
+        wanted = min(max(float(result[i]), -ego.drive.max_deceleration), ego.drive.max_acceleration)
+        actual += share * (wanted - actual)
+        speed = max(speed + step * actual, 0.0)
+    return result
+
+
+def _fallback(perception: Perception, kept: Kept, times: FloatArray) -> FloatArray:
+    """Return the declared fallback: stop before whoever is not avoided, comfortably if possible [m/s^2].
+
+    Somebody beside the body whom it does not touch is not braked for.
+    """
+    ego, people, body = perception.ego, perception.pedestrians, perception.ego.body
+    if ego.speed < STANDING:
+        return np.full(len(times), HOLDING_GENTLY)
+    met = np.array([name in kept.option.threats for name in people.names], dtype=bool)
+    ahead = met & (people.along > body.front)
+    beside = np.abs(people.across - ego.across) < 0.5 * body.width + people.radius
+    touched = met & ~ahead & beside & (people.along > -body.rear_overhang)
+    if not (ahead | touched).any():
+        return _tracked(ego, kept, times)
+    room = float(people.along[ahead].min(initial=math.inf)) - body.front - STOPPED_BEFORE
+    needed = math.inf if touched.any() else ego.speed**2 / (2.0 * max(room, 0.1))
+    return np.full(len(times), -min(max(needed, COMFORTABLE), ego.drive.max_deceleration))

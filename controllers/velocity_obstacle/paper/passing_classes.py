@@ -1,0 +1,196 @@
+"""Passing classes of the avoidance problem: who is let pass, and the cheapest of them.
+
+Sorted by when they enter the vehicle's path, the first j pedestrians are passed behind and the others ahead:
+n + 1 classes instead of 2^n. Each is a problem with one side per pedestrian; plans that go over to one
+speed at once tell which of them are worth solving, and where to begin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solve import Tally
+from controllers.velocity_obstacle.paper.cone_margins import clearances, cone_margins, nobody
+from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, HEADING, SPEED, SPEED_CHANGE
+from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
+from controllers.velocity_obstacle.paper.sequential_programs import (
+    PAPER_SOLVER,
+    PRICE,
+    AvoidancePlan,
+    AvoidanceProgram,
+    merits,
+)
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+JUMPS = 41
+"""Speeds that a plan may go over to, of those that are tried."""
+INTO_CONE = 0.1
+"""A relative velocity farther inside a cone is one that does not avoid [m/s]."""
+INTO_DISC = 0.25
+"""Share of a disc's radius by which it may be entered: plans graze discs, and vehicles do not follow plans
+exactly."""
+FEWEST_PLACES = 4
+"""Pedestrians that the smallest program has room for; each larger one has twice as many."""
+
+
+class Optimiser(Protocol):
+    """Solves avoidance problems; it may remember, so: one per ego."""
+
+    @property
+    def solver(self) -> SolverSettings | None:
+        """The solver of its quadratic programs; ``None`` without any."""
+        ...
+
+    @property
+    def tally(self) -> Tally:
+        """Where those are counted."""
+        ...
+
+    def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
+        """Return the best plan found.
+
+        Parameters
+        ----------
+        problem
+            Pedestrians by time of entry; ``side`` is that of passing ahead of each.
+        start
+            The last plan, moved on to now, shape (2, n); ``None`` without one.
+        """
+        ...
+
+
+@dataclass(slots=True)
+class QuadraticOptimiser:
+    """Sequential quadratic programs for the passing classes that promise most.
+
+    Parameters
+    ----------
+    passes
+        Programs per class at most.
+    classes
+        Classes solved at most.
+    solver
+        Which solver.
+    """
+
+    passes: int = 5
+    classes: int = 3
+    solver: SolverSettings = PAPER_SOLVER
+    tally: Tally = field(default_factory=Tally)
+    _programs: dict[tuple[int, int, bool, int], AvoidanceProgram] = field(default_factory=dict)
+
+    def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
+        """Return the plan of the cheapest class."""
+        scores, jumps = class_jumps(problem)
+        best: AvoidancePlan | None = None
+        for behind in np.argsort(scores, kind="stable")[: self.classes]:
+            plan = self.solve_class(problem, int(behind), jumps[behind], start)
+            if best is None or _rank(plan) < _rank(best):
+                best = plan
+        assert best is not None  # there is always the class of nobody
+        return best
+
+    def solve_class(
+        self, problem: AvoidanceProblem, behind: int, *starts: FloatArray | None
+    ) -> AvoidancePlan:
+        """Return the plan of one class, begun from the best of some plans.
+
+        With steering two are begun from, what is wanted as well: a vehicle that stands cannot be steered, so
+        nothing leads away from a plan that stops.
+        """
+        one = of_class(problem, behind)
+        wanted = np.clip(one.wanted_inputs(), *one.bounds())
+        begin = np.stack([wanted, *(np.clip(start, *one.bounds()) for start in starts if start is not None)])
+        first = begin[int(np.argmin(merits(one, begin)))]
+        program = self.program(one)
+        best = program.solve(one, first, self.passes)
+        if one.steers and first is not begin[0]:
+            other = program.solve(one, wanted, self.passes)
+            best = min(best, other, key=_rank)
+        return best
+
+    def program(self, problem: AvoidanceProblem) -> AvoidanceProgram:
+        """Return the program that such a problem fits into; made once."""
+        places = FEWEST_PLACES
+        while places < len(problem.people):
+            places *= 2
+        ends = len(problem.end.targets()) if problem.end is not None else 0
+        size = (problem.steps, places, problem.steers, ends)
+        if size not in self._programs:
+            self._programs[size] = AvoidanceProgram(*size, self.solver, self.tally)
+        return self._programs[size]
+
+
+def _rank(plan: AvoidancePlan) -> tuple[bool, float]:
+    """Return what plans are compared by: any that is solved comes before those that are not."""
+    return not plan.solved, plan.merit
+
+
+def of_class(problem: AvoidanceProblem, behind: int) -> AvoidanceProblem:
+    """Return the problem in which the first ``behind`` pedestrians are let pass."""
+    ahead = np.arange(len(problem.people)) >= behind
+    side = np.where(ahead, problem.people.side, -problem.people.side)
+    return problem.passed(side)
+
+
+def passed_behind(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
+    """Return who is let pass by a motion, shape (m,): whose cone it is farther out of on that side."""
+    ahead = cone_margins(problem.cone, problem.people, states, problem.reference_point)
+    other = problem.passed(-problem.people.side).people
+    behind = cone_margins(problem.cone, other, states, problem.reference_point)
+    shape = (len(problem.people), problem.steps)
+    inside = [np.minimum(one.reshape(shape), 0.0).sum(axis=1) for one in (ahead, behind)]
+    return np.asarray(inside[1] > inside[0])
+
+
+def not_avoided(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
+    """Return whose cone or disc a motion enters by more than can be explained by rounding off, shape (m,)."""
+    people, point = problem.people, problem.reference_point
+    either = problem.passed(np.zeros(len(people))).people
+    margin = cone_margins(problem.cone, either, states, point).reshape(len(people), problem.steps)
+    # Within the disc the margin is a depth; what happens there is the clearance's business.
+    x = people.along - states[ALONG, 1:] - point * np.cos(states[HEADING, 1:])
+    y = people.across - states[ACROSS, 1:] - point * np.sin(states[HEADING, 1:])
+    entered = ((margin < -INTO_CONE) & (np.hypot(x, y) > people.radius)).any(axis=1)
+    clearance = clearances(people, states, problem.bicycle.step, point)
+    return np.asarray(entered | (clearance < -INTO_DISC * people.radius[:, 0]))
+
+
+def class_jumps(problem: AvoidanceProblem) -> tuple[FloatArray, FloatArray]:
+    """Return for every class the merit of the best plan that goes over to one speed at once, and that plan.
+
+    With a cone at every step the least change is often just that. Shapes (m + 1,) and (m + 1, 2, n); the
+    cones' violations are added up here, and their squares are left out: it is for choosing where to begin.
+    """
+    n, people = problem.steps, problem.people
+    plans = np.zeros((JUMPS, 2, n))
+    speed = float(problem.start[SPEED])
+    plans[:, SPEED_CHANGE, 0] = np.linspace(0.0, problem.top_speed(), JUMPS) - speed
+    plans = np.concatenate((np.zeros((1, 2, n)), plans))
+    plans = np.clip(plans, *problem.bounds())
+    states = problem.states(plans)
+    base = merits(replace(problem, people=nobody(n)), plans)
+    short = [
+        np.maximum(
+            -cone_margins(
+                problem.cone, replace(people, side=sign * people.side), states, problem.reference_point
+            ),
+            0.0,
+        )
+        .reshape(len(plans), -1, n)
+        .sum(axis=-1)
+        for sign in (1.0, -1.0)
+    ]
+    begun = np.zeros((len(plans), 1))
+    ahead = np.concatenate((np.cumsum(short[0][:, ::-1], axis=1)[:, ::-1], begun), axis=1)
+    behind = np.concatenate((begun, np.cumsum(short[1], axis=1)), axis=1)
+    merit = base[:, None] + PRICE * (ahead + behind)
+    chosen = np.argmin(merit, axis=0)
+    return merit[chosen, np.arange(len(chosen))], plans[chosen]

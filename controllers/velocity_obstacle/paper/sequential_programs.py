@@ -1,0 +1,215 @@
+"""Sequential quadratic programs for the avoidance problem, passing sides given.
+
+Each program linearises all margins about the plan so far and lets every one of them be violated at a price,
+so that it always has a solution. The price of a cone is high enough that at a solution of the problem
+nothing is violated (an exact penalty); where nothing is a solution, a plan with little violation results.
+A step is shortened until objective and priced violations together do not grow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.optimisation.problem import blank
+from controllers.optimisation.settings import SolverSettings
+from controllers.optimisation.solution import Solution
+from controllers.optimisation.solve import Memory, Tally, solve
+from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, gradients, margins
+
+FloatArray = NDArray[np.float64]
+
+PRICE = 1e3
+"""Of a violation of one, in units of the objective; of a violation v it is ``price (v + v^2 / 2)``. The
+linear part keeps constraints that can be kept. The squares decide between violations where some must be, and
+without them the cost matrix is singular, which OSQP copes with badly."""
+END_PRICE = 100.0
+"""The same of the end state: late is better than into somebody."""
+FOLLOWER_PRICE = 10.0
+"""The same of the gap to the vehicle behind, which has brakes of its own."""
+UNITS = (1.0, 0.02)
+"""Of the inputs' variables: as large as each other for the solver [m/s, rad]."""
+PAPER_SOLVER = SolverSettings("osqp", tolerance=1e-3)
+SHARES = 0.5 ** np.arange(6)
+"""Shares of a step that are tried."""
+SETTLED = 1e-6
+"""A step smaller than this ends the iteration [m/s, rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidancePlan:
+    """A plan, and what it is worth."""
+
+    inputs: FloatArray
+    """Shape (2, n) [m/s, rad]."""
+    states: FloatArray
+    """Shape (5, n + 1)."""
+    cost: float
+    """Objective J, without the price of violations."""
+    merit: float
+    """Objective and priced violations."""
+    into_cones: float
+    """Largest violation of a cone [m/s]."""
+    violation: float
+    """Largest violation of any margin but the follower's."""
+    programs: int = 0
+    """Quadratic programs that it took."""
+    solved: bool = True
+    """Whether the last of them was solved; if not, the plan is no better than the one it was begun from."""
+
+
+def prices(steps: int) -> FloatArray:
+    """Return the price of each of ``Margins.violations``, shape (n + 4,)."""
+    result = np.full(steps + 4, PRICE)
+    result[steps + 1], result[steps + 3] = FOLLOWER_PRICE, END_PRICE
+    return result
+
+
+def priced(violations: FloatArray, steps: int) -> FloatArray:
+    """Return what violations cost, one for each of ``Margins.violations`` in the last axis."""
+    return np.asarray((violations + 0.5 * violations**2) @ prices(steps))
+
+
+def merits(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:
+    """Return objective and priced violations together, inputs of shape (..., 2, n)."""
+    short = margins(problem, problem.states(inputs)).violations(problem.steps)
+    return np.asarray(problem.cost(inputs) + priced(short, problem.steps))
+
+
+def valued(
+    problem: AvoidanceProblem, inputs: FloatArray, programs: int = 0, solved: bool = True
+) -> AvoidancePlan:
+    """Return a plan from its inputs."""
+    states, n = problem.states(inputs), problem.steps
+    short = margins(problem, states).violations(n)
+    cost = float(problem.cost(inputs))
+    return AvoidancePlan(
+        inputs=inputs,
+        states=states,
+        cost=cost,
+        merit=cost + float(priced(short, n)),
+        into_cones=float(short[:n].max()),
+        violation=float(np.delete(short, n + 1).max()),
+        programs=programs,
+        solved=solved,
+    )
+
+
+class AvoidanceProgram:
+    """Builds and solves the quadratic programs of problems of one size.
+
+    Parameters
+    ----------
+    steps
+        n.
+    people
+        Pedestrians that fit in; rows of absent ones bind nothing.
+    steers, ends
+        Whether the problems have steering inputs, and how many states they prescribe at the end.
+    solver
+        Which solver.
+    tally
+        Where programs are counted.
+    """
+
+    def __init__(
+        self,
+        steps: int,
+        people: int,
+        steers: bool,
+        ends: int,
+        solver: SolverSettings = PAPER_SOLVER,
+        tally: Tally | None = None,
+    ) -> None:
+        self.steps, self.people, self.solver = steps, people, solver
+        self._memory = Memory(tally or Tally())
+        self.inputs = (2 if steers else 1) * steps
+        sizes = (steps, steps, 6 * steps, 2 * ends)
+        # One slack for each step's cones, one for each of the other blocks.
+        slack_of = [np.tile(np.arange(steps), people)]
+        slack_of += [np.full(size, steps + i) for i, size in enumerate(sizes)]
+        slack = np.concatenate(slack_of)
+        variables = {"change of speed [m/s]": steps}
+        if steers:
+            variables["change of wheel angle [0.02 rad]"] = steps
+        variables |= {
+            "into cones, by step [m/s]": steps,
+            "too near ahead [m]": 1,
+            "too near behind [m]": 1,
+            "off the road, too fast or turning too fast": 1,
+            "missing the end state": 1,
+        }
+        rows = {
+            "relative velocity outside cones [m/s], softened": people * steps,
+            "gap ahead [m], softened": steps,
+            "gap behind [m], softened": steps,
+            "edges, turn and speed, softened": 6 * steps,
+            "end state, softened": 2 * ends,
+        }
+        p = self.problem = blank("sum (dv - dv_wanted)^2 + w ddelta^2 + priced violations", variables, rows)
+        self._unit = np.repeat(UNITS, steps)[: self.inputs]
+        p.P[range(self.inputs, len(p.q)), range(self.inputs, len(p.q))] = prices(steps)
+        p.q[self.inputs :] = prices(steps)
+        p.lower[self.inputs :] = 0.0
+        p.G[np.arange(len(slack)), self.inputs + slack] = -1.0
+
+    def build(self, problem: AvoidanceProblem, inputs: FloatArray) -> None:
+        """Write the avoidance problem, linearised about a plan, into the quadratic one."""
+        p, count = self.problem, self.inputs
+        states = problem.states(inputs)
+        value = np.concatenate(margins(problem, states).blocks())
+        gradient = np.concatenate(gradients(problem, states).blocks())[:, :count]
+        weights = np.repeat(problem.weights[:, 0], self.steps)[:count] * self._unit
+        p.P[range(count), range(count)] = 2.0 * weights * self._unit
+        p.q[:count] = -2.0 * weights * problem.wanted_inputs().ravel()[:count]
+        present = len(problem.people) * self.steps
+        absent = slice(present, self.people * self.steps)
+        rows = np.delete(np.arange(len(p.h)), absent)
+        p.G[rows, :count] = -gradient * self._unit
+        p.h[rows] = value - gradient @ inputs.ravel()[:count]
+        p.G[absent, :count] = 0.0
+        p.h[absent] = np.inf
+        low, high = problem.bounds()
+        p.lower[:count] = low.ravel()[:count] / self._unit
+        p.upper[:count] = high.ravel()[:count] / self._unit
+
+    def step(self, problem: AvoidanceProblem, inputs: FloatArray) -> tuple[FloatArray, Solution]:
+        """Return the plan after one program linearised about another, and the program's solution."""
+        self.build(problem, inputs)
+        begin = np.zeros(len(self.problem.q))
+        begin[: self.inputs] = inputs.ravel()[: self.inputs] / self._unit
+        solution = solve(self.problem, self.solver, self._memory, begin)
+        if not solution.solved:
+            return inputs, solution
+        found = np.zeros(2 * self.steps)
+        found[: self.inputs] = solution.z[: self.inputs] * self._unit
+        way = np.clip(found.reshape(2, -1), *problem.bounds()) - inputs
+        tried = inputs + SHARES[:, None, None] * way
+        # The longest step that does not make it worse; none does only where the plan cannot be improved.
+        good = np.flatnonzero(merits(problem, tried) <= merits(problem, inputs) + 1e-12)
+        return (tried[good[0]] if len(good) else inputs), solution
+
+    def solve(self, problem: AvoidanceProblem, start: FloatArray, passes: int) -> AvoidancePlan:
+        """Return the plan after at most ``passes`` programs.
+
+        Parameters
+        ----------
+        problem
+            What to solve; every pedestrian's ``side`` must be +1 or −1.
+        start
+            Plan to begin from, shape (2, n).
+        passes
+            Programs at most.
+        """
+        inputs = np.clip(start, *problem.bounds())
+        count, solved = 0, True
+        while count < passes:
+            count += 1
+            better, solution = self.step(problem, inputs)
+            moved = float(np.abs(better - inputs).max())
+            inputs, solved = better, solution.solved
+            if not solved or moved < SETTLED:
+                break
+        return valued(problem, inputs, count, solved)

@@ -1,0 +1,80 @@
+"""Keeping away from people beside the lane, as far as the lane has room."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from controllers.driving.lanes import place_in_lane
+from controllers.interface import Body
+from tests.controllers.scenes import LANE_WIDTH, Car, Walker, ego, perception, straight_road
+
+BODY = Body()
+ROOM = 0.5 * LANE_WIDTH - 0.5 * BODY.width - place_in_lane.TO_THE_LINE
+
+
+def _offset(walkers: Sequence[Walker], cars: Sequence[Car] = (), stays: bool = True) -> float:
+    seen = perception(ego(), straight_road(3, 1), walkers, cars)
+    found = place_in_lane.look(seen, np.full(len(walkers), stays))
+    lane = found.road.lane(1)
+    assert lane is not None
+    others = [(one.number, one.offset) for one in found.road.lanes if one.number != 1]
+    assert others == [(0, -LANE_WIDTH), (2, LANE_WIDTH)], "only the own lane's line moves"
+    return lane.offset
+
+
+def _beside(gap: float, side: float, along: float = 20.0) -> Walker:
+    return Walker(along, side * (0.5 * BODY.width + 0.25 + gap))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_it_moves_as_far_as_is_wanted_and_no_farther(side: float) -> None:
+    assert _offset([_beside(0.5, side)]) == pytest.approx(-0.3 * side)
+    assert _offset([_beside(0.9, side)]) == 0.0
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_lane_bounds_it(side: float) -> None:
+    assert _offset([_beside(0.0, side)]) == pytest.approx(-ROOM * side)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_it_leaves_the_lane_only_as_far_as_it_must(side: float) -> None:
+    assert _offset([_beside(-0.5, side)]) == pytest.approx(-(0.5 + place_in_lane.LEAST) * side)
+    assert _offset([_beside(-ROOM - place_in_lane.BEYOND, side)]) == 0.0
+
+
+def test_between_two_it_takes_the_middle() -> None:
+    assert _offset([_beside(0.3, -1.0), _beside(0.5, 1.0)]) == pytest.approx(0.1)
+
+
+def test_nobody_is_made_room_for_who_could_not_be_passed_or_enters_or_is_far() -> None:
+    assert _offset([_beside(-1.1, -1.0)]) == 0.0
+    assert _offset([_beside(0.4, -1.0)], stays=False) == 0.0
+    assert _offset([_beside(0.4, -1.0, along=80.0)]) == 0.0
+    assert _offset([_beside(0.4, -1.0, along=-5.0)]) == 0.0
+    assert _offset([]) == 0.0
+
+
+def test_a_car_ahead_is_not_beside() -> None:
+    assert _offset([_beside(0.5, -1.0)], [Car(30.0, 0.1)]) == pytest.approx(0.3)
+
+
+def test_a_car_beside_is_kept_away_from() -> None:
+    free = LANE_WIDTH - 0.5 * BODY.width - 0.5 * 2.4 - place_in_lane.TO_VEHICLES
+    wide = Car(3.0, 3.0, width=2.4)
+    assert _offset([_beside(0.2, -1.0)], [wide]) == pytest.approx(free - 0.5)
+
+
+def test_a_steering_plan_keeps_to_it_from_three_metres_on() -> None:
+    along = np.array([0.0, 1.5, 3.0, 10.0])
+    corridor = np.full(4, -0.7), np.full(4, 1.6)
+    right, left = place_in_lane.kept(corridor, 0.5, ego(speed=1.0, across=0.15), along)
+    assert right == pytest.approx([0.15, 0.3, 0.45, 0.45])
+    assert left == pytest.approx(corridor[1])
+    right, left = place_in_lane.kept(corridor, -0.5, ego(speed=1.0), along)
+    assert right == pytest.approx(corridor[0])
+    assert left == pytest.approx([0.0, -0.225, -0.45, -0.45])
+    assert place_in_lane.kept(corridor, 0.0, ego(), along) is corridor

@@ -1,0 +1,101 @@
+"""What limits, bends and crossings to be kept clear ask of the speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.driving.road_speeds import keep_clear_line, keep_clear_of_people, reference_speed
+from controllers.interface import Perception
+from tests.controllers.scenes import FRONT, bend, ego, perception, straight_road, zebra
+
+POSITIONS = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 60.0])
+TIMES = np.arange(0.5, 6.1, 0.5)
+
+
+def _reference(scene: Perception) -> list[float]:
+    return [float(speed) for speed in reference_speed(scene, POSITIONS, 2.0, 1.5)]
+
+
+def test_on_a_straight_road_the_limit_is_wanted_everywhere() -> None:
+    assert _reference(perception(road=straight_road(limit=13.89))) == pytest.approx([13.89] * 6)
+
+
+def test_a_lower_limit_ahead_is_met_in_time_and_kept() -> None:
+    road = replace(
+        straight_road(limit=13.89), limit_along=np.array([-5.0, 30.0]), limit=np.array([13.89, 8.0])
+    )
+    expected = [min(13.89, np.sqrt(64.0 + 3.0 * (30.0 - p))) for p in (0.0, 10.0, 20.0)] + [8.0] * 3
+    assert _reference(perception(road=road)) == pytest.approx(expected)
+
+
+def test_a_higher_limit_ahead_is_used_only_from_where_it_holds() -> None:
+    road = replace(straight_road(), limit_along=np.array([-5.0, 25.0]), limit=np.array([8.0, 13.89]))
+    assert _reference(perception(road=road)) == pytest.approx([8.0] * 3 + [13.89] * 3)
+
+
+def test_a_bend_is_taken_at_the_comfortable_lateral_acceleration_and_then_left_behind() -> None:
+    road = bend(straight_road(limit=20.0), begins=25.0, radius=18.0, length=10.0)
+    speeds = _reference(perception(road=road))
+    assert speeds[3] == pytest.approx(np.sqrt(2.0 * 18.0))
+    assert speeds[2] == pytest.approx(np.sqrt(36.0 + 3.0 * 5.0))
+    # Its end lies between the instants 3 and 4: the way to 4 leads through it.
+    assert speeds[4] == pytest.approx(6.0)
+    assert speeds[5] == pytest.approx(20.0)
+
+
+def test_a_road_that_is_not_seen_asks_only_for_its_limit() -> None:
+    road = replace(straight_road(limit=9.0), curvature=np.zeros(0))
+    assert _reference(perception(road=road)) == pytest.approx([9.0] * 6)
+
+
+def _line(scene: Perception, rest: float) -> tuple[float, str]:
+    return keep_clear_line(scene, TIMES, np.full(len(TIMES), rest), 2.5)
+
+
+def test_a_crossing_is_kept_clear_when_there_is_no_room_behind_it() -> None:
+    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)])
+    # Exit at 34 m, a car of 4.5 m, half a metre, and 2.5 m to the vehicle ahead.
+    assert _line(scene, 34.0 + 4.5 + 0.5 + 2.5 + 0.01) == (np.inf, "")
+    assert _line(scene, 34.0 + 4.5 + 0.5 + 2.5 - 0.01) == (29.0, "zebra")
+
+
+def test_nobody_ahead_means_room() -> None:
+    assert _line(perception(ego(speed=8.0), crossings=[zebra(30.0)]), np.inf) == (np.inf, "")
+
+
+def test_what_counts_is_where_the_leader_could_stop_when_the_ego_arrives() -> None:
+    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)])
+    arrival = (29.0 - FRONT) / 8.0
+    leaving = np.where(arrival - 0.5 > TIMES, 36.0, 60.0)
+    assert keep_clear_line(scene, TIMES, leaving, 2.5) == (np.inf, "")
+    assert keep_clear_line(scene, TIMES, 96.0 - leaving, 2.5) == (29.0, "zebra")
+
+
+def test_a_crossing_the_ego_is_on_or_cannot_stop_before_is_not_stopped_at() -> None:
+    assert _line(perception(ego(speed=8.0), crossings=[zebra(2.0)]), 10.0) == (np.inf, "")
+    assert _line(perception(ego(speed=14.0), crossings=[zebra(20.0)]), 25.0) == (np.inf, "")
+    assert _line(perception(ego(speed=8.0), crossings=[zebra(20.0)]), 25.0) == (19.0, "zebra")
+
+
+@pytest.mark.parametrize(
+    ("along", "place", "until", "line"),
+    [
+        (38.0, 37.0, 60.0, 29.0),
+        (38.0, 37.0, np.inf, 29.0),
+        # Gone by the time the ego has left the crossing, and a second later.
+        (38.0, 37.0, 4.0, np.inf),
+        # On the crossing itself, and so far behind it that a car has room between.
+        (33.0, 29.0, 60.0, np.inf),
+        (42.0, 39.5, 60.0, np.inf),
+    ],
+)
+def test_a_crossing_is_kept_clear_of_people_behind_it(
+    along: float, place: float, until: float, line: float
+) -> None:
+    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)])
+    found = keep_clear_of_people(scene, np.array([along]), np.array([place]), np.array([until]))
+    assert found == line
+    assert keep_clear_of_people(scene, np.zeros(0), np.zeros(0), np.zeros(0)) == np.inf

@@ -1,0 +1,171 @@
+"""An ego that is kept from starting finds a way round those who stay, and comes back into its lane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from controllers.geometry.path_clearance import disc_clearances
+from controllers.interface import Body, FloatArray, Perception, Plan
+from controllers.safety import free_way
+from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
+from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
+from controllers.safety.way_out import INCHING, PATIENCE, SPEED
+from cosim.step.toy_road import ToyRoad, walk
+from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road
+from tests.controllers.toy_runs import ride
+
+BODY = Body()
+KEPT = 0.3
+"""Radius of a person and distance kept from them [m]."""
+
+
+def _people(*places: tuple[float, float]) -> Obstacles:
+    x, y = np.array(places, dtype=float).reshape(-1, 2).T
+    return Obstacles(x, y, np.full(len(x), KEPT))
+
+
+def _driven(way: FloatArray, across: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x, y and heading of the rear axle after each arc, shape (k, 1) each."""
+    turned = ARC * np.tan(way) / BODY.wheelbase
+    heading = np.cumsum(turned)
+    middle = heading - 0.5 * turned
+    x, y = np.cumsum(ARC * np.cos(middle)), across + np.cumsum(ARC * np.sin(middle))
+    return x[:, None], y[:, None], heading[:, None]
+
+
+def _nearest(way: FloatArray, people: Obstacles) -> float:
+    still = (np.repeat(values[:, None], len(way), axis=1) for values in (people.x, people.y, people.kept))
+    return float(disc_clearances(*_driven(way), BODY, *still).min())
+
+
+def test_with_nobody_in_the_way_it_is_straight_and_as_long_as_looked_for() -> None:
+    way = free_way.find(perception(ego(speed=0.0)), _people(), np.inf)
+    assert way is not None
+    assert len(way) * ARC == pytest.approx(REACH)
+    assert np.abs(way).max() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_from_beside_the_lane_it_leads_back() -> None:
+    way = free_way.find(perception(ego(speed=0.0, across=1.0)), _people(), np.inf)
+    assert way is not None
+    assert abs(_driven(way, 1.0)[1][-1, 0]) < 0.3
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_it_goes_round_somebody_at_a_corner_and_comes_back(side: float) -> None:
+    corner = _people((BODY.front + 0.9, side * 1.05))
+    way = free_way.find(perception(ego(speed=0.0)), corner, np.inf)
+    assert way is not None
+    assert way[0] * side < 0.0
+    assert _nearest(way, corner) >= 0.0
+    assert abs(_driven(way)[1][-1, 0]) < 0.5
+
+
+def test_it_goes_between_two_with_little_room_and_nowhere_without_any() -> None:
+    apart = 0.5 * BODY.width + KEPT
+    gate = _people((6.0, -apart - 0.05), (7.0, apart + 0.05))
+    way = free_way.find(perception(ego(speed=0.0, across=0.3)), gate, np.inf)
+    assert way is not None
+    closed = _people((6.0, -apart + 0.2), (6.0, apart - 0.2))
+    assert free_way.find(perception(ego(speed=0.0)), closed, np.inf) is None
+
+
+def test_it_goes_no_farther_than_it_may_and_not_at_all_for_a_few_steps() -> None:
+    seen = perception(ego(speed=0.0))
+    way = free_way.find(seen, _people(), 8.0)
+    assert way is not None
+    assert len(way) * ARC == pytest.approx(8.0)
+    assert free_way.find(seen, _people(), SHORTEST - 0.5) is None
+
+
+def test_in_a_tight_bend_it_passes_people_who_stand_inside_by_turning_late() -> None:
+    """A car cuts the corner with its inner rear wheel, on which people stand who wait there."""
+    road = bend(straight_road(), 1.0, 6.0, 9.0)
+    inside = _people((2.6, 1.05), (3.2, 1.15))
+    way = free_way.find(perception(ego(speed=0.0), road), inside, np.inf)
+    assert way is not None
+    assert _nearest(way, inside) >= 0.0
+    assert way[0] < way.max()
+
+
+def test_beyond_the_lane_it_leads_only_where_it_may() -> None:
+    seen, row = perception(ego(speed=0.0)), _people(*((8.0, y) for y in np.arange(-1.6, 1.7, 0.8)))
+    assert free_way.find(seen, row, np.inf) is None
+    way = free_way.find(seen, row, np.inf, beyond=1.5)
+    assert way is not None
+    assert _nearest(way, row) >= 0.0
+
+
+def test_a_way_that_somebody_has_stepped_into_does_not_lead_on() -> None:
+    seen, free = perception(ego(speed=0.0)), _people()
+    way = free_way.find(seen, free, np.inf)
+    assert way is not None
+    assert free_way.leads_on(seen, free, way, 1.2)
+    assert not free_way.leads_on(seen, _people((7.0, 0.5)), way, 1.2)
+
+
+def _held(
+    walkers: Sequence[Walker],
+    seconds: float,
+    cars: Sequence[Car] = (),
+    room: float = np.inf,
+    stuck: bool = True,
+) -> list[Plan]:
+    """Return what the last check makes of an ego that stands for so long."""
+    check, plans = LastCheck(), []
+    for tick in range(int(10.0 * seconds)):
+        seen: Perception = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers, cars)
+        plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, stuck, room))
+    return plans
+
+
+AT_THE_CORNER = Walker(BODY.front + 0.9, -1.05)
+
+
+def test_it_is_taken_after_a_while() -> None:
+    plans = _held([AT_THE_CORNER], PATIENCE + 1.0)
+    statuses = [plan.status for plan in plans]
+    assert set(statuses[: int(10 * PATIENCE)]) == {SHIELDED}
+    assert statuses[-1] == WAY_OUT
+    # The wheels are turned before it drives.
+    first = plans[statuses.index(WAY_OUT)].command
+    assert first.steering[0] > 0.1
+    assert first.acceleration[0] < 0.0
+
+
+def test_who_waits_for_a_light_or_a_leader_takes_none() -> None:
+    assert _held([AT_THE_CORNER], PATIENCE + 1.0, room=3.0)[-1].status == SHIELDED
+
+
+def test_vehicles_that_stand_are_gone_round_too_or_waited_for() -> None:
+    beside = Car(BODY.front + 3.0, 3.2, length=6.0)
+    assert _held([AT_THE_CORNER], PATIENCE + 1.0, [beside])[-1].status == WAY_OUT
+    near = Car(BODY.front + 3.0, 2.0, length=6.0)
+    assert _held([AT_THE_CORNER], PATIENCE + 1.0, [near])[-1].status == SHIELDED
+
+
+def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_standing() -> None:
+    leans = Walker(1.0, -(0.5 * BODY.width + 0.25) + 0.05)
+    check, speed, steering = LastCheck(), 0.0, 0.0
+    for tick in range(80):
+        state = ego(speed=speed, time=0.1 * tick, steering=steering)
+        seen = perception(state, straight_road(2), [leans])
+        plan = check.checked(seen, keeps(2.0), np.array([False]), None, True)
+        speed = max(speed + 0.1 * float(plan.command.acceleration[0]), 0.0)
+        steering = float(plan.command.steering[0])
+        assert speed < INCHING + 1e-6
+    assert plan.status == WAY_OUT
+    assert speed > 0.5 * INCHING
+
+
+def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
+    """A person stands a metre ahead of the right corner of an ego that starts from a standstill."""
+    record = ride(ToyRoad(), [walk(BODY.front + 0.9, -1.05, 0.0, 0.0)], speed=0.0, duration=60.0)
+    ways_out = [i for i, plan in enumerate(record.plans) if plan.status == WAY_OUT]
+    assert ways_out
+    assert max(record.snapshots[i].egos[0].speed for i in ways_out) < SPEED + 0.3
+    assert record.clearance() > 0.0
+    assert record.arrival(20.0) < 40.0
