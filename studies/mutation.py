@@ -48,11 +48,13 @@ PLACES = {
         (
             "controllers/conflicts/path_conflicts.py",
             "controllers/conflicts/expected_behaviour.py",
-            "controllers/velocity_obstacle/mpc/arithmetic/class_bounds.py",
+            "controllers/conflicts/band_overlap.py",
+            "controllers/velocity_obstacle/mpc/passing_classes.py",
+            "controllers/velocity_obstacle/mpc/arithmetic/passing_bounds.py",
         ),
         tuple(
             f"tests/controllers/**/test_{name}.py"
-            for name in ("passing", "horizon", "longitudinal", "bystanders", "way_out")
+            for name in ("path_conflicts", "horizon", "longitudinal", "bystanders", "way_out")
         ),
     ),
     "plant": Place(("cosim/step/plant.py", "cosim/step/frames.py"), ("tests/cosim/step",)),

@@ -27,18 +27,23 @@ VIOLATIONS = {
     "name the catalogue": ("cosim/cli/third_intruder.py", "import controllers.catalog\n"),
     "walk by no model of a controller": (
         "cosim/pedestrians/intruder.py",
-        "import controllers.numerics.first\n",
+        "import controllers.strategies.first\n",
     ),
     "reached through the catalogue": ("cosim/running/compose.py", "import controllers.strategies.first\n"),
     "controllers are independent": (
         "controllers/strategies/second.py",
         "import controllers.strategies.first\n",
     ),
-    "arithmetic are independent": (
-        "controllers/numerics/second.py",
-        "import controllers.numerics.first\n",
+    "rooms of controllers": ("controllers/geometry/__init__.py", "import controllers.driving\n"),
+    "formulations of the velocity-obstacle method": (
+        "controllers/velocity_obstacle/paper/__init__.py",
+        "import controllers.velocity_obstacle.mpc\n",
     ),
-    "the optimisation room knows a solver": ("controllers/numerics/third.py", "import qpsolvers\n"),
+    "arithmetic know arrays only": (
+        "controllers/velocity_obstacle/mpc/arithmetic/first.py",
+        "import controllers.interface\n",
+    ),
+    "the optimisation room knows a solver": ("controllers/safety/__init__.py", "import qpsolvers\n"),
     "rooms of analysis": ("analysis/recording/first.py", "import analysis.encounters\n"),
     "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
 }
@@ -63,8 +68,12 @@ CLEAN = (
     "controllers/catalog.py",
     "controllers/strategies/first.py",
     "controllers/strategies/second.py",
-    "controllers/numerics/first.py",
-    "controllers/numerics/second.py",
+    "controllers/velocity_obstacle/mpc/arithmetic/first.py",
+    *(f"controllers/{name}.py" for name in ("annotations", "interface", "parameters", "settings")),
+    *(f"controllers/{room}/__init__.py" for room in ("conflicts", "drivable_area", "driving", "geometry")),
+    *(f"controllers/{room}/__init__.py" for room in ("optimisation", "potential_field", "prediction")),
+    *(f"controllers/{room}/__init__.py" for room in ("safety", "speed_plans", "velocity_obstacle/paper")),
+    *(f"controllers/velocity_obstacle/{name}.py" for name in ("cones", "decision_rules")),
     "analysis/recording/first.py",
     *(
         f"analysis/{room}/__init__.py"

@@ -10,7 +10,7 @@ from typing import Any
 from controllers.conflicts import bystanders, path_conflicts
 from controllers.optimisation import solve as solving
 from controllers.safety.last_check import LastCheck
-from controllers.velocity_obstacle.mpc import lateral, longitudinal
+from controllers.velocity_obstacle.mpc import lateral, longitudinal, passing_classes
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
 from controllers.velocity_obstacle.mpc.lateral import LateralProgram
 from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram
@@ -33,7 +33,7 @@ PLACES = (
     (path_conflicts, "expected", PREDICT),
     (path_conflicts, "find", CONFLICTS),
     (bystanders, "bystanders", CONFLICTS),
-    (path_conflicts, "class_bounds", CONFLICTS),
+    (passing_classes, "class_bounds", CONFLICTS),
     (SpeedPlanner, "_candidates", CONFLICTS),
     (SpeedTasks, "task", TASK),
     (VelocityObstacleMpc, "_steering_task", TASK),

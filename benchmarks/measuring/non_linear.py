@@ -24,7 +24,7 @@ from measuring.tasks import Layout, Step
 FloatArray = NDArray[np.float64]
 
 LONG, ACROSS = 4, 4
-"""States of each motion; as in ``controllers.numerics``."""
+"""States of each motion; as in ``controllers.velocity_obstacle.mpc.arithmetic``."""
 UPPER, LOWER, HEADWAY, EMERGENCY, CORRIDOR = range(5)
 SLACKS = 5
 SLOWEST = 0.5

@@ -117,7 +117,7 @@ class Expectation(NamedTuple):
 def expected(
     perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
 ) -> Expectation:
-    """Return what is expected of everybody; the arguments are those of ``passing.find``."""
+    """Return what is expected of everybody; the arguments are those of ``path_conflicts.find``."""
     watch.look(perception, assume)
     people, road = perception.pedestrians, perception.road
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]

@@ -9,7 +9,7 @@ import numpy as np
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts, find
 from controllers.drivable_area.clearances import Boxes, Shape
-from controllers.driving.vehicles_ahead import footprints
+from controllers.geometry.footprints import footprints
 from controllers.interface import FloatArray, Perception
 from controllers.prediction.social_force_model import Walkers
 

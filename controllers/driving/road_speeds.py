@@ -1,21 +1,15 @@
-"""What the road itself asks of the speed: limits, bends, crossings to be kept clear."""
+"""How fast the road itself lets the ego drive: limits and bends, here and ahead."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
-from numpy.typing import NDArray
 
-from controllers.interface import Crossing, Perception
-from controllers.numerics import road_speeds
+from controllers.interface import FloatArray, Perception
 
-FloatArray = NDArray[np.float64]
-
-STANDS_FOR = 1.0
-"""Who would stand on a crossing for longer than this stops before it [s]."""
-KEEP_CLEAR_BRAKING = 2.5
-"""A crossing is kept clear where braking no harder than this suffices [m/s^2]."""
+STRAIGHT = 1e-4
+"""A curvature below this is none [1/m]."""
+HIGHEST = 100.0
+"""No speed is asked for beyond this [m/s]."""
 
 
 def reference_speed(
@@ -36,69 +30,44 @@ def reference_speed(
     braking
         With which the ego slows down for what it sees [m/s^2].
     """
-    wanted: FloatArray = reference_speeds(perception, positions, np.array([[lateral_acceleration, braking]]))[
-        0
-    ]
+    demands = np.array([[lateral_acceleration, braking]])
+    wanted: FloatArray = reference_speeds(perception, positions, demands)[0]
     return wanted
 
 
 def reference_speeds(perception: Perception, positions: FloatArray, demands: FloatArray) -> FloatArray:
-    """Return :func:`reference_speed` for rows of lateral acceleration and braking, one row for each."""
+    """Return :func:`reference_speed` for several demands, one row for each, shape (demands, N).
+
+    Parameters
+    ----------
+    perception, positions
+        As there.
+    demands
+        Rows of what is allowed in bends, and slowed down with [m/s^2].
+    """
     road = perception.road
-    return road_speeds.reference_speeds(
-        positions, road.curvature, road.curvature_step, road.limit_along, road.limit, demands
-    )
-
-
-def keep_clear_line(
-    perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
-) -> tuple[float, str]:
-    """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
-
-    Parameters
-    ----------
-    perception
-        What the ego is told.
-    times, leader_rest
-        Where the rear bumper of the vehicle ahead could come to rest, by time; inf for none [s, m].
-    gap
-        Kept to it at a standstill [m].
-    """
-    speed = max(perception.ego.speed, 3.0)
-    for crossing, room, beyond in _avoidable(perception):
-        if np.interp(max(room, 0.0) / speed, times, leader_rest) - gap < beyond:
-            return crossing.stop_line, crossing.name
-    return float("inf"), ""
-
-
-def keep_clear_of_people(
-    perception: Perception, along: FloatArray, places: FloatArray, until: FloatArray
-) -> float:
-    """Return the stop line of a crossing on which the ego would stand for people behind it; inf for none.
-
-    Parameters
-    ----------
-    perception
-        What the ego is told.
-    along, places, until
-        Where those are who are let pass, where the front bumper stops for them, and how long, shape (n,)
-        [m, m, s].
-    """
-    body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
-    for crossing, _, beyond in _avoidable(perception):
-        there = (beyond - body.front) / speed
-        if ((along > crossing.exit) & (places < beyond) & (until > there + STANDS_FOR)).any():
-            return crossing.stop_line
-    return float("inf")
-
-
-def _avoidable(perception: Perception) -> Iterator[tuple[Crossing, float, float]]:
-    """Give the crossings that the ego can stop before, the way to their line, and where they are clear."""
-    ego, body = perception.ego, perception.ego.body
-    for crossing in perception.road.crossings:
-        on_it = body.front > crossing.entry
-        if on_it or crossing.stop_line < body.front - 0.5:
-            continue
-        room = crossing.stop_line - body.front
-        if ego.speed**2 / (2.0 * KEEP_CLEAR_BRAKING) + 0.3 * ego.speed <= max(room, 0.0) + 0.5:
-            yield crossing, room, crossing.exit + body.length + 0.5
+    curvature, limit_along, limit = road.curvature, road.limit_along, road.limit
+    along = np.arange(len(curvature)) * road.curvature_step
+    bend = np.maximum(np.abs(curvature), STRAIGHT)
+    if len(limit) > 0 and limit_along[0] <= 0.0:
+        # A limit holds everywhere: of the road's many points only bends slower than that matter.
+        slow = np.flatnonzero(bend * limit.max() ** 2 > demands[:, 0].min())
+        along, bend = along[slow], bend[slow]
+    points = np.concatenate((along, limit_along))
+    speeds = np.full((len(demands), len(positions)), np.inf)
+    if len(points) == 0:
+        return speeds
+    # A bend counts until the instant before has left it behind, or one between two instants would be
+    # missed; a limit counts until the next one begins.
+    since = np.minimum(np.append(0.0, positions[:-1]), positions)
+    ends = np.append(limit_along[1:], np.inf)[: len(limit_along)]
+    left = np.concatenate((along, ends))
+    distance = np.maximum(points - positions.reshape(-1, 1), 0.0)
+    gone = left < since.reshape(-1, 1)
+    gone[:, len(along) :] = ends <= positions.reshape(-1, 1)
+    distance = np.where(gone, np.inf, distance)
+    for i in range(len(demands)):
+        lateral, braking = demands[i]
+        squares = np.concatenate((lateral / bend, limit**2))
+        speeds[i] = np.sqrt(np.minimum((squares + 2.0 * braking * distance).min(axis=1), HIGHEST**2))
+    return speeds

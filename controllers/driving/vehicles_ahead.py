@@ -1,4 +1,4 @@
-"""Other vehicles as bounds on the position: who is ahead in a band of the road."""
+"""Other vehicles as bounds on the position: who is ahead in a band of the road, and where they will be."""
 
 from __future__ import annotations
 
@@ -7,16 +7,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import Perception, Vehicles
-from controllers.numerics import vehicles_ahead
-from controllers.numerics.vehicles_ahead import Footprints as Footprints
+from controllers.geometry.footprints import Footprints, footprints
+from controllers.interface import FloatArray, IntArray, Perception, Vehicles
 
-FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
-
-def footprints(vehicles: Vehicles) -> Footprints:
-    """Return the smallest boxes along the lane that hold the bodies."""
-    return vehicles_ahead.footprints(_arrays(vehicles))
+HARD_BRAKING = 8.0
+"""Assumed of a vehicle ahead for ``rest`` [m/s^2]."""
+IN_THE_WAY_WITHIN = 0.5
+"""A vehicle that drifts into the band within this time is in the way already [s]."""
+MERGING_WITHIN = 2.0
+"""One that will be in the band within this time is about to [s]."""
+DRIFTING = 0.15
+"""Slower movement across the road is not taken for a change of lane [m/s]."""
 
 
 class Blockade(NamedTuple):
@@ -51,15 +54,73 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     if len(vehicles) == 0:
         free = np.full(len(times), np.inf)
         return Blockade(free, free, free, "")
+    front = perception.ego.body.front
     centres = np.array([lane.offset for lane in perception.road.lanes])
-    rear, rest, follow, nearest = vehicles_ahead.blockade(
-        _arrays(vehicles), perception.ego.body.front, centres, band[0], band[1], times
+    box = footprints(vehicles)
+    soon, later = _ahead(vehicles, box, front, centres, *band)
+    chosen = np.flatnonzero(soon | later)
+    if len(chosen) == 0:
+        free = np.full(len(times), np.inf)
+        return Blockade(free, free, free, "")
+    rear, speed = _predicted(vehicles, box, chosen, times)
+    rest = rear + speed**2 / (2.0 * HARD_BRAKING)
+    blocking = np.flatnonzero(soon[chosen])
+    nearest = int(chosen[np.argmin(box.rear[chosen])])
+    nobody = np.inf
+    return Blockade(
+        rear[blocking].min(axis=0, initial=nobody),
+        rest[blocking].min(axis=0, initial=nobody),
+        rear.min(axis=0, initial=nobody),
+        vehicles.names[nearest],
     )
-    return Blockade(rear, rest, follow, vehicles.names[nearest] if nearest >= 0 else "")
 
 
-def _arrays(vehicles: Vehicles) -> vehicles_ahead.Vehicles:
-    v = vehicles
-    return vehicles_ahead.Vehicles(
-        v.along, v.across, v.along_speed, v.across_speed, v.acceleration, v.heading_error, v.length, v.width
+def _ahead(
+    vehicles: Vehicles, box: Footprints, front: float, centres: FloatArray, right: float, left: float
+) -> tuple[BoolArray, BoolArray]:
+    """Return who is ahead of the ego and in the band, now or soon, and who now or a little later."""
+    middle_ahead = 0.5 * (box.rear + box.front) > 0.5 * front
+    # Somebody beside the ego who drifts towards it is not ahead; braking for the rear end would be late.
+    in_band = (box.right < left - 0.2) & (box.left > right + 0.2)
+    possible = middle_ahead & ((box.rear > front - 1.0) | in_band)
+    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
+    drifting = possible & box.same_way & (np.abs(vehicles.across_speed) > DRIFTING)
+    if not drifting.any():
+        there = possible & (box.right < left) & (box.left > right)
+        return there, there
+    side = np.where(drifting, np.sign(vehicles.across_speed), 0.0)
+    towards = np.full(len(side), np.inf)
+    for centre in centres:
+        way = centre - vehicles.across
+        towards = np.where(way * side > 0.1, np.minimum(towards, np.abs(way)), towards)
+    first = side * np.minimum(np.abs(vehicles.across_speed) * IN_THE_WAY_WITHIN, towards)
+    second = side * np.minimum(np.abs(vehicles.across_speed) * MERGING_WITHIN, towards)
+    return possible & _drifts_in(box, first, right, left), possible & _drifts_in(box, second, right, left)
+
+
+def _drifts_in(box: Footprints, drift: FloatArray, right: float, left: float) -> BoolArray:
+    """Return who is in a band somewhere on the way across, signed."""
+    return (box.right + np.minimum(drift, 0.0) < left) & (box.left + np.maximum(drift, 0.0) > right)
+
+
+def _predicted(
+    vehicles: Vehicles, box: Footprints, chosen: IntArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return rear bumpers and speeds over the horizon, shape (len(chosen), N) each."""
+    same_way = box.same_way[chosen]
+    speed = np.where(same_way, np.maximum(vehicles.along_speed[chosen], 0.0), 0.0).reshape(-1, 1)
+    change = vehicles.acceleration[chosen]
+    braking = np.where(change < -0.3, np.minimum(-change, 6.0), 0.0).reshape(-1, 1)
+    gain = np.where(same_way, np.minimum(np.maximum(change, 0.0), 1.5), 0.0).reshape(-1, 1)
+    stopping = np.where(braking > 0.0, speed / np.maximum(braking, 1e-9), 0.0)
+    brake_time = np.minimum(np.minimum(times, 2.0), stopping)
+    push = np.minimum(times, 1.0)
+    slowed = speed - braking * brake_time
+    rear = (
+        box.rear[chosen].reshape(-1, 1)
+        + speed * brake_time
+        - 0.5 * braking * brake_time**2
+        + slowed * (times - brake_time)
+        + gain * push * (times - 0.5 * push)
     )
+    return rear, slowed + gain * push

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.vehicles_ahead import footprints
+from controllers.geometry.footprints import footprints
 from controllers.interface import Body, FloatArray, Vehicles
 
 

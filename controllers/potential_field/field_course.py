@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from controllers.driving.following import limit_now
 from controllers.driving.lanes import lane_keeping
-from controllers.driving.lanes.lane_choice import blocker
+from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.geometry.path_clearance import beyond_edges, disc_clearances, vehicles_met
 from controllers.interface import Decision, FloatArray, Pedestrians, Perception
 from controllers.potential_field.field import Field

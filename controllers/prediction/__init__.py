@@ -1,1 +1,1 @@
-"""How pedestrians and vehicles are expected to move."""
+"""Where pedestrians will be: one file per predictor, and the models of walking behind them."""

@@ -1,1 +1,1 @@
-"""The last check of a plan before it is carried out."""
+"""The last check of a plan before it is executed, the way out of a jam, and emergency braking."""

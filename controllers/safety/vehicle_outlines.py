@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.vehicles_ahead import footprints
+from controllers.geometry.footprints import footprints
 from controllers.geometry.plane import vehicles_in_plane
 from controllers.interface import FloatArray, Perception
 from controllers.safety.pedestrian_discs import Discs

@@ -15,7 +15,7 @@ import numpy as np
 
 from controllers.conflicts import path_conflicts
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
-from controllers.conflicts.path_conflicts import Conflicts
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import neighbours_ahead
 from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
@@ -217,7 +217,7 @@ def _target(perception: Perception, conflicts: Conflicts, i: int, rule: Crossing
     line, name = float(conflicts.stop_line[i]), conflicts.names[i]
     people, index = perception.pedestrians, int(conflicts.index[i])
     enter, leave = float(conflicts.enter[i]), float(conflicts.leave[i])
-    there = conflicts.along_at(np.array([enter, min(leave, enter + path_conflicts.STRAIGHT_ON)]))[i]
+    there = conflicts.along_at(np.array([enter, min(leave, enter + STRAIGHT_ON)]))[i]
     face = float(there.min() - conflicts.radius[i])
     body_gap = max(face - front, 0.0)
     # Who has not begun to cross, or stands, leaves at no time that could be relied on.

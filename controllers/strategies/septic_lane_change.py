@@ -15,7 +15,7 @@ import numpy as np
 
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.lanes import lane_keeping
-from controllers.driving.lanes.lane_choice import blocker
+from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.driving.lanes.lane_path import LanePath, Odometer, told
 from controllers.driving.lanes.septic_path import SepticPath
 from controllers.driving.traffic_driver import TrafficDriver

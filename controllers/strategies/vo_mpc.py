@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions
 from controllers.conflicts.hidden_pedestrians import HiddenPedestrian
-from controllers.driving.lanes.lane_choice import GapRule
+from controllers.driving.lanes.gap_acceptance import GapRule
 from controllers.interface import Controller
 from controllers.optimisation.settings import SolverSettings
 from controllers.prediction import by_name

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from controllers.driving.standing import VEHICLE_STANDING
-from controllers.driving.vehicles_ahead import Footprints, footprints
+from controllers.geometry.footprints import Footprints, footprints
 from controllers.interface import Lane, Perception
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.lanes import way_into_lane
-from controllers.driving.vehicles_ahead import footprints
+from controllers.geometry.footprints import footprints
 from controllers.interface import EgoState, FloatArray, Lane, Perception
 
 LOOK_AHEAD = 45.0

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import path_conflicts
-from controllers.conflicts.path_conflicts import Conflicts
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.interface import Lane, Perception
 from controllers.optimisation.solve import Memory
 from controllers.velocity_obstacle.mpc.cone_program import ConeProgram, JointPlan
@@ -92,7 +91,7 @@ class ConePlanner(SpeedPlanner):
             return Walkers(there.along, there.across, vx, vy, c.radius[chosen], side, there.reach)
         x = c.along_at(times)[chosen]
         y = c.across[chosen, None] + c.across_speed[chosen, None] * times
-        vx = np.where(times < path_conflicts.STRAIGHT_ON, c.along_speed[chosen, None], 0.0)
+        vx = np.where(times < STRAIGHT_ON, c.along_speed[chosen, None], 0.0)
         vy = np.broadcast_to(c.across_speed[chosen, None], x.shape)
         return Walkers(x, y, vx, vy, c.radius[chosen], side)
 

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.conflicts import path_conflicts
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving.lanes import place_in_lane
 from controllers.driving.lanes.blocked_lanes import BlockedLanes
@@ -42,7 +41,7 @@ from controllers.velocity_obstacle.mpc.arithmetic import last_plan
 from controllers.velocity_obstacle.mpc.cone_planning import SLOTS, ConePlanner
 from controllers.velocity_obstacle.mpc.cone_program import ConeProgram
 from controllers.velocity_obstacle.mpc.cone_rows import ConeSettings, Outline
-from controllers.velocity_obstacle.mpc.lane_by_cost import ChangeSettings, LaneDecision
+from controllers.velocity_obstacle.mpc.lane_by_cost import ChangeSettings, LaneByCost
 from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
 from controllers.velocity_obstacle.mpc.lateral import (
     LateralProgram,
@@ -56,6 +55,7 @@ from controllers.velocity_obstacle.mpc.longitudinal import (
     SpeedPlan,
     SpeedWeights,
 )
+from controllers.velocity_obstacle.mpc.passing_classes import class_name
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory, sampled_command
 from controllers.velocity_obstacle.mpc.speed_planning import Chosen, SpeedPlanner, with_margins
@@ -118,7 +118,7 @@ class VelocityObstacleMpc:
         self._times = np.cumsum(settings.dt)
         self._memory = PlanMemory(self._times)
         self._lanes = LaneManoeuvre(settings.change_duration)
-        self._decision = LaneDecision(settings.change, self._lanes)
+        self._decision = LaneByCost(settings.change, self._lanes)
         self._blocked = BlockedLanes()
         self._last_check = LastCheck()
         self._view: tuple[Perception, Perception] | None = None
@@ -178,7 +178,7 @@ class VelocityObstacleMpc:
         answer = Plan(
             command,
             status=SLACK if chosen.too_far > SLACK_FROM else "ok",
-            passing=path_conflicts.class_name(chosen.conflicts, chosen.behind),
+            passing=class_name(chosen.conflicts, chosen.behind),
             slack=chosen.plan.slack,
             times=self._times,
             along=chosen.plan.position,

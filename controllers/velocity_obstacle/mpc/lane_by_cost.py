@@ -1,4 +1,7 @@
-"""Straight, lane change or autonomous: the decision rules applied to the road and traffic at hand."""
+"""The lane that ``vo_mpc`` chooses: what the decision rules allow, and of that what costs less.
+
+What any other driver chooses is in :mod:`controllers.driving.lanes.lane_choice`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.driving.lanes.lane_choice import GapRule, blocker, lane_for_route
+from controllers.driving.lanes.gap_acceptance import GapRule, blocker
+from controllers.driving.lanes.lane_for_route import lane_for_route
 from controllers.interface import Decision, Lane, Manoeuvre, Perception
 from controllers.velocity_obstacle import decision_rules
 from controllers.velocity_obstacle.decision_rules import Rule
@@ -42,8 +46,8 @@ class ChangeSettings:
     gaps: GapRule
 
 
-class LaneDecision:
-    """Decides which lane to drive in; one per ego.
+class LaneByCost:
+    """Decides which lane to drive in, by decision rules and the cost of driving there; one per ego.
 
     Parameters
     ----------

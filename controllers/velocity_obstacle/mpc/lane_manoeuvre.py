@@ -5,22 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.driving.standing import STANDING
-from controllers.interface import Lane, Perception
-
-FloatArray = NDArray[np.float64]
-
-
-def minimum_jerk(fraction: FloatArray) -> FloatArray:
-    """Return the profile ``10 s^3 - 15 s^4 + 6 s^5`` from 0 to 1, held outside.
-
-    >>> minimum_jerk(np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist()
-    [0.0, 0.0, 0.5, 1.0, 1.0]
-    """
-    s = np.clip(fraction, 0.0, 1.0)
-    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+from controllers.interface import FloatArray, Lane, Perception
 
 
 @dataclass(slots=True)

@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from controllers.conflicts import bystanders, path_conflicts
 from controllers.conflicts.expected_behaviour import Expectation, Watch, expected
 from controllers.conflicts.path_conflicts import Conflicts
-from controllers.driving import road_speeds
+from controllers.driving.keep_clear import keep_clear_of_people
 from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Lane, Perception
 from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
-from controllers.velocity_obstacle.mpc.arithmetic import class_bounds, position_bounds
+from controllers.velocity_obstacle.mpc import passing_classes
+from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds, position_bounds
 from controllers.velocity_obstacle.mpc.lateral import SteeringPlan
 from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.velocity_obstacle.mpc.passing_classes import ClassBounds
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
 from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, swept
@@ -68,7 +70,7 @@ class SpeedPlanner:
     _reconsidered: float = -np.inf
     _watch: Watch = field(default_factory=Watch)
     _expectation: Expectation = field(init=False)
-    _bounds: tuple[Conflicts, SpeedTask, path_conflicts.ClassBounds] | None = None
+    _bounds: tuple[Conflicts, SpeedTask, ClassBounds] | None = None
     # Of the conflicts and task they were worked out for.
     _tasks: SpeedTasks = field(init=False)
 
@@ -173,7 +175,7 @@ class SpeedPlanner:
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
         goes_on = self.may_enter[conflicts.index[:behind]]
-        _, places, _ = path_conflicts.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
+        _, places, _ = passing_classes.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
         room = min(waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
         return replace(chosen, too_far=too_far, room=room, stuck=farthest < STUCK_WITHIN < room)
 
@@ -219,7 +221,7 @@ class SpeedPlanner:
             return [0]
         bounds = self._class_bounds(perception, task, conflicts)
         limits, speed = self.program.limits, perception.ego.speed
-        short = class_bounds.shortfalls(
+        short = passing_bounds.shortfalls(
             bounds.lower,
             bounds.upper,
             task.upper,
@@ -282,8 +284,8 @@ class SpeedPlanner:
         bounds = self._class_bounds(perception, task, conflicts)
         front, people = perception.ego.body.front, bounds.upper[behind]
         # Who would have to stop for somebody with the body on a crossing stops before that crossing.
-        stops = path_conflicts.stops(conflicts, behind, front, self.settings.margin_along)
-        line = road_speeds.keep_clear_of_people(perception, *stops)
+        stops = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
+        line = keep_clear_of_people(perception, *stops)
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
         return task._replace(
@@ -301,14 +303,12 @@ class SpeedPlanner:
         price = w.violation * short + w.violation_squared * short**2
         return plan._replace(cost=plan.cost + price, slack=max(plan.slack, short))
 
-    def _class_bounds(
-        self, perception: Perception, task: SpeedTask, conflicts: Conflicts
-    ) -> path_conflicts.ClassBounds:
+    def _class_bounds(self, perception: Perception, task: SpeedTask, conflicts: Conflicts) -> ClassBounds:
         """Return the bounds of all classes, worked out once for the same conflicts and task."""
         known = self._bounds
         if known is None or known[0] is not conflicts or known[1] is not task:
             body = perception.ego.body
-            bounds = path_conflicts.class_bounds(
+            bounds = passing_classes.class_bounds(
                 conflicts,
                 self.memory.times,
                 body.front,

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from controllers.conflicts import hidden_pedestrians
 from controllers.conflicts.expected_behaviour import Watch
-from controllers.driving import road_speeds, vehicles_ahead
+from controllers.driving import road_speeds
+from controllers.driving.keep_clear import keep_clear_line
 from controllers.driving.right_of_way import RightOfWay, StopPlace
 from controllers.driving.standing import VEHICLE_STANDING
-from controllers.driving.vehicles_ahead import Blockade
+from controllers.driving.vehicles_ahead import Blockade, blockade
+from controllers.geometry.footprints import footprints
 from controllers.interface import Lane, Perception
 from controllers.velocity_obstacle.mpc.arithmetic import position_bounds
 from controllers.velocity_obstacle.mpc.longitudinal import SpeedLimits, SpeedTask
@@ -135,12 +137,12 @@ class SpeedTasks:
         kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
         reach = 0.5 * ego.body.width + kept
         offset = lane.offset if lane is not None else 0.0
-        then = vehicles_ahead.blockade(perception, (offset - reach, offset + reach), times)
+        then = blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
             return then
         # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
         body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
-        now = vehicles_ahead.blockade(perception, (at - body, at + body), times)
+        now = blockade(perception, (at - body, at + body), times)
         left = times > leaving_for
         return Blockade(
             np.minimum(np.where(left, np.inf, now.rear), then.rear),
@@ -158,7 +160,7 @@ class SpeedTasks:
         standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
         stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
         line, _ = self._line(perception, lane, rest, [stop for stop in self.stops if stop.name not in stand])
-        box = vehicles_ahead.footprints(vehicles)
+        box = footprints(vehicles)
         right, left = swept(perception, lane)
         ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
         gap = self.settings.standstill_gap
@@ -170,7 +172,7 @@ class SpeedTasks:
         """Return the place the front bumper must not pass now, and why; inf for none."""
         places = [(stop.along, stop.name) for stop in stops]
         gap = self.settings.standstill_gap
-        places.append(road_speeds.keep_clear_line(perception, self.memory.times, rest, gap))
+        places.append(keep_clear_line(perception, self.memory.times, rest, gap))
         if lane is not None:
             here = lane.number == perception.road.reference
             end = min(lane.follows_route_for, self.waiting_place) if here else lane.follows_route_for

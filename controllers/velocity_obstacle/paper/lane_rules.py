@@ -1,4 +1,4 @@
-"""Where an ego that avoids pedestrians may change lanes: the decision rules, and the change under way."""
+"""Which lanes ``vo_paper`` and ``vo_ga`` may change to in order to avoid somebody, and the change under way."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.driving.lanes.lane_choice import blocker
+from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.interface import Decision, Lane, Perception
 from controllers.velocity_obstacle import decision_rules
 from controllers.velocity_obstacle.decision_rules import Rule

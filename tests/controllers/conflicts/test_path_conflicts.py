@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
-from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts, class_bounds, class_name, find, stops
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts, find
 from controllers.interface import CrossingKind, FloatArray, Perception
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
-from controllers.velocity_obstacle.mpc.arithmetic.class_bounds import shortfalls
+from controllers.velocity_obstacle.mpc.arithmetic.passing_bounds import shortfalls
+from controllers.velocity_obstacle.mpc.passing_classes import class_bounds, class_name, stops
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
 
 BAND = (-0.9, 0.9)

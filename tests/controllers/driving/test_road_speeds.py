@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.driving.road_speeds import keep_clear_line, keep_clear_of_people, reference_speed
+from controllers.driving.keep_clear import keep_clear_line, keep_clear_of_people
+from controllers.driving.road_speeds import reference_speed
 from controllers.interface import Perception
 from tests.controllers.scenes import FRONT, bend, ego, perception, straight_road, zebra
 

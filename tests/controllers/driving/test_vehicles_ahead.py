@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from controllers.driving.vehicles_ahead import Blockade, blockade, footprints
+from controllers.driving.vehicles_ahead import Blockade, blockade
+from controllers.geometry.footprints import footprints
 from tests.controllers.scenes import FRONT, Car, perception, straight_road, vehicles
 
 BAND = (-1.2, 1.2)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.driving.lanes.lane_choice import LaneChoice, blocker, lane_for_route
+from controllers.driving.lanes.gap_acceptance import blocker
+from controllers.driving.lanes.lane_choice import LaneChoice
+from controllers.driving.lanes.lane_for_route import lane_for_route
 from controllers.interface import EgoState, Manoeuvre, Perception, RoadAhead
 from tests.controllers.drives import drive
 from tests.controllers.scenes import (

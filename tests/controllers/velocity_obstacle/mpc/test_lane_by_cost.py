@@ -9,7 +9,7 @@ import pytest
 from controllers import catalog
 from controllers.interface import Body
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
-from controllers.velocity_obstacle.mpc.lane_by_cost import LaneDecision
+from controllers.velocity_obstacle.mpc.lane_by_cost import LaneByCost
 from tests.controllers.scenes import ego, lanes_that_follow, perception, straight_road
 
 ENDS = 60.0
@@ -20,7 +20,7 @@ def _place(reference: int, speed: float = 5.0, ends: float = ENDS) -> float:
     assert isinstance(driver, VelocityObstacleMpc)
     settings = driver.settings.change
     road = lanes_that_follow(straight_road(2, reference), {reference: ends})
-    return LaneDecision(settings, driver._lanes).waiting_place(perception(ego(speed=speed), road))
+    return LaneByCost(settings, driver._lanes).waiting_place(perception(ego(speed=speed), road))
 
 
 def test_of_two_side_by_side_who_want_each_others_lane_the_left_one_waits_behind_the_other() -> None:

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.interface import Perception
-from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre, minimum_jerk
+from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
 from tests.controllers.scenes import LANE_WIDTH, ego, perception, straight_road
 
 TIMES = np.linspace(0.0, 6.0, 61)

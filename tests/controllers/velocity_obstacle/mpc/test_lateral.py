@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.interface import Body, FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.velocity_obstacle.mpc.horizon import growing_grid
-from controllers.velocity_obstacle.mpc.lane_manoeuvre import minimum_jerk
 from controllers.velocity_obstacle.mpc.lateral import (
     LateralProgram,
     SteeringPlan,

@@ -1,4 +1,4 @@
-"""Who is in the way when, and what passing classes ask; see ``conflicts.path_conflicts``."""
+"""What passing classes ask of the position, and by how much one is out of reach; see ``passing_classes``."""
 
 from __future__ import annotations
 
@@ -6,36 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-
-def overlap(
-    across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return when points that move at constant speed enter and leave [low, high]; inf for never."""
-    moving = np.abs(speed) > 1e-6
-    safe = np.where(moving, speed, 1.0)
-    first = (np.where(safe > 0.0, low, high) - across) / safe
-    last = (np.where(safe > 0.0, high, low) - across) / safe
-    inside = (across >= low) & (across <= high)
-    past = last < 0.0
-    stands = np.where(inside, 0.0, np.inf)
-    enter = np.where(moving, np.where(past, np.inf, np.maximum(first, 0.0)), stands)
-    leave = np.where(moving & ~past, last, np.inf)
-    return enter, leave
-
-
-def by_entry(foremost: FloatArray, enter: FloatArray, horizon: float, begin: float) -> IntArray:
-    """Return who is in conflict, in the order of entry.
-
-    Parameters
-    ----------
-    foremost, enter : along coordinate of each disc's far end, and time of entry, shape (n,) [m, s]
-    horizon : later entries do not count [s]
-    begin : along coordinate before which nobody counts [m]
-    """
-    chosen = np.flatnonzero((enter < horizon) & (foremost >= begin))
-    return chosen[np.argsort(enter[chosen], kind="mergesort")]
 
 
 def straight_on(

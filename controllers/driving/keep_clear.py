@@ -1,0 +1,68 @@
+"""Crossings to be kept clear: where to stop so as not to stand on one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from controllers.interface import Crossing, FloatArray, Perception
+
+STANDS_FOR = 1.0
+"""Who would stand on a crossing for longer than this stops before it [s]."""
+KEEP_CLEAR_BRAKING = 2.5
+"""A crossing is kept clear where braking no harder than this suffices [m/s^2]."""
+
+
+def keep_clear_line(
+    perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
+) -> tuple[float, str]:
+    """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    times, leader_rest
+        Where the rear bumper of the vehicle ahead could come to rest, by time; inf for none [s, m].
+    gap
+        Kept to it at a standstill [m].
+    """
+    speed = max(perception.ego.speed, 3.0)
+    for crossing, room, beyond in _avoidable(perception):
+        if np.interp(max(room, 0.0) / speed, times, leader_rest) - gap < beyond:
+            return crossing.stop_line, crossing.name
+    return float("inf"), ""
+
+
+def keep_clear_of_people(
+    perception: Perception, along: FloatArray, places: FloatArray, until: FloatArray
+) -> float:
+    """Return the stop line of a crossing on which the ego would stand for people behind it; inf for none.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    along, places, until
+        Where those are who are let pass, where the front bumper stops for them, and how long, shape (n,)
+        [m, m, s].
+    """
+    body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
+    for crossing, _, beyond in _avoidable(perception):
+        there = (beyond - body.front) / speed
+        if ((along > crossing.exit) & (places < beyond) & (until > there + STANDS_FOR)).any():
+            return crossing.stop_line
+    return float("inf")
+
+
+def _avoidable(perception: Perception) -> Iterator[tuple[Crossing, float, float]]:
+    """Give the crossings that the ego can stop before, the way to their line, and where they are clear."""
+    ego, body = perception.ego, perception.ego.body
+    for crossing in perception.road.crossings:
+        on_it = body.front > crossing.entry
+        if on_it or crossing.stop_line < body.front - 0.5:
+            continue
+        room = crossing.stop_line - body.front
+        if ego.speed**2 / (2.0 * KEEP_CLEAR_BRAKING) + 0.3 * ego.speed <= max(room, 0.0) + 0.5:
+            yield crossing, room, crossing.exit + body.length + 0.5

@@ -1,0 +1,111 @@
+"""Whether another lane is free: gaps to those ahead and behind in it that are large enough."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception
+
+
+@dataclass(frozen=True, slots=True)
+class GapRule:
+    """When the gaps of another lane are large enough.
+
+    At the beginning each gap must be at least G_min = minimum + headway · v plus what braking from the
+    closing speed needs; later in the manoeuvre it must stay above a share of G_min.
+    """
+
+    minimum: float = 2.5
+    """Gap at standstill [m]."""
+    headway: float = 1.0
+    """Time gap of the one behind [s]."""
+    deceleration: float = 2.0
+    """With which a closing speed is reduced [m/s^2]."""
+    duration: float = 4.0
+    """How far ahead others are predicted, at constant velocity [s]."""
+    later_share: float = 0.5
+    """Share of G_min that must be left at any time of the manoeuvre."""
+    abort_share: float = 0.3
+    """Share of G_min below which a change that has begun is given up …"""
+    abort_deceleration: float = 4.0
+    """… beside what the one behind needs to brake down with this [m/s^2]."""
+    abort_duration: float = 1.0
+    """How far ahead others are predicted once a change has begun: by then they see it [s]."""
+    pause_below: float = 3.0
+    """So slow, a change is not given up but paused: there is no room to steer back [m/s]."""
+    side: float = 0.3
+    """Distance kept beside others [m]."""
+
+
+def blocker(
+    perception: Perception, number: int, rule: GapRule | None = None, *, begun: bool = False
+) -> str | None:
+    """Return who makes a change to an adjacent lane unsafe, ``None`` if nobody does.
+
+    Parameters
+    ----------
+    perception : what the ego knows
+    number : ``Lane.number`` of a lane beside the reference lane
+    rule : how large the gaps have to be
+    begun : judge a change that is under way, by the smaller gaps that make it be given up
+
+    Notes
+    -----
+    Judged are the neighbours as they are now, and all vehicles at constant velocity over the duration of
+    the manoeuvre, also those that come over from a third lane or into the gap from the ego's own.
+    """
+    rule = rule or GapRule()
+    road = perception.road
+    lane = road.lane(number)
+    if lane is None:
+        return "no such lane"
+    if lane.number == road.reference:
+        return None
+    ahead, behind = _adjacent(perception.gaps, left=lane.number > road.reference)
+    speed = max(perception.ego.speed, 0.0)
+    if ahead is not None and ahead.gap < _required(speed, ahead.speed, rule, begun):
+        return ahead.name
+    if behind is not None and behind.gap < _required(behind.speed, speed, rule, begun):
+        return behind.name
+    return _meets(perception, lane, rule, begun)
+
+
+def _adjacent(gaps: NeighbourGaps, *, left: bool) -> tuple[Neighbour | None, Neighbour | None]:
+    if left:
+        return gaps.left_ahead, gaps.left_behind
+    return gaps.right_ahead, gaps.right_behind
+
+
+def _required(follower: float, leader: float, rule: GapRule, begun: bool) -> float:
+    """Return G_min for the follower's speed, plus what braking down to the leader's needs [m]."""
+    follower, leader = max(follower, 0.0), max(leader, 0.0)
+    smallest = rule.minimum + rule.headway * follower
+    squared = max(follower - leader, 0.0) ** 2
+    if begun:
+        return rule.abort_share * smallest + squared / (2.0 * rule.abort_deceleration)
+    return smallest + squared / (2.0 * rule.deceleration)
+
+
+def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> str | None:
+    """Return the first vehicle that would come too near in the target lane at constant velocities."""
+    others, ego = perception.vehicles, perception.ego
+    if len(others) == 0:
+        return None
+    speed = max(ego.speed, 0.0)
+    times = np.arange(0.0, (rule.abort_duration if begun else rule.duration) + 0.25, 0.5)[:, None]
+    share = rule.abort_share if begun else rule.later_share
+    across = others.across + others.across_speed * times
+    front = others.along + others.along_speed * times
+    ego_front = ego.body.front + speed * times
+    # Nobody may be in the strip from where the ego is to where it goes, whichever side they come from.
+    reach = 0.5 * (others.width + ego.body.width) + rule.side
+    inside = np.abs(across - lane.offset) < reach
+    gap_ahead = front - others.length - ego_front
+    gap_behind = ego_front - ego.body.length - front
+    ahead_needed = share * (rule.minimum + rule.headway * speed)
+    behind_needed = share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0))
+    near = inside & (gap_ahead < ahead_needed) & (gap_behind < behind_needed)
+    hits = np.flatnonzero(near.any(axis=0))
+    return others.names[int(hits[0])] if len(hits) else None

@@ -1,0 +1,58 @@
+"""Which lane to be in so that the route can be followed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers.interface import Lane, Perception, RoadAhead
+
+SAME_END = 10.0
+"""Lanes whose ends differ by less end at the same place: in a bend their lengths differ [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class RouteRule:
+    """When a lane has to be left for the route."""
+
+    distance: float = 60.0
+    """Distance that a lane change takes at least [m]."""
+    time: float = 5.0
+    """Time that a lane change takes at least [s]."""
+    search: float = 1.0
+    """How much more of the same to allow for finding a gap."""
+
+
+def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int | None:
+    """Return the adjacent lane that the route asks for now, ``None`` if the present one still serves.
+
+    Notes
+    -----
+    Of the adjacent lanes the one that follows the route for longer is taken. Where none does, several
+    changes are needed, and they lead to the side on which the road goes on beyond the lanes in view, but
+    never into a lane that serves the route worse than the present one: from there the way would lead back.
+    """
+    rule = rule or RouteRule()
+    road, ego = perception.road, perception.ego
+    here = road.lane(road.reference)
+    if here is None or here.follows_route_for >= road.route_end:
+        return None
+    beside = [lane for lane in road.lanes if abs(lane.number - here.number) == 1]
+    better = [lane for lane in beside if lane.follows_route_for > here.follows_route_for + SAME_END]
+    as_good = [lane for lane in beside if lane.follows_route_for >= here.follows_route_for - SAME_END]
+    candidates = better or [lane for lane in as_good if _road_goes_on(lane, here, road)] or as_good
+    if not candidates:
+        return None
+    changes = 1 if better and np.isinf(max(lane.follows_route_for for lane in better)) else 2
+    needed = changes * (1.0 + rule.search) * max(rule.distance, rule.time * ego.speed)
+    if here.follows_route_for - ego.body.front > needed:
+        return None
+    # max() keeps the first of equals: the right one, where traffic is slower.
+    return max(candidates, key=lambda lane: lane.follows_route_for).number
+
+
+def _road_goes_on(lane: Lane, here: Lane, road: RoadAhead) -> bool:
+    """Say whether there are lanes beyond an adjacent one."""
+    edge = road.left_edge if lane.number > here.number else road.right_edge
+    return abs(edge - lane.offset) > 0.9 * lane.width

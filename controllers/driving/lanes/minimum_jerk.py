@@ -1,0 +1,17 @@
+"""How an offset changes smoothly: the profile of least jerk."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from controllers.interface import FloatArray
+
+
+def minimum_jerk(fraction: FloatArray) -> FloatArray:
+    """Return the profile ``10 s^3 - 15 s^4 + 6 s^5`` from 0 to 1, held outside.
+
+    >>> minimum_jerk(np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist()
+    [0.0, 0.0, 0.5, 1.0, 1.0]
+    """
+    s = np.clip(fraction, 0.0, 1.0)
+    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))

@@ -1,0 +1,38 @@
+"""The boxes along the lane that hold the bodies of vehicles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.interface import FloatArray, Vehicles
+
+ALONG_THE_LANE = np.deg2rad(60.0)
+"""Vehicles whose heading differs by less drive along the ego's lane; others cross it or come towards it."""
+
+
+class Footprints(NamedTuple):
+    """Extents of vehicles in the route frame, arrays of length n."""
+
+    rear: FloatArray
+    front: FloatArray
+    right: FloatArray
+    left: FloatArray
+    same_way: NDArray[np.bool_]
+
+
+def footprints(vehicles: Vehicles) -> Footprints:
+    """Return the smallest boxes along the lane that hold the bodies."""
+    cos, sin = np.cos(vehicles.heading_error), np.sin(vehicles.heading_error)
+    centre = vehicles.along - 0.5 * vehicles.length * cos
+    half_along = 0.5 * (vehicles.length * np.abs(cos) + vehicles.width * np.abs(sin))
+    half_across = 0.5 * (vehicles.length * np.abs(sin) + vehicles.width * np.abs(cos))
+    return Footprints(
+        centre - half_along,
+        centre + half_along,
+        vehicles.across - half_across,
+        vehicles.across + half_across,
+        np.abs(vehicles.heading_error) < ALONG_THE_LANE,
+    )

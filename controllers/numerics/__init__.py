@@ -1,1 +1,0 @@
-"""Arithmetic on arrays: functions of numbers and arrays, nothing else."""

@@ -1,0 +1,110 @@
+"""Passing classes: who is let pass and who is not, and what each class asks of the position.
+
+Sorted by the time at which they enter the ego's path, only n + 1 orders of pedestrians make sense: the ego
+lets the first j pass (it goes *behind* them) and goes *ahead* of the rest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
+from controllers.interface import FloatArray
+from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds
+
+
+def class_name(conflicts: Conflicts, behind: int) -> str:
+    """Return who is let pass and who is not: ``behind=p1|p2 ahead=p3``; empty without conflicts."""
+    if not len(conflicts):
+        return ""
+    return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
+
+
+def stops(
+    conflicts: Conflicts, behind: int, front: float, margin_along: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where those are who are let pass, where the front bumper stops, and how long [m, m, s].
+
+    Parameters
+    ----------
+    conflicts, behind
+        By time of entry, and how many of them are let pass.
+    front
+        From the rear axle to the front bumper [m].
+    margin_along
+        [m].
+    """
+    c = conflicts
+    before = c.along[:behind] - c.radius[:behind] - margin_along
+    line = c.stop_line[:behind]
+    # Once the bumper is past the stop line only the pedestrian counts.
+    places = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
+    return c.along[:behind], places, c.leave[:behind]
+
+
+class ClassBounds(NamedTuple):
+    """What each passing class asks of the rear axle's position, shape (n + 1, N) each.
+
+    Row j is the class that lets the first j pass. Every half-plane of this formulation bounds the position
+    alone, so per time only the tightest one matters: the program does not grow with the number of
+    pedestrians, and nothing is lost.
+    """
+
+    upper: FloatArray
+    """Largest position while somebody who is let pass has not left; inf where free [m]."""
+    lower: FloatArray
+    """Least position once somebody who is passed ahead of enters; −inf where free [m]."""
+    freeze: FloatArray
+    """As ``upper``, but only while somebody is expected in the band: where the ego must still be able to
+    stop should they stop walking [m]."""
+
+
+def class_bounds(
+    conflicts: Conflicts,
+    times: FloatArray,
+    front: float,
+    rear: float,
+    margin_along: float,
+    speed: FloatArray,
+) -> ClassBounds:
+    """Return the bounds of all passing classes.
+
+    Parameters
+    ----------
+    conflicts
+        By time of entry.
+    times
+        Horizon, shape (N,) [s].
+    front, rear
+        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+    margin_along
+        [m].
+    speed
+        Expected speed at each time: carries a bound from the instant it holds to the next grid time,
+        shape (N,) [m/s].
+    """
+    c = conflicts
+    reach = c.radius + margin_along
+    if c.forecast is None:
+        bounds = passing_bounds.straight_class_bounds(
+            c.enter,
+            c.leave,
+            c.stop_line,
+            c.along,
+            c.along_speed,
+            STRAIGHT_ON,
+            reach,
+            times,
+            speed,
+            front,
+            rear,
+        )
+    else:
+        there = c.forecast.at(times)
+        kept = reach[:, None] + there.reach
+        bounds = passing_bounds.class_bounds(
+            c.enter, c.leave, c.stop_line, there.along, kept, times, speed, front, rear
+        )
+    return ClassBounds(*bounds)
