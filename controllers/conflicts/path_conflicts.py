@@ -24,7 +24,7 @@ from controllers.prediction.forecast import Forecast
 STRAIGHT_ON = 3.0
 """How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
 SQUEEZED = 0.03
-"""The same for somebody who has let the waiting ego go first [m]."""
+"""Nearer than this to what the body sweeps, those who let the waiting ego go first are in its way [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Which lanes ``vo_paper`` and ``vo_ga`` may change to in order to avoid somebody, and the change under way."""
+"""Which lanes ``vo_paper`` and ``vo_ga`` may use to avoid somebody, and the change under way."""
 
 from __future__ import annotations
 
