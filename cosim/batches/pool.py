@@ -8,14 +8,13 @@ import signal
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from pebble import ProcessExpired, ProcessPool
 
-from cosim.batches import worker
+from cosim.batches import starting, worker
 from cosim.batches.job import Job
 from cosim.batches.outcome import REASON, Outcome
 from cosim.batches.worker import Handling
@@ -114,7 +113,8 @@ class Pool:
                     self._processes,
                     max_tasks=self._runs_per_process,
                     initializer=worker.begin,
-                    context=get_context("spawn"),
+                    initargs=(dict(os.environ),),
+                    context=starting.context(),
                 )
                 assert self._pool.active  # started here and now, with the signal blocked
             return self._pool

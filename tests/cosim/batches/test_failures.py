@@ -15,8 +15,8 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from tests.cosim.batches import unruly
-from tests.cosim.batches.studies import batch, command, lasting, rows, runs, write_study
-from tests.cosim.cli.test_cli import source_environment
+from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
+from tests.cosim.cli.commands import command, source_environment
 
 pytestmark = pytest.mark.sumo
 
@@ -91,10 +91,10 @@ def test_a_run_that_fails_in_any_way_is_told_and_harms_no_other(tmp_path: Path) 
     assert "unruly.py" in "\n".join(hang["last_lines"])
 
 
-def test_a_run_that_fails_once_is_tried_again(tmp_path: Path) -> None:
-    environment = unruly.install(tmp_path / "plugin")
+def test_a_run_that_fails_once_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    unruly.use(tmp_path / "plugin", monkeypatch)
     study = write_study(tmp_path, controllers=["unruly"], seeds="1", vary={"behaviour": ["once_a", "once_b"]})
-    done = batch(study, "--out", "out", "--jobs", 1, folder=tmp_path, environment=environment)
+    done = batch(study, "--out", "out", "--jobs", 1, folder=tmp_path)
     assert "2 of 2 runs finished, 0 failed" in done.stdout
     assert len(list((tmp_path / "plugin" / "marks").iterdir())) == 2
 
@@ -162,8 +162,10 @@ def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) 
     study = write_study(tmp_path, set={"warmup_s": 2, "duration_s": 30}, seeds="1-4")
     process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
     wait_for_runs(tmp_path / "out", 1, process)
+    # Both workers are copies of one process, which makes others in their place.
+    started = psutil.Process(process.pid).children()
     workers = [
-        child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())
+        child for one in started if "forkserver" in " ".join(one.cmdline()) for child in one.children()
     ]
     assert workers
     for one in workers:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import pytest
 
 from cosim.cli import main
 from tests.analysis.recorded import Ego, Person, line, write_run
+from tests.cosim.cli.commands import command, ended, source_environment
 
 EDGE = '<edge id="{0}" from="{1}" to="{2}" numLanes="1" speed="13.9" {3}/>'
 
@@ -207,9 +207,12 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
 
 @pytest.mark.sumo
 def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "cosim.cli", "run", "midblock_zebra", "--controller", "sumo"]
     settings = ["--set", "warmup_s=1", "--set", "ego_count=500", "--duration-s", "100000", "--out", "out"]
-    process = subprocess.Popen([*command, *settings], stderr=subprocess.PIPE, env=source_environment())
+    process = subprocess.Popen(
+        command("run", "midblock_zebra", "--controller", "sumo", *settings),
+        stderr=subprocess.PIPE,
+        env=source_environment(),
+    )
     part = tmp_path / "out" / "egos.parquet.part"
     deadline = time.monotonic() + 60.0
     while not part.exists() and time.monotonic() < deadline:
@@ -225,10 +228,10 @@ def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
 
 @pytest.mark.sumo
 def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "cosim.cli", "run", "midblock_unmarked", "--controller", "vo_mpc"]
+    arguments = ["midblock_unmarked", "--controller", "vo_mpc", "--seed", "7", "--set", "warmup_s=20"]
+    # In processes of their own, in which sets are in another order.
     for name in ("first", "second"):
-        arguments = ["--seed", "7", "--set", "warmup_s=20", "--duration-s", "45", "--out", name]
-        subprocess.run([*command, *arguments], check=True, capture_output=True, env=source_environment())
+        ended("run", *arguments, "--duration-s", "45", "--out", name, environment={})
     names = sorted(path.name for path in (tmp_path / "first").iterdir())
     assert names == sorted(path.name for path in (tmp_path / "second").iterdir())
     assert {"egos.parquet", "neighbours.parquet", "plans.parquet", "map.json", "runs.csv"} <= set(names)
@@ -246,11 +249,6 @@ def lasting(path: Path) -> dict[str, str]:
     with path.open(encoding="utf-8", newline="") as file:
         (row,) = csv.DictReader(file)
     return {key: value for key, value in row.items() if not key.startswith(("wall_", "compute_"))}
-
-
-def source_environment() -> dict[str, str]:
-    """Return an environment in which this very checkout is imported."""
-    return {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[3])}
 
 
 @pytest.mark.parametrize("arguments", [[], ["003", "--out", "results"], ["--help"]])
