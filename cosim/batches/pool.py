@@ -14,7 +14,8 @@ from typing import Any
 
 from pebble import ProcessExpired, ProcessPool
 
-from cosim.batches import starting, worker
+from cosim import processes
+from cosim.batches import worker
 from cosim.batches.job import Job
 from cosim.batches.outcome import REASON, Outcome
 from cosim.batches.worker import Handling
@@ -114,7 +115,7 @@ class Pool:
                     max_tasks=self._runs_per_process,
                     initializer=worker.begin,
                     initargs=(dict(os.environ),),
-                    context=starting.context(),
+                    context=processes.context(),
                 )
                 assert self._pool.active  # started here and now, with the signal blocked
             return self._pool

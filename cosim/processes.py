@@ -1,7 +1,7 @@
 """How worker processes start: as copies of one that has loaded everything, so that it is loaded once.
 
-To load what a run needs takes more than a second, and each worker used to do it for itself; so did each that
-took the place of one whose run had failed.
+To load what a run needs takes more than a second, and a batch starts many processes: one for each run at a
+time, and another one in the place of each whose run has failed.
 """
 
 from __future__ import annotations
@@ -11,19 +11,22 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, get_context
-from typing import Any
+from multiprocessing.context import BaseContext
+from threading import Lock
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas")
-"""What runs need, and pyarrow, too, while a table is written."""
+"""What runs need; pandas is what pyarrow loads as soon as it makes an array."""
+
+_starting = Lock()
 
 
-def context() -> Any:
-    """Return how `multiprocessing` is to start processes; call it before each process pool is made."""
+def context() -> BaseContext:
+    """Return how processes are to be started; to be called shortly before."""
     if not sys.platform.startswith("linux"):
         return get_context("spawn")  # system libraries of macOS do not bear to be copied
     found = get_context("forkserver")
     found.set_forkserver_preload([*LOADED])
-    with _same_import_path():
+    with _starting, _same_import_path():
         forkserver.ensure_running()
     return found
 
