@@ -17,6 +17,8 @@ from cosim.cli import main
 from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.cosim.cli.commands import command, ended, source_environment
 
+SOME_ROWS_BYTES = 50_000
+"""A recording of this size has more than the names of its columns."""
 EDGE = '<edge id="{0}" from="{1}" to="{2}" numLanes="1" speed="13.9" {3}/>'
 
 
@@ -214,10 +216,9 @@ def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
         env=source_environment(),
     )
     part = tmp_path / "out" / "egos.parquet.part"
-    deadline = time.monotonic() + 60.0
-    while not part.exists() and time.monotonic() < deadline:
+    deadline = time.monotonic() + 120.0
+    while not (part.exists() and part.stat().st_size > SOME_ROWS_BYTES) and time.monotonic() < deadline:
         time.sleep(0.1)
-    time.sleep(2.0)  # the first steps
     process.send_signal(signal.SIGTERM)
     _, errors = process.communicate(timeout=60.0)
     assert process.returncode == 3, errors
@@ -231,7 +232,7 @@ def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
     arguments = ["midblock_unmarked", "--controller", "vo_mpc", "--seed", "7", "--set", "warmup_s=20"]
     # In processes of their own, in which sets are in another order.
     for name in ("first", "second"):
-        ended("run", *arguments, "--duration-s", "45", "--out", name, environment={})
+        ended("run", *arguments, "--duration-s", "35", "--out", name, environment={})
     names = sorted(path.name for path in (tmp_path / "first").iterdir())
     assert names == sorted(path.name for path in (tmp_path / "second").iterdir())
     assert {"egos.parquet", "neighbours.parquet", "plans.parquet", "map.json", "runs.csv"} <= set(names)
@@ -338,9 +339,7 @@ def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exis
 def test_the_conformance_table_is_printed_and_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    from cosim.conformance import suite
-
-    key = next(case.key for case in suite.cases() if not case.slow)
+    key = "route"
     assert main(["conformance", key, "--out", "table.md"]) == 0
     printed = capsys.readouterr().out
     assert "1 of 1 cases green" in printed
