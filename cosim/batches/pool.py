@@ -8,13 +8,13 @@ import signal
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from pebble import ProcessExpired, ProcessPool
 
+from cosim import processes
 from cosim.batches import worker
 from cosim.batches.job import Job
 from cosim.batches.outcome import REASON, Outcome
@@ -121,7 +121,8 @@ class Pool:
                     self._processes,
                     max_tasks=self._runs_per_process,
                     initializer=worker.begin,
-                    context=get_context("spawn"),
+                    initargs=(dict(os.environ),),
+                    context=processes.context(),
                 )
                 assert self._pool.active  # started here and now, with the signal blocked
             return self._pool

@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing import connection
@@ -50,8 +50,16 @@ class Handling:
     drop_recordings: bool = False
 
 
-def begin() -> None:
-    """Get a new worker process ready; what is loaded here counts for no run's time limit."""
+def begin(environment: Mapping[str, str]) -> None:
+    """Get a new worker process ready; what is loaded here counts for no run's time limit.
+
+    Parameters
+    ----------
+    environment : Mapping
+        Variables of the process that asked for this one; it may be the copy of an older one.
+    """
+    os.environ.clear()
+    os.environ.update(environment)
     faulthandler.enable()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     importlib.import_module("cosim.running.execution")

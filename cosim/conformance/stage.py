@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import importlib
 import math
 import shutil
@@ -11,6 +10,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
@@ -78,16 +78,31 @@ def scene(
             connection.close()
 
 
-@cache
 def _built(net: str) -> Path:
-    """Make a net once in this process."""
-    return build(net, _shared_folder())
+    """Make a net, unless this process or another one with the same folder has made it."""
+    place = _Nets.folder or nets_folder()
+    found = place / f"{net}.net.xml"
+    if not found.exists():
+        with tempfile.TemporaryDirectory(dir=place) as unfinished:
+            build(net, Path(unfinished)).replace(found)
+    return found
+
+
+class _Nets:
+    folder: Path | None = None
+    """Of another process."""
+
+
+def use_nets(folder: Path) -> None:
+    """Take nets from the folder of another process, and leave them there for others."""
+    _Nets.folder = folder
 
 
 @cache
-def _shared_folder() -> Path:
+def nets_folder() -> Path:
+    """Return where this process has its nets; it is gone when the process ends."""
     folder = Path(tempfile.mkdtemp(prefix="cosim-nets-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    Finalize(None, shutil.rmtree, (folder, True), exitpriority=0)
     return folder
 
 

@@ -6,8 +6,6 @@ import importlib
 import json
 import os
 import pkgutil
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -15,8 +13,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from cosim import processes
 from cosim.conformance import cases as case_modules
 from cosim.conformance.case import Case, Result, Values
+from cosim.conformance.stage import nets_folder, use_nets
 from cosim.errors import InputError, SimulationError
 
 CLAIM = "claim"
@@ -71,25 +71,31 @@ def measure(case: Case, side: str) -> Values:
         If the process took too long, or ended well without values.
     """
     with tempfile.TemporaryDirectory(prefix="cosim-conformance-") as folder:
-        output = Path(folder) / "values.json"
-        command = [sys.executable, "-m", "cosim.conformance", case.key, side, str(output)]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, timeout=_TIMEOUT, check=False, env=_environment()
-            )
-        except subprocess.TimeoutExpired as error:
-            raise SimulationError(f"conformance case {case.key} took more than {_TIMEOUT:.0f} s") from error
-        values: dict[str, float | str] = {"return_code": done.returncode}
+        output, log = Path(folder) / "values.json", Path(folder) / "log.txt"
+        process = processes.context().Process(  # type: ignore[attr-defined]  # of every context that there is
+            target=_serve, args=(case.key, side, output, log, nets_folder()), daemon=True
+        )
+        process.start()
+        process.join(_TIMEOUT)
+        if process.exitcode is None:
+            process.kill()
+            process.join()
+            raise SimulationError(f"conformance case {case.key} took more than {_TIMEOUT:.0f} s")
+        values: dict[str, float | str] = {"return_code": process.exitcode}
         if output.exists():
             values.update(json.loads(output.read_text()))
-        elif done.returncode >= 0:
-            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        elif process.exitcode >= 0:
+            last = (log.read_text(errors="replace").strip().splitlines() or ["no message"])[-1]
             values["error"] = last
         return values
 
 
-def serve(key: str, side: str, output: Path) -> None:
+def _serve(key: str, side: str, output: Path, log: Path, nets: Path) -> None:
     """Measure one side of a case in this process and write its values as JSON."""
+    use_nets(nets)
+    with log.open("wb") as file:
+        for stream in (1, 2):  # that of libraries, too
+            os.dup2(file.fileno(), stream)
     (case,) = named([key])
     values = case.claim() if side == CLAIM else case.control()
     output.write_text(json.dumps(dict(values)))
@@ -118,10 +124,3 @@ def _met(criterion: Callable[[Values], bool], values: Values) -> bool:
         return criterion(values)
     except KeyError:
         return False
-
-
-def _environment() -> dict[str, str]:
-    """Return this process's environment, such that the new one finds this very package."""
-    root = str(Path(__file__).resolve().parents[2])
-    paths = [root, *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from importlib.metadata import EntryPoint, EntryPoints
@@ -139,3 +140,13 @@ def test_a_plug_in_that_cannot_be_loaded_says_why(plugin: str) -> None:
 def test_a_plug_in_does_not_replace_a_controller_of_the_repository(plugin: str) -> None:
     assert plugin
     assert "SUMO's own driver" in catalog.describe("sumo")
+
+
+def test_a_plug_in_that_is_installed_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    os.utime(tmp_path, (1.0, 1.0))  # however fast the test is
+    assert "late" not in catalog.names()
+    (tmp_path / "late-1.dist-info").mkdir()
+    (tmp_path / "late-1.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: late\nVersion: 1\n")
+    (tmp_path / "late-1.dist-info" / "entry_points.txt").write_text("[cosim.controllers]\nlate = late\n")
+    assert "late" in catalog.names()

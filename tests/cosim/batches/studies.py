@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import csv
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from cosim.batches.job import Configuration, Job
-from tests.cosim.cli.test_cli import source_environment
+from tests.cosim.cli.commands import ended
 
 SHORT = {"warmup_s": 2.0, "duration_s": 6.0}
 """A run of a second or two."""
@@ -45,11 +44,6 @@ def _toml(value: Any) -> str:
     return repr(value)
 
 
-def command(*arguments: object) -> list[str]:
-    """Return a command line of this very checkout."""
-    return [sys.executable, "-m", "cosim.cli", *map(str, arguments)]
-
-
 def batch(
     *arguments: object,
     code: int = 0,
@@ -57,17 +51,7 @@ def batch(
     environment: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
     """Run a batch to its end, which must have this exit code."""
-    done = subprocess.run(
-        command("batch", *arguments),
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=folder,
-        env={**source_environment(), **(environment or {})},
-    )
-    assert done.returncode == code, f"exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
-    assert "Traceback" not in done.stderr
-    return done
+    return ended("batch", *arguments, code=code, folder=folder, environment=environment)
 
 
 def refused(*arguments: object, folder: Path | None = None) -> str:

@@ -14,7 +14,7 @@ from tests.cosim.cli.test_cli import network
 
 pytestmark = pytest.mark.sumo
 
-BUSY = {"warmup_s": 5, "duration_s": 45, "pedestrians_per_hour": 1200}
+BUSY = {"warmup_s": 5, "duration_s": 40, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
 """Long enough for an ego to meet somebody."""
 
 

@@ -24,8 +24,9 @@ from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError
 from sumo_scenarios import library
 from tests.cosim.batches import unruly
-from tests.cosim.batches.studies import batch, command, lasting, refused, rows, runs, some_job, write_study
-from tests.cosim.cli.test_cli import network, source_environment
+from tests.cosim.batches.studies import batch, lasting, refused, rows, runs, some_job, write_study
+from tests.cosim.cli.commands import command, source_environment
+from tests.cosim.cli.test_cli import network
 
 NANNY, NO_NANNY = "--nanny", "--no-nanny"
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+
+import pytest
 
 CODE = '''"""Behaves for a while, then as it is told to."""
 
@@ -69,3 +72,10 @@ def install(folder: Path) -> dict[str, str]:
     marks = folder / "marks"
     marks.mkdir()
     return {"PYTHONPATH": f"{root}:{folder}", "UNRULY_MARKS": str(marks)}
+
+
+def use(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put the plug-in below ``folder``, where this process and those that it starts find it."""
+    monkeypatch.setenv("UNRULY_MARKS", install(folder)["UNRULY_MARKS"])
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.delitem(sys.modules, "unruly", raising=False)

@@ -15,8 +15,9 @@ import pytest
 
 from cosim.cli import main
 from tests.cosim.batches import unruly
-from tests.cosim.batches.studies import command, write_study
-from tests.cosim.cli.test_cli import refused, source_environment
+from tests.cosim.batches.studies import write_study
+from tests.cosim.cli.commands import ended
+from tests.cosim.cli.test_cli import refused
 
 pytestmark = pytest.mark.sumo
 
@@ -34,16 +35,7 @@ def check(
     *arguments: object, code: int, environment: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[str]:
     """Run a check to its end, which must have this exit code."""
-    done = subprocess.run(
-        command("check", *arguments),
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**source_environment(), **(environment or {})},
-    )
-    assert done.returncode == code, f"exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
-    assert "Traceback" not in done.stderr
-    return done
+    return ended("check", *arguments, code=code, environment=environment)
 
 
 def rows(out: Path) -> list[dict[str, str]]:
@@ -57,10 +49,13 @@ def criteria(metric: str, sign: str, threshold: object, name: str = "criteria.to
     return path
 
 
-def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(tmp_path: Path) -> None:
+def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     summary = tmp_path / "summary.md"
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(summary))
     arguments = ["midblock_zebra", *SHORT, "--out", "out", "--junit", "out/junit.xml"]
-    done = check(*arguments, code=0, environment={"GITHUB_STEP_SUMMARY": str(summary)})
+    done = check(*arguments, code=0)
     assert "passed: " in done.stdout
     assert summary.read_text().startswith("### cosim check passed: ")
     found = rows(Path("out"))
@@ -121,16 +116,18 @@ def test_a_run_that_takes_too_long_is_invalid(tmp_path: Path) -> None:
     assert all("still running after run_timeout_s = 5 s" in str(error.get("message")) for error in errors)
 
 
-def test_an_invalid_run_weighs_more_than_a_criterion_that_failed(tmp_path: Path) -> None:
-    environment = unruly.install(tmp_path / "plugin")
+def test_an_invalid_run_weighs_more_than_a_criterion_that_failed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unruly.use(tmp_path / "plugin", monkeypatch)
     impossible = criteria("ego_mean_speed_mps", "<", -1)
     arguments = ["midblock_zebra", *SHORT, "--criteria", impossible, "--controller", "sumo"]
     both = [*arguments, "--controller", "unruly", "--set", "behaviour=kill", "--out", "both"]
-    done = check(*both, code=3, environment=environment)
+    done = check(*both, code=3)
     statuses = {row["controller"]: row["status"] for row in rows(Path("both")) if row["metric"] != "valid"}
     assert statuses == {"sumo": "fail", "unruly": "invalid"}
     assert "SIGKILL" in done.stderr
-    check(*arguments, "--out", "alone", code=1, environment=environment)
+    check(*arguments, "--out", "alone", code=1)
 
 
 def test_a_teleported_ego_makes_a_run_invalid() -> None:

@@ -29,7 +29,7 @@ sys.exit(main())
 
 
 @pytest.mark.sumo
-@pytest.mark.parametrize(("after", "recorded"), [(70, True), (2, False)])
+@pytest.mark.parametrize(("after", "recorded"), [(55, True), (2, False)])
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
     tmp_path: Path, after: int, recorded: bool
 ) -> None:

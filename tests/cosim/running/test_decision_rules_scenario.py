@@ -15,7 +15,7 @@ pytestmark = pytest.mark.sumo
 ZEBRA_BEGINS_M = 1190.0
 
 
-@pytest.fixture(scope="module", params=[1, 2])
+@pytest.fixture(scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)])
 def plans(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     """What the only ego decided, plan by plan, until it has passed the zebra or nearly so."""
     out = tmp_path_factory.mktemp("rules") / "run"

@@ -41,16 +41,17 @@ class RedLightWatch(Recorder):
 
 @pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
 @pytest.mark.parametrize(
-    "turn",
-    ["left", *(pytest.param(turn, marks=pytest.mark.slow) for turn in ("straight", "right"))],
+    ("turn", "count"),
+    [("left", 2), *(pytest.param(turn, 4, marks=pytest.mark.slow) for turn in ("left", "straight", "right"))],
 )
 def test_egos_cross_it_by_its_rules_and_arrive(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turn: str, controller: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turn: str, count: int, controller: str
 ) -> None:
     monkeypatch.setattr("cosim.running.simulation.Recorder", RedLightWatch)
     monkeypatch.setattr(RedLightWatch, "passed", [], raising=False)
     out = tmp_path / "run"
-    outcome = execute(RunRequest("signalised_junction", controller, settings={"turn": turn}, out=out))
+    settings = {"turn": turn, "ego_count": str(count)}
+    outcome = execute(RunRequest("signalised_junction", controller, settings=settings, out=out))
     assert outcome.invalid_reason == ""
     assert RedLightWatch.passed == []
     row = outcome.row
@@ -58,6 +59,6 @@ def test_egos_cross_it_by_its_rules_and_arrive(
     assert row["n_vehicle_overlaps_ego_closed"] == "0"
     assert row["n_collisions"] == "0"
     last = pd.read_parquet(out / "egos.parquet").groupby("ego_id").tail(1)
-    assert len(last) == 4
+    assert len(last) == count
     assert last["edge"].str.endswith("_out").all()
     assert last["time_s"].max() < 360.0 - 0.5

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from shapely import LineString, MultiPoint, Polygon, affinity, box
+import shapely
+from shapely import MultiPoint, Polygon, affinity, box
 from shapely.geometry.base import BaseGeometry
 
 from cosim.sensing import sight
@@ -24,21 +25,26 @@ def _body(front: FloatArray, heading: float, length: float, width: float) -> Pol
     return affinity.translate(turned, *front)
 
 
-def _judged(eye: FloatArray, centre: FloatArray, radius: float, shapes: list[BaseGeometry]) -> bool | None:
-    """Return whether one of the three lines is free of all shapes; ``None`` where one of them grazes some."""
+def _judged(
+    eye: FloatArray, centre: FloatArray, radius: FloatArray, shapes: list[BaseGeometry]
+) -> list[bool | None]:
+    """Return for each disc whether one of the three lines to it is free of all shapes.
+
+    ``None`` where one of the lines grazes some shape: a corner is on the line, or the line ends on a side.
+    """
     away = centre - eye
-    beside = radius * np.array([-away[1], away[0]]) / np.hypot(*away)
-    lines = [LineString([eye, centre + sign * beside]) for sign in (0.0, 1.0, -1.0)]
-    if any(_grazes(line, shape) for line in lines for shape in shapes):
-        return None
-    return any(not any(line.intersects(shape) for shape in shapes) for line in lines)
-
-
-def _grazes(line: LineString, shape: BaseGeometry) -> bool:
-    """Return whether a corner of the shape is on the line, or the line ends on one of its sides."""
-    sides = shape.exterior if isinstance(shape, Polygon) else shape
-    corners = MultiPoint(list(sides.coords))
-    return bool(line.distance(corners) < GRAZE or sides.distance(MultiPoint(list(line.coords))) < GRAZE)
+    beside = radius[:, None] * np.column_stack([-away[:, 1], away[:, 0]]) / np.hypot(*away.T)[:, None]
+    ends = centre[:, None] + np.array([0.0, 1.0, -1.0])[:, None] * beside[:, None]
+    both = np.stack([np.broadcast_to(eye, ends.shape), ends], axis=-2)
+    lines, tips = shapely.linestrings(both)[..., None], shapely.multipoints(both)[..., None]
+    sides = [shape.exterior if isinstance(shape, Polygon) else shape for shape in shapes]
+    corners = [MultiPoint(list(side.coords)) for side in sides]
+    grazed = (shapely.distance(lines, corners) < GRAZE) | (shapely.distance(sides, tips) < GRAZE)
+    free = ~shapely.intersects(lines, shapes).any(axis=-1)
+    return [
+        None if unclear else bool(seen)
+        for unclear, seen in zip(grazed.any(axis=(1, 2)), free.any(axis=1), strict=True)
+    ]
 
 
 def _sides(outline: FloatArray) -> FloatArray:
@@ -62,8 +68,7 @@ def test_thousands_of_random_scenes_are_seen_as_shapely_sees_them(seed: int) -> 
         boxes = sight.boxes_of(front, heading, length, width)
         walls = np.concatenate([NO_WALLS, *(_sides(outline) for outline in outlines)])
         seen = sight.visible(eye, position, radius, boxes, walls)
-        for one in range(discs):
-            judged = _judged(eye, position[one], radius[one], shapes)
+        for one, judged in enumerate(_judged(eye, position, radius, shapes)):
             if judged is not None:
                 judged_so_far += 1
                 seen_so_far += judged

@@ -15,7 +15,7 @@ from studies.papers.catalog import EXTRA, found
 from studies.papers.claim import Status, compared, observed
 from studies.papers.page import markdown, titles
 from studies.papers.table import COLUMNS, read_claims, write_claims
-from tests.cosim.cli.test_cli import source_environment
+from tests.cosim.cli.commands import source_environment
 
 DOCUMENTATION = Path(__file__).resolve().parents[3] / "docs"
 QUICK = "003"

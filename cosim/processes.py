@@ -1,0 +1,45 @@
+"""How worker processes start: as copies of one that has loaded everything, so that it is loaded once.
+
+To load what a run needs takes more than a second, and a batch starts many processes: one for each run at a
+time, and another one in the place of each whose run has failed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import forkserver, get_context
+from multiprocessing.context import BaseContext
+from threading import Lock
+
+LOADED = ("cosim.running.execution", "libsumo", "pandas")
+"""What runs need; pandas is what pyarrow loads as soon as it makes an array."""
+
+_starting = Lock()
+
+
+def context() -> BaseContext:
+    """Return how processes are to be started; to be called shortly before."""
+    if not sys.platform.startswith("linux"):
+        return get_context("spawn")  # system libraries of macOS do not bear to be copied
+    found = get_context("forkserver")
+    found.set_forkserver_preload([*LOADED])
+    with _starting, _same_import_path():
+        forkserver.ensure_running()
+    return found
+
+
+@contextmanager
+def _same_import_path() -> Iterator[None]:
+    """Let a new process import what this one would, also where a program has changed ``sys.path``."""
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join(place or os.getcwd() for place in sys.path)
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONPATH"]
+        else:
+            os.environ["PYTHONPATH"] = before
