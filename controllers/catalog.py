@@ -139,18 +139,23 @@ def _own() -> set[str]:
 
 
 def _module(name: str) -> ModuleType:
-    if name not in names():
-        raise CatalogError(f"no controller '{name}'; {existing(name, names())}")
-    module: ModuleType
     try:
-        if name in _own():
-            module = importlib.import_module(f"{controllers.strategies.__name__}.{name}")
-        else:
-            module = next(iter(entry_points(group=ENTRY_POINT_GROUP, name=name))).load()
+        module = _loaded(name)
     except ImportError as error:
         raise CatalogError(f"controller '{name}' cannot be loaded: {error}") from error
     except (Exception, SystemExit) as error:  # a plug-in may raise anything
         raise CatalogError(f"controller '{name}' cannot be loaded: {_told_of(error)}") from error
     if not callable(getattr(module, "build", None)):
         raise CatalogError(f"controller '{name}' has no function build(**parameters)")
+    return module
+
+
+def _loaded(name: str) -> ModuleType:
+    """Return a controller's module; for a plug-in every installed package has to be read."""
+    if name in _own():
+        return importlib.import_module(f"{controllers.strategies.__name__}.{name}")
+    points = entry_points(group=ENTRY_POINT_GROUP, name=name)
+    if not points:
+        raise CatalogError(f"no controller '{name}'; {existing(name, names())}")
+    module: ModuleType = next(iter(points)).load()
     return module
