@@ -164,14 +164,15 @@ def _changed_at(place: str) -> float:
 
 
 def _module(name: str) -> ModuleType:
-    if name not in names():
+    own, points = _own(), _plug_ins()
+    if name not in own and name not in points.names:
         raise CatalogError(f"no controller '{name}'; {existing(name, names())}")
     module: ModuleType
     try:
-        if name in _own():
+        if name in own:
             module = importlib.import_module(f"{controllers.strategies.__name__}.{name}")
         else:
-            module = _plug_ins()[name].load()
+            module = points[name].load()
     except ImportError as error:
         raise CatalogError(f"controller '{name}' cannot be loaded: {error}") from error
     except (Exception, SystemExit) as error:  # a plug-in may raise anything

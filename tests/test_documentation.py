@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 import types
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -150,15 +151,21 @@ def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
             assert not word.startswith("--") or word in flags | {"--help"}, f"{name}: `cosim {text}`: {word}"
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_parameters_within_a_sentence_exist(name: str) -> None:
+@cache
+def parameters() -> set[str]:
+    """Return the names of all parameters there are."""
     known = {"ego_route", "ego_vehicle", "ego_share"}  # of a study: docs/batches.md
     for controller in catalog.names():
         known |= catalog.parameters(controller).keys() | catalog.moved(controller).keys()
     for scenario in library.names():
         known |= library.parameter_values(library.load(scenario)).keys()
+    return known
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_parameters_within_a_sentence_exist(name: str) -> None:
     for text in re.findall(r"`--set ([a-z_]+)=", (ROOT / name).read_text()):
-        assert text in known, f"{name}: there is no parameter {text!r}"
+        assert text in parameters(), f"{name}: there is no parameter {text!r}"
 
 
 @pytest.mark.parametrize("name", PAGES)

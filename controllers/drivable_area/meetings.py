@@ -61,12 +61,34 @@ def meetings(
     Of the entropies at the instants of a candidate the largest counts. [Wu2023]_ means the instant of the
     meeting without saying which it is. The reaction space is the one of the car at its speed by then.
     """
-    count, instants = moving.along.shape
-    _, number, walks = noise.shape
+    count, _ = moving.along.shape
+    number = noise.shape[1]
     if number == 0:
         none = np.zeros(count)
         return Meetings(np.full(count, np.inf), none, none)
-    size = (count, number, walks)
+    # Everything but the walking looks at all instants at once: it is the number of calls that takes time.
+    x, y = _walked(shape, people, moving, model, noise)
+    along, across, heading = (one.T for one in (moving.along, moving.across, moving.heading))
+    pose = along[:, :, None, None], across[:, :, None, None], heading[:, :, None, None]
+    touched = (shape.clearance(*pose, x, y) < 0.0).any(axis=(0, 2))
+    mean = x.mean(axis=3), y.mean(axis=3)
+    nearest = shape.clearance(along[:, :, None], across[:, :, None], heading[:, :, None], *mean)
+    collision = np.asarray(touched.mean(axis=1))
+    if mode is EntropyMode.RISK:
+        entropy = entropy_cost(np.zeros((count, 1)), collision, 1.0, mode)
+    else:
+        seldom = slice(None, None, EVERY)
+        then = pose[0][seldom], pose[1][seldom], pose[2][seldom]
+        places, area = _places(shape, x[seldom], y[seldom], then, moving.speed.T[seldom], friction)
+        entropy = entropy_cost(places, np.zeros(area.shape), area, mode).max(axis=0)
+    return Meetings(nearest.min(axis=(0, 2)), collision, entropy)
+
+
+def _walked(
+    shape: Shape, people: Walkers, moving: Motions, model: SocialForceModel, noise: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where the walks of everybody lead while each candidate drives, x and y of shape (K, n, p, w)."""
+    size = (len(moving.along), *noise.shape[1:])
     walkers = Walkers(
         *(
             np.broadcast_to(one[None, :, None], size)
@@ -74,29 +96,18 @@ def meetings(
         )
     )
     aims = aims_of(people.x_speed[None, :, None], people.y_speed[None, :, None])
-    nearest = np.full((count, number), np.inf)
-    touched = np.zeros(size, dtype=bool)
-    entropy = np.zeros(count)
-    for k in range(instants):
-        pose = (
+    x, y = np.empty((len(moving.times), *size)), np.empty((len(moving.times), *size))
+    x[0], y[0] = walkers.x, walkers.y
+    for k, duration in enumerate(np.diff(moving.times).tolist(), 1):
+        car = _outline(
+            shape,
             moving.along[:, k, None, None],
             moving.across[:, k, None, None],
             moving.heading[:, k, None, None],
         )
-        if k > 0:
-            duration = float(moving.times[k] - moving.times[k - 1])
-            walkers = model.walk(walkers, aims, _outline(shape, *pose), duration, noise[k])
-        touched |= shape.clearance(*pose, walkers.x, walkers.y) < 0.0
-        mean = walkers.x.mean(axis=2), walkers.y.mean(axis=2)
-        along, across, heading = (one[:, :, 0] for one in pose)
-        nearest = np.minimum(nearest, shape.clearance(along, across, heading, *mean))
-        if mode is not EntropyMode.RISK and k % EVERY == 0:
-            places, area = _places(shape, walkers, pose, moving.speed[:, k], friction)
-            entropy = np.maximum(entropy, entropy_cost(places, np.zeros(count), area, mode))
-    collision = np.asarray(touched.any(axis=1).mean(axis=1))
-    if mode is EntropyMode.RISK:
-        entropy = entropy_cost(np.zeros((count, 1)), collision, 1.0, mode)
-    return Meetings(nearest.min(axis=1), collision, entropy)
+        walkers = model.walk(walkers, aims, car, duration, noise[k])
+        x[k], y[k] = walkers.x, walkers.y
+    return x, y
 
 
 def _outline(shape: Shape, along: FloatArray, across: FloatArray, heading: FloatArray) -> CarOutline:
@@ -111,24 +122,39 @@ def _outline(shape: Shape, along: FloatArray, across: FloatArray, heading: Float
 
 def _places(
     shape: Shape,
-    walkers: Walkers,
+    x: FloatArray,
+    y: FloatArray,
     pose: tuple[FloatArray, FloatArray, FloatArray],
     speed: FloatArray,
     friction: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the probabilities of the places in the reaction space, shape (n, p · places), and its area."""
+    """Return the probabilities of the places in the reaction space, and its area.
+
+    Parameters
+    ----------
+    shape : of the car
+    x, y : of the walks, shape (K, n, p, w) [m]
+    pose : of the reference point, shape (K, n, 1, 1) [m, m, rad]
+    speed : shape (K, n) [m/s]
+    friction : of the reaction space
+
+    Returns
+    -------
+    Shapes (K, n, p · places) and (K, n) [m^2].
+    """
     along, across, heading = pose
     cosine, sine = np.cos(heading), np.sin(heading)
-    x, y = walkers.x - along, walkers.y - across
+    dx, dy = x - along, y - across
     front = 0.0 if shape.disc_radius is not None else shape.body.front
-    forward, left = cosine * x + sine * y - front, cosine * y - sine * x
+    forward, left = cosine * dx + sine * dy - front, cosine * dy - sine * dx
     radius = arc_radius(speed, friction)
     reach = 0.5 * radius
-    wide = arc_side(forward, radius[:, None, None], shape.body.width)
-    inside = (forward >= 0.0) & (forward <= reach[:, None, None]) & (np.abs(left) <= wide)
-    count, number, walks = forward.shape
+    wide = arc_side(forward, radius[:, :, None, None], shape.body.width)
+    inside = (forward >= 0.0) & (forward <= reach[:, :, None, None]) & (np.abs(left) <= wide)
+    *each, number, walks = forward.shape
     index = np.clip(np.floor(left / PLACE).astype(np.int64) + PLACES // 2, 0, PLACES - 1)
-    row = np.arange(count * number).reshape(count, number, 1) * PLACES
-    found = np.bincount((row + index)[inside], minlength=count * number * PLACES) / walks
+    rows = forward.size // walks
+    row = np.arange(rows).reshape(*each, number, 1) * PLACES
+    found = np.bincount((row + index)[inside], minlength=rows * PLACES) / walks
     area = np.maximum(space_area(reach, radius, shape.body.width), LEAST_AREA)
-    return found.reshape(count, number * PLACES), area
+    return found.reshape(*each, number * PLACES), area

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,20 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
 
 
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder for the results of all scripts, each in one of its own."""
+    return tmp_path_factory.mktemp("results")
+
+
+@cache
+def quick_run(script: str, out: Path) -> tuple[subprocess.CompletedProcess[str], Path]:
+    """Run a script once, and return what it said and the folder that it wrote."""
+    folder = out / script
+    folder.mkdir()
+    return run(f"{script}.py", "--quick", "--out", str(folder)), folder
+
+
 @pytest.mark.sumo
 @pytest.mark.parametrize(
     "script",
@@ -43,20 +58,18 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         if name != "bars"
     ],
 )
-def test_a_quick_run_prints_its_bars_and_writes_its_section(script: str, tmp_path: Path) -> None:
+def test_a_quick_run_prints_its_bars_and_writes_its_section(script: str, out: Path) -> None:
     if script == "instructions" and shutil.which("valgrind") is None:
         pytest.skip("valgrind is not installed")
-    done = run(f"{script}.py", "--quick", "--out", str(tmp_path))
+    done, folder = quick_run(script, out)
     assert done.returncode == 0, done.stderr
-    section = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))[
-        SECTIONS.get(script, script)
-    ]
+    section = json.loads((folder / "results.json").read_text(encoding="utf-8"))[SECTIONS.get(script, script)]
     lines = [line for line in done.stdout.splitlines() if line.startswith("bar: ")]
     assert len(lines) == len(section["bars"])
     for line, bar in zip(lines, section["bars"], strict=True):
         assert bar["what"] in line
         assert re.search(r": (met|MISSED by \S+|too few pairs, \d+ expected)$", line)
-    page = (tmp_path / "results.md").read_text(encoding="utf-8")
+    page = (folder / "results.md").read_text(encoding="utf-8")
     assert page.startswith("# Results of `make bench`")
     assert page.count("\n## ") >= 1 + bool(lines)
 
@@ -72,10 +85,10 @@ def test_bars_are_collected_from_all_sections_at_the_end() -> None:
 
 
 @pytest.mark.skipif(importlib.util.find_spec("casadi") is None, reason="casadi is not installed")
-def test_the_non_linear_program_has_our_optimum(tmp_path: Path) -> None:
-    done = run("other_methods.py", "--quick", "--out", str(tmp_path))
+def test_the_non_linear_program_has_our_optimum(out: Path) -> None:
+    done, folder = quick_run("other_methods", out)
     assert done.returncode == 0, done.stderr
-    found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["other_methods"]
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))["other_methods"]
     # The quick run's eight plans; none may have been given up.
     assert found["agreement"]["compared"] == 8
     assert found["ipopt_unsolved"] == 0

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from shapely import affinity
-from shapely.geometry import Point, Polygon, box
+import shapely
+from numpy.typing import NDArray
 
 from controllers import catalog
 from controllers.interface import Decision, FloatArray, Perception, Plan
@@ -50,24 +50,25 @@ class Ride:
 
     def clearance(self) -> float:
         """Return the smallest distance between the ego's body and a pedestrian's disc [m]."""
-        return min(
-            float(_body(s.egos[0].x, s.egos[0].y, s.egos[0].heading, 4.5, 1.8).distance(Point(x, y)) - radius)
-            for s in self.snapshots
-            for x, y, radius in zip(s.persons.x, s.persons.y, s.persons.radius, strict=True)
+        bodies, people = self._egos(), [s.persons for s in self.snapshots]
+        whose = np.repeat(np.arange(len(people)), [len(one.x) for one in people])
+        x, y, radius = (
+            np.concatenate([getattr(one, name) for one in people]) for name in ("x", "y", "radius")
         )
+        return float((shapely.distance(bodies[whose], shapely.points(x, y)) - radius).min())
 
     def distance_to_vehicles(self) -> float:
         """Return the smallest distance between the ego's body and another one [m]; 0 is an overlap."""
-        return min(
-            float(
-                _body(s.egos[0].x, s.egos[0].y, s.egos[0].heading, 4.5, 1.8).distance(
-                    _body(v.x[i], v.y[i], v.heading[i], v.length[i], v.width[i])
-                )
-            )
-            for s in self.snapshots
-            for v in (s.vehicles,)
-            for i in range(len(v.x))
-        )
+        bodies, cars = self._egos(), [s.vehicles for s in self.snapshots]
+        whose = np.repeat(np.arange(len(cars)), [len(one.x) for one in cars])
+        names = ("x", "y", "heading", "length", "width")
+        others = _bodies(*(np.concatenate([getattr(one, name) for one in cars]) for name in names))
+        return float(shapely.distance(bodies[whose], others).min())
+
+    def _egos(self) -> NDArray[np.object_]:
+        egos = [snapshot.egos[0] for snapshot in self.snapshots]
+        x, y, heading = np.array([(one.x, one.y, one.heading) for one in egos]).T
+        return _bodies(x, y, heading, np.full(len(egos), 4.5), np.full(len(egos), 1.8))
 
     def arrival(self, x: float) -> float:
         """Return when the front bumper passes a place; inf if it does not [s]."""
@@ -75,10 +76,16 @@ class Ride:
         return self.snapshots[passed[0]].time if len(passed) else float("inf")
 
 
-def _body(x: float, y: float, heading: float, length: float, width: float) -> Polygon:
-    straight = box(-length, -0.5 * width, 0.0, 0.5 * width)
-    turned = affinity.rotate(straight, heading, origin=(0.0, 0.0), use_radians=True)
-    return affinity.translate(turned, x, y)
+def _bodies(
+    x: FloatArray, y: FloatArray, heading: FloatArray, length: FloatArray, width: FloatArray
+) -> NDArray[np.object_]:
+    """Return rectangles as polygons; x and y are the middle of the front."""
+    ahead = length[:, None] * np.array([-1.0, 0.0, 0.0, -1.0])
+    beside = width[:, None] * np.array([-0.5, -0.5, 0.5, 0.5])
+    cosine, sine = np.cos(heading)[:, None], np.sin(heading)[:, None]
+    corners_x = x[:, None] + cosine * ahead - sine * beside
+    corners_y = y[:, None] + sine * ahead + cosine * beside
+    return np.asarray(shapely.polygons(np.stack((corners_x, corners_y), axis=-1)))
 
 
 def ride(

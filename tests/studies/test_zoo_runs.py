@@ -16,46 +16,55 @@ from studies.zoo.driving import TOWN
 SEED = 1
 SMALL = ("grid-short", "grid-left-hand", "random-short", "roundabouts", "refuges", "rilsa1")
 OTHERS = tuple(name for name in QUICK if name not in SMALL)
+COUNTED = "grid-short"
 DURATION_S = 60.0
-
-
-@pytest.fixture(scope="module", params=SMALL)
-def driven(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
-    """Drive through a network, and return its name and the folder."""
-    name: str = request.param
-    folder = tmp_path_factory.mktemp(name)
-    few = ["--networks", name, "--controllers", "vo_mpc", "--runs", "1", "--jobs", "1"]
-    short = ["--duration-s", "40", "--ego-share", "0.4"]
-    assert main(["all", str(SEED), *few, *short, "--out", str(folder)]) == 0
-    return name, folder
+"""Of the longer runs [s]."""
+SHORT_S = 20.0
+"""Of the others; long enough for some cars to set out [s]."""
+WARMUP_S = 5.0
+"""Not recorded [s]."""
 
 
 @pytest.mark.sumo
-def test_a_small_network_is_driven_to_its_end_and_counted(driven: tuple[str, Path]) -> None:
-    name, folder = driven
-    with (folder / "networks.csv").open() as file:
+def test_a_small_network_is_driven_to_its_end_and_counted(tmp_path: Path) -> None:
+    few = ["--networks", COUNTED, "--controllers", "vo_mpc", "--runs", "1", "--jobs", "1"]
+    short = ["--duration-s", "15", "--ego-share", "0.4"]
+    assert main(["all", str(SEED), *few, *short, "--out", str(tmp_path)]) == 0
+    with (tmp_path / "networks.csv").open() as file:
         (row,) = csv.DictReader(file)
-    assert (row["network"], row["driver"], row["valid runs"]) == (name, "vo_mpc", "1 of 1")
-    assert f"### {name}" in (folder / "zoo.md").read_text("utf-8")
+    assert (row["network"], row["driver"], row["valid runs"]) == (COUNTED, "vo_mpc", "1 of 1")
+    assert f"### {COUNTED}" in (tmp_path / "zoo.md").read_text("utf-8")
 
 
 @pytest.mark.sumo
-def test_what_inspect_calls_good_runs_to_its_end(driven: tuple[str, Path], tmp_path: Path) -> None:
-    name, folder = driven
+@pytest.mark.parametrize("name", SMALL)
+def test_what_inspect_calls_good_is_driven_to_its_end(name: str, tmp_path: Path) -> None:
     (recipe,) = chosen([name])
-    inspected_and_run(town.make(recipe, SEED, DURATION_S, folder / name / TOWN), tmp_path)
+    configuration = town.make(recipe, SEED, SHORT_S, tmp_path / TOWN)
+    row = inspected_and_run(configuration, tmp_path, "vo_mpc", SHORT_S, ego_share=0.6)
+    assert int(row["ego_count"]) >= 3
+    assert float(row["ego_dist_km"]) > 0.1
 
 
 @pytest.mark.sumo
 @pytest.mark.slow
-@pytest.mark.parametrize("name", OTHERS)
-def test_what_inspect_calls_good_runs_to_its_end_elsewhere(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", SMALL + OTHERS)
+def test_what_inspect_calls_good_runs_to_its_end_for_a_minute(name: str, tmp_path: Path) -> None:
     (recipe,) = chosen([name])
-    inspected_and_run(town.make(recipe, SEED, DURATION_S, tmp_path / TOWN), tmp_path)
+    configuration = town.make(recipe, SEED, DURATION_S, tmp_path / TOWN)
+    inspected_and_run(configuration, tmp_path, "sumo", DURATION_S, ego_share=0.3)
 
 
-def inspected_and_run(configuration: Path, folder: Path) -> None:
+def inspected_and_run(
+    configuration: Path, folder: Path, controller: str, duration_s: float, ego_share: float
+) -> dict[str, str]:
+    """Inspect a configuration, drive in it to the end, and return the row of the run."""
     assert cosim(["inspect", str(configuration)]) == 0
-    driving = ["--controller", "sumo", "--ego-share", "0.3", "--seed", str(SEED)]
-    words = ["run", str(configuration), *driving, "--duration-s", f"{DURATION_S:g}"]
-    assert cosim([*words, "--set", "warmup_s=5", "--out", str(folder / "run")]) == 0
+    driving = ["--controller", controller, "--ego-share", f"{ego_share:g}", "--seed", str(SEED)]
+    words = ["run", str(configuration), *driving, "--duration-s", f"{duration_s:g}"]
+    assert cosim([*words, "--set", f"warmup_s={WARMUP_S:g}", "--out", str(folder / "run")]) == 0
+    with (folder / "run/runs.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert row["valid"] == "1"
+    assert float(row["duration_s"]) == pytest.approx(duration_s - WARMUP_S, abs=0.11)
+    return row

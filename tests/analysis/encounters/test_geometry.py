@@ -61,11 +61,11 @@ def test_after_a_reaction_time_more_deceleration_is_needed() -> None:
 @pytest.mark.parametrize(
     ("judge", "count", "bound"),
     [
-        (judges.time_to_contact, 4000, 1e-9),
-        (judges.predicted_distance, 2000, 1e-9),
-        (judges.distance_between_samples, 2000, 1e-9),
+        (judges.time_to_contact, 1000, 1e-9),
+        (judges.predicted_distance, 600, 1e-9),
+        (judges.distance_between_samples, 600, 1e-9),
         (judges.rectangle_overlap, 4000, 0.0),
-        (judges.conflict_area_instants, 40, 0.005),
+        (judges.conflict_area_instants, 20, 0.005),
     ],
 )
 def test_shapely_agrees(judge: judges.Judge, count: int, bound: float) -> None:
@@ -77,7 +77,7 @@ def test_shapely_agrees(judge: judges.Judge, count: int, bound: float) -> None:
 
 @pytest.mark.parametrize(("step", "bound"), [(0.1, 0.005), (1.0, 0.02)])
 def test_shapely_agrees_on_curved_rides_at_any_step(step: float, bound: float) -> None:
-    assert judges.curved_rides(step, 12).largest <= bound
+    assert judges.curved_rides(step, 6).largest <= bound
 
 
 def test_the_deceleration_is_what_a_search_over_braking_finds() -> None:

@@ -18,7 +18,7 @@ from cosim.cli import main
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 CONTROLLERS = ("sumo", "vo_mpc")
-SECONDS = ["--set", "warmup_s=60", "--set", "duration_s=120"]
+SECONDS = ["--set", "warmup_s=30", "--set", "duration_s=70"]
 
 pytestmark = [pytest.mark.sumo, pytest.mark.browser]
 
@@ -284,7 +284,7 @@ def test_no_recording_leads_to_the_command_that_records_it(page: Page) -> None:
     row.locator("button.how").click()
     text = page.locator(":focus").inner_text()
     assert "cosim run midblock_zebra --controller sumo --seed 2" in text
-    assert "duration_s=120" in text
+    assert "duration_s=70" in text
 
 
 def test_missing_data_beside_the_page_is_told(browser: Browser, folder: Path, tmp_path: Path) -> None:

@@ -48,8 +48,16 @@ def written(folder: Path, **options: Any) -> tuple[Written, Markup, str]:
     return done, Markup(text), text
 
 
-def test_the_page_is_well_formed_and_loads_nothing(tmp_path: Path) -> None:
-    _, page, text = written(write_study(tmp_path / "study"))
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Markup, str]:
+    """Return a study with its report, which tests only read."""
+    folder = write_study(tmp_path_factory.mktemp("report") / "study")
+    _, page, text = written(folder)
+    return folder, page, text
+
+
+def test_the_page_is_well_formed_and_loads_nothing(study: tuple[Path, Markup, str]) -> None:
+    _, page, text = study
     assert page.problems == []
     assert page.loaded == set()
     assert "http://" not in text
@@ -59,17 +67,16 @@ def test_the_page_is_well_formed_and_loads_nothing(tmp_path: Path) -> None:
 
 
 def test_the_first_line_is_the_question_and_the_answer_of_cosim_compare(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    study: tuple[Path, Markup, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = write_study(tmp_path / "study")
-    _, page, _ = written(folder)
+    folder, page, _ = study
     assert "Is careful safer than sumo on road, and slower?" in page.texts
     assert main(["compare", str(folder), "--alt", "careful"]) == 0
     assert capsys.readouterr().out.splitlines()[0] in page.texts
 
 
-def test_the_worst_encounter_comes_first_with_its_folder_and_number(tmp_path: Path) -> None:
-    _, _, text = written(write_study(tmp_path / "study"))
+def test_the_worst_encounter_comes_first_with_its_folder_and_number(study: tuple[Path, Markup, str]) -> None:
+    _, _, text = study
     rows = text.split("<tr data-key=")[1:]
     assert len(rows) == 25 - 6
     first = rows[0]
@@ -81,9 +88,10 @@ def test_the_worst_encounter_comes_first_with_its_folder_and_number(tmp_path: Pa
     assert ranks == ["serious"] + ["slight"] * 6 + ["none"] * 12
 
 
-def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(tmp_path: Path) -> None:
-    folder = write_study(tmp_path / "study")
-    _, _, text = written(folder)
+def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(
+    study: tuple[Path, Markup, str],
+) -> None:
+    folder, _, text = study
     with (folder / "report_data/configs.csv").open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["metric"] == "ego_delay_mean_s"]
     assert [row["configuration"] for row in rows] == ["careful", "sumo"]
@@ -215,9 +223,8 @@ def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
     assert name not in text
 
 
-def test_the_same_runs_give_the_same_bytes(tmp_path: Path) -> None:
-    pages = [written(write_study(tmp_path / place / "study"))[2] for place in ("here", "there")]
-    assert pages[0] == pages[1]
+def test_the_same_runs_give_the_same_bytes(study: tuple[Path, Markup, str], tmp_path: Path) -> None:
+    assert written(write_study(tmp_path / "elsewhere" / "study"))[2] == study[2]
 
 
 def test_no_valid_run_is_a_page_too(tmp_path: Path) -> None:

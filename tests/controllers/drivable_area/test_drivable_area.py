@@ -68,8 +68,10 @@ def test_without_pedestrians_it_drives_as_a_driver_without_them_does() -> None:
     np.testing.assert_array_equal(ours.commands, other.commands)
 
 
-@pytest.mark.parametrize("start", [-6.0, -4.0, -2.5, 1.0, 4.0])
-@pytest.mark.parametrize("distance", [25.0, 45.0])
+@pytest.mark.parametrize(
+    ("start", "distance"),
+    [(-6.0, 25.0), (-4.0, 45.0), (-2.5, 25.0), (-2.5, 45.0), (1.0, 45.0), (4.0, 25.0)],
+)
 def test_somebody_who_crosses_is_not_touched(start: float, distance: float) -> None:
     way = -1.0 if start > 0.0 else 1.0
     ride = _ride(NARROW, [walk(FRONT + distance, start, 0.0, 1.3 * way)])
@@ -213,8 +215,17 @@ def test_the_seed_decides_the_draws_and_nothing_else_does() -> None:
     )
 
 
-@pytest.mark.parametrize("entropy", ["shannon", "paper", "risk"])
-@pytest.mark.parametrize("speed_risk", ["m/s", "km/h", "squared", "stopping_distance"])
+@pytest.mark.parametrize(
+    ("entropy", "speed_risk"),
+    [
+        ("shannon", "m/s"),
+        ("shannon", "stopping_distance"),
+        ("paper", "km/h"),
+        ("paper", "m/s"),
+        ("risk", "squared"),
+        ("risk", "m/s"),
+    ],
+)
 def test_every_mode_gets_past_somebody(entropy: str, speed_risk: str) -> None:
     parameters = {"entropy": entropy, "speed_risk": speed_risk}
     ride = _ride(NARROW, [walk(45.0, -3.0, 0.0, 1.2)], duration=6.0, parameters=parameters)

@@ -99,9 +99,9 @@ def test_at_no_surplus_braking_to_the_obstacle_becomes_falling_back() -> None:
     assert cases == ["5", "1"]
 
 
-def test_a_hundred_thousand_states_end_at_the_gap_and_speed() -> None:
+def test_twenty_thousand_states_end_at_the_gap_and_speed() -> None:
     drawn = np.random.default_rng(20)
-    states = drawn.uniform((0.0, 0.0, 0.0), (150.0, TOP, TOP), (100_000, 3)).tolist()
+    states = drawn.uniform((0.0, 0.0, 0.0), (150.0, TOP, TOP), (20_000, 3)).tolist()
     least = 0.5 * LIMITS.standoff
     found: Counter[str] = Counter()
     for gap, speed, other in states:
@@ -121,8 +121,8 @@ def test_a_hundred_thousand_states_end_at_the_gap_and_speed() -> None:
         )
         assert plan.profile.least_gap(gap, other) >= min(least, gap) - 1e-9
     assert set(found) == {"1", "2", "3", "4", "5", "6", EMERGENCY_ONLY}
-    assert found[EMERGENCY_ONLY] < 15_000
-    assert min(found.values()) > 500
+    assert found[EMERGENCY_ONLY] < 3_000
+    assert min(found.values()) > 100
 
 
 def test_above_the_top_speed_it_brakes_keeps_the_speed_and_brakes() -> None:

@@ -76,8 +76,14 @@ def _crowd(count: int, place: float, seed: int) -> list[Motion]:
     return people
 
 
-@pytest.mark.parametrize("count", [2, 5, 20])
-@pytest.mark.parametrize("variant", [*VARIANTS, "trapezoid"])
+@pytest.mark.parametrize(
+    ("variant", "count"),
+    [
+        *((variant, 5) for variant in (*VARIANTS, "trapezoid")),
+        *((variant, 2) for variant in ("plain", "both", "trapezoid")),
+        *((variant, 20) for variant in ("both", "trapezoid")),
+    ],
+)
 def test_nobody_who_crosses_a_zebra_is_touched_and_the_ego_drives_on(variant: str, count: int) -> None:
     name = "trapezoid" if variant == "trapezoid" else "intermediate_speed"
     road = ToyRoad(crossings=(ToyCrossing(70.0),))
@@ -95,23 +101,26 @@ def test_people_cross_in_front_of_a_queue_of_traffic(name: str) -> None:
     # A leader at 8 m/s stops for nobody here; a van stands beside the road's only lane, far ahead.
     road = ToyRoad(crossings=(ToyCrossing(120.0),))
     vehicles = [walk(50.0, 0.0, 8.0, 0.0, start=-10.0, stop=9.0)]
-    record = _ride(name, road, _crowd(5, 120.0, 3), vehicles, duration=60.0)
+    record = _ride(name, road, _crowd(5, 120.0, 3), vehicles, duration=32.0)
+    assert record.track[0, -1] > 190.0
+    assert record.track[2, -1] < 0.5
     assert record.clearance() > 0.3
     assert record.distance_to_vehicles() > 1.0
 
 
 @BOTH
-@pytest.mark.parametrize("interval", [0.05, 0.1, 0.5, 1.0])
-@pytest.mark.parametrize("distance", [60.0, 90.0])
+@pytest.mark.parametrize(
+    ("interval", "distance"), [(0.05, 60.0), (0.1, 90.0), (0.5, 60.0), (1.0, 90.0), (1.0, 60.0)]
+)
 def test_a_pedestrian_who_stands_in_the_path_is_stopped_for_and_left_when_he_is_gone(
     name: str, distance: float, interval: float
 ) -> None:
     def scene(state: EgoState, travelled: float) -> Perception:
-        walkers = [Walker(distance - travelled, 0.2)] if state.time < 20.0 else []
+        walkers = [Walker(distance - travelled, 0.2)] if state.time < 16.0 else []
         return perception(state, walkers=walkers)
 
-    rows = drive(catalog.build(name), scene, 13.0, 35.0, interval)
-    waiting = rows[(rows[:, 0] < 20.0) & (rows[:, 0] > 17.0)]
+    rows = drive(catalog.build(name), scene, 13.0, 28.0, interval)
+    waiting = rows[(rows[:, 0] < 16.0) & (rows[:, 0] > 14.0)]
     clearance = distance - 0.25 - FRONT - waiting[:, 1]
     assert waiting[:, 3].max() < 0.02
     assert 2.2 < clearance.min() <= clearance.max() < 2.9
@@ -161,8 +170,9 @@ def test_with_somebody_inside_the_body_it_stands(name: str) -> None:
     assert rows[-1, 3] == 0.0
 
 
-@pytest.mark.parametrize("lag", [0.0, 0.3])
-@pytest.mark.parametrize("variant", ["plain", "smooth", "periodic"])
+@pytest.mark.parametrize(
+    ("variant", "lag"), [("plain", 0.0), ("plain", 0.3), ("smooth", 0.3), ("periodic", 0.3)]
+)
 def test_behind_a_steady_leader_the_gap_becomes_the_safe_one(variant: str, lag: float) -> None:
     speed = 8.0
 
@@ -253,7 +263,7 @@ def test_with_prediction_a_pedestrian_who_leaves_need_not_be_stopped_for() -> No
 
 def test_with_prediction_a_pedestrian_who_stops_after_all_is_stopped_for() -> None:
     road = ToyRoad(crossings=(ToyCrossing(60.0),))
-    for stop in np.arange(2.0, 7.0, 0.5):
+    for stop in np.arange(2.0, 7.0, 1.0):
         walker = [walk(62.0, -6.0, 0.0, 1.0, stop=float(stop))]
         record = _ride("intermediate_speed", road, walker, duration=12.0, parameters={"predict": True})
         assert record.clearance() > 0.0

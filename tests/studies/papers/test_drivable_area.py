@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -30,6 +32,14 @@ from studies.papers.drivable_area.scenes import (
 
 SITUATION = MappingProxyType({one.name: one for one in SITUATIONS})
 FIGURES = ("candidates", "curvature", "pareto-front", "rides", "speed-profiles")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def searched_once() -> Iterator[None]:
+    """The experiments and the tests ask for the same searches; each is made once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(experiments, "chosen", cache(chosen))
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +118,7 @@ def test_the_readings_of_the_distance_cost(results: tuple[list[Claim], Path]) ->
 @pytest.mark.parametrize("mode", EntropyMode)
 def test_the_search_stops_where_it_can_and_touches_nobody(mode: EntropyMode) -> None:
     for one in SITUATIONS:
-        found = chosen(one, mode)
+        found = experiments.chosen(one, mode)
         assert found is not None
         front, judged, best = found
         assert front.looked_at == 32 * 25
@@ -154,8 +164,11 @@ def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
 
 
 @pytest.mark.slow
-def test_a_second_run_gives_the_same_bytes(results: tuple[list[Claim], Path], tmp_path: Path) -> None:
+def test_a_second_run_gives_the_same_bytes(
+    results: tuple[list[Claim], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     claims, folder = results
+    monkeypatch.setattr(experiments, "chosen", chosen)  # not what the first run has found
     assert experiments.run(tmp_path) == claims
     for path in folder.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()

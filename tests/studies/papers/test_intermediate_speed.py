@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,17 @@ from studies.papers.claim import Claim, Status
 from studies.papers.intermediate_speed import experiments
 from studies.papers.intermediate_speed.drives import Parameters
 from studies.papers.intermediate_speed.experiments import Delayed, Pair
+
+DRIVES = ("classic_drives", "new_drives", "delayed_drives", "robust_drives")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def driven_once() -> Iterator[None]:
+    """The experiments and the tests ask for the same drives; each is driven once."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in DRIVES:
+            patch.setattr(experiments, name, cache(getattr(experiments, name)))
+        yield
 
 
 @pytest.fixture(scope="module")

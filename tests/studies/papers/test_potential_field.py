@@ -154,7 +154,8 @@ def test_what_is_reproduced_what_is_fitted_and_what_is_not(claims: tuple[list[Cl
     }
 
 
-def test_the_figures_are_drawn_and_always_the_same(claims: tuple[list[Claim], Path], tmp_path: Path) -> None:
+def test_the_figures_are_drawn(claims: tuple[list[Claim], Path]) -> None:
+    """That a second run draws the same ones is tested with the command, in ``test_command.py``."""
     names = {path.name for path in claims[1].iterdir()}
     assert names == {
         "003-curvature.png",
@@ -162,7 +163,4 @@ def test_the_figures_are_drawn_and_always_the_same(claims: tuple[list[Claim], Pa
         "003-distance.png",
         "003-field-and-paths.png",
     }
-    again = experiments.run(tmp_path)
-    assert again == claims[0]
-    for name in names:
-        assert (tmp_path / name).read_bytes() == (claims[1] / name).read_bytes()
+    assert all((claims[1] / name).stat().st_size > 10_000 for name in names)

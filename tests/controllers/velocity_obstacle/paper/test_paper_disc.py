@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -14,21 +16,24 @@ PLACE = 25.0
 """Place of the crossing [m]."""
 HALF, RADIUS = np.array([2.25, 0.9]), 0.25
 """Half of the body's length and width, and the pedestrian's disc [m]."""
-FINE = {"euler_step_s": 0.25, "euler_steps": 44, "replan_s": 0.25}
+LONG, FINE = "steps of a second", "steps of a quarter of a second"
+PARAMETERS = {LONG: {}, FINE: {"euler_step_s": 0.25, "euler_steps": 44, "replan_s": 0.25}}
 ADULT, RUNNER = (5.0 / 3.6, 4.0), (8.0 / 3.6, 6.0)
 """Speed [m/s], and distance of the start from the middle of the lane [m]."""
 
 
-def _crossing(pedestrian: tuple[float, float], **parameters: object) -> Ride:
+@cache
+def _crossing(pedestrian: tuple[float, float], steps: str, disc: float | None = None) -> Ride:
     """Drive towards somebody who would be hit by the middle of the front, which comes at 10 km/h."""
     pace, beside = pedestrian
     meeting = PLACE / SPEED
+    radius = {} if disc is None else {"disc_radius_m": disc}
     return ride(
         ToyRoad(speed_limit=SPEED),
         [walk(PLACE, -beside, 0.0, pace, start=meeting - beside / pace)],
         speed=SPEED,
         duration=meeting + 6.0,
-        parameters=parameters,
+        parameters={**PARAMETERS[steps], **radius},
         controller="vo_paper",
     )
 
@@ -43,11 +48,11 @@ def _gaps(record: Ride) -> tuple[FloatArray, FloatArray]:
 
 
 @pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
-@pytest.mark.parametrize("steps", [{}, FINE])
+@pytest.mark.parametrize("steps", [LONG, FINE])
 def test_a_car_touches_somebody_before_he_is_in_the_papers_disc(
-    pedestrian: tuple[float, float], steps: dict[str, float]
+    pedestrian: tuple[float, float], steps: str
 ) -> None:
-    record = _crossing(pedestrian, **steps)
+    record = _crossing(pedestrian, steps)
     to_centre, to_body = _gaps(record)
     touches = np.flatnonzero(to_body <= 0.0)
     assert len(touches)
@@ -58,7 +63,7 @@ def test_a_car_touches_somebody_before_he_is_in_the_papers_disc(
 
 @pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
 def test_a_disc_that_holds_the_car_keeps_it_off_him(pedestrian: tuple[float, float]) -> None:
-    record = _crossing(pedestrian, disc_radius_m=2.75, **FINE)
+    record = _crossing(pedestrian, FINE, disc=2.75)
     assert record.clearance() > 0.1
     assert record.track[2][-1] > 0.9 * SPEED
 
@@ -68,5 +73,5 @@ def test_in_steps_of_a_second_it_comes_up_to_half_a_metre_nearer_than_planned(
     pedestrian: tuple[float, float],
 ) -> None:
     # In an Euler step it moves with the old speed; a car that speeds up by 1 m/s gets 0.5 m farther.
-    long, short = (_gaps(_crossing(pedestrian, **steps))[0].min() for steps in ({}, FINE))
+    long, short = (_gaps(_crossing(pedestrian, steps))[0].min() for steps in (LONG, FINE))
     assert 1.5 < long < short - 0.2
