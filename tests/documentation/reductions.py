@@ -22,14 +22,14 @@ from tests.documentation.command_blocks import ROOT, fences
 
 Words = tuple[str, ...]
 
-BRIEF = ("--set", "warmup_s=5", "--set", "ego_headway_s=5", "--duration-s", "20")
+BRIEF = ("--set", "warmup_s=5", "--set", "ego_headway_s=5", "--duration-s", "15")
 SHORT = ("--set", "warmup_s=20", "--set", "ego_headway_s=5", "--duration-s", "60")
 """So long that four encounters have taken place."""
 ONE_CASE = ("--filter", "crossing_right_25_30kmh")
 
 SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "suite:"): (),
-    ("cosim", "run", "town.sumocfg"): ("--duration-s", "40"),
+    ("cosim", "run", "town.sumocfg"): ("--duration-s", "25"),
     ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
     ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "20"),
     ("cosim", "run"): BRIEF,
@@ -120,7 +120,7 @@ def _town(folder: Path) -> None:
     (folder / "c.con.xml").write_text(f"<connections>{connections}</connections>")
     sources = ["-n", "n.nod.xml", "-e", "e.edg.xml", "-x", "c.con.xml", "--sidewalks.guess"]
     towns.call("netconvert", *sources, "-o", "town.net.xml", folder=folder)
-    cars = '<flow id="car" begin="0" end="60" period="1.5"><route edges="e1 e2 e3"/></flow>'
+    cars = '<flow id="car" begin="0" end="60" period="1"><route edges="e1 e2 e3"/></flow>'
     people = '<personFlow id="p" begin="0" end="60" period="5"><walk from="e1" to="e3"/></personFlow>'
     towns.configure(folder, cars + people)
 

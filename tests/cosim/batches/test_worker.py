@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import csv
 import itertools
+import multiprocessing
+import sys
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
+from cosim import processes
 from cosim.batches.outcome import RUN
 from cosim.batches.pool import Pool
 from cosim.batches.worker import Handling
@@ -55,3 +59,29 @@ def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Pa
         assert not isinstance(checked, str)
         after = pool.submit(job, tmp_path / "after").result()
     assert content(alone.folder / RUN) == content(after.folder / RUN)
+
+
+def test_a_worker_has_the_variables_that_are_set_when_it_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("first", "second"):
+        cache = tmp_path / name
+        monkeypatch.setenv("COSIM_CACHE_DIR", str(cache))
+        with Pool(1, Handling(120.0)) as pool:
+            checked = pool.check(some_job(), start_sumo=True).result()
+        assert not isinstance(checked, str)
+        assert list(cache.rglob("*.net.xml*")), name
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes start otherwise elsewhere")
+def test_a_process_starts_with_everything_loaded_that_runs_need() -> None:
+    receiver, sender = multiprocessing.Pipe(duplex=False)
+    process = processes.context().Process(target=_tell_loaded, args=(sender,))  # type: ignore[attr-defined]
+    process.start()
+    assert receiver.poll(120.0)
+    assert receiver.recv() == [*processes.LOADED]
+    process.join()
+
+
+def _tell_loaded(sender: Connection) -> None:
+    sender.send([name for name in processes.LOADED if name in sys.modules])

@@ -116,7 +116,7 @@ def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(tmp_path:
     folder = scenario(tmp_path, blind + weights, BEHAVIOURS["trajectory"])
     tracks = []
     for controller in ("vo_mpc", "aeb", "constant_speed"):
-        found = people(ran(folder, controller))
+        found = people(ran(folder, controller, "--duration-s", "30"))
         keys = zip(found.object_id.tolist(), found.time_s.round(3).tolist(), strict=True)
         places = zip(found.x_m.tolist(), found.y_m.tolist(), strict=True)
         tracks.append(dict(zip(keys, places, strict=True)))
@@ -169,7 +169,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
     road = ROAD.replace("vehicles_per_hour = 200.0", "vehicles_per_hour = 0.0")
     for overlap in (0.25, 0.5):
         row = BEHAVIOURS["protocol"].replace("overlap = 0.5", f"overlap = {overlap}")
-        out = ran(scenario(tmp_path, row, road=road), "constant_speed")
+        out = ran(scenario(tmp_path, row, road=road), "constant_speed", "--duration-s", "25")
         egos, found = pd.read_parquet(out / "egos.parquet"), people(out)
         both = egos.merge(found, on="time_s")
         gap = 200.0 - 0.25 - both.front_x_m.to_numpy()
@@ -181,7 +181,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
         assert both.speed_mps[after] * 3.6 == pytest.approx(13.89 * 3.6, abs=0.1)
         assert pd.read_csv(out / "encounters.csv").collision.tolist() == [1]
         # A controller that looks does not touch them: pedestrians unknown to SUMO are perceived.
-        seeing = ran(tmp_path, "aeb")
+        seeing = ran(tmp_path, "aeb", "--duration-s", "25")
         assert pd.read_csv(seeing / "encounters.csv").collision.tolist() == [0]
 
 

@@ -19,7 +19,9 @@ pytestmark = pytest.mark.sumo
 FIRST_STOP = (
     "bus_stop_occlusion",
     "--duration-s",
-    "58",
+    "40",
+    "--set",
+    "ego_count=1",
     "--set",
     "warmup_s=10",
     "--set",

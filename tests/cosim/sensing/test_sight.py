@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+from numpy.typing import NDArray
 from shapely import MultiPoint, Polygon, affinity, box
 from shapely.geometry.base import BaseGeometry
 
@@ -15,6 +16,7 @@ from cosim.sensing.interface import FloatArray
 
 NO_WALLS = np.zeros((0, 4))
 NO_BOXES = sight.boxes_of(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
+Flags = NDArray[np.bool_]
 GRAZE = 1e-7
 """A line that touches a corner by less than this may be judged either way [m]."""
 
@@ -36,14 +38,15 @@ def _judged(
     beside = radius[:, None] * np.column_stack([-away[:, 1], away[:, 0]]) / np.hypot(*away.T)[:, None]
     ends = centre[:, None] + np.array([0.0, 1.0, -1.0])[:, None] * beside[:, None]
     both = np.stack([np.broadcast_to(eye, ends.shape), ends], axis=-2)
-    lines, tips = shapely.linestrings(both)[..., None], shapely.multipoints(both)[..., None]
+    lines, tips = (np.asarray(make(both))[..., None] for make in (shapely.linestrings, shapely.multipoints))
     sides = [shape.exterior if isinstance(shape, Polygon) else shape for shape in shapes]
     corners = [MultiPoint(list(side.coords)) for side in sides]
-    grazed = (shapely.distance(lines, corners) < GRAZE) | (shapely.distance(sides, tips) < GRAZE)
-    free = ~shapely.intersects(lines, shapes).any(axis=-1)
+    near_corner, on_side = shapely.distance(lines, corners), shapely.distance(sides, tips)
+    grazes: Flags = np.asarray((near_corner < GRAZE) | (on_side < GRAZE), dtype=bool)
+    blocked: Flags = np.asarray(shapely.intersects(lines, shapes), dtype=bool)
     return [
-        None if unclear else bool(seen)
-        for unclear, seen in zip(grazed.any(axis=(1, 2)), free.any(axis=1), strict=True)
+        None if touched.any() else bool((hit.sum(axis=-1) == 0).any())
+        for touched, hit in zip(grazes, blocked, strict=True)
     ]
 
 
