@@ -34,11 +34,14 @@ SITUATION = MappingProxyType({one.name: one for one in SITUATIONS})
 FIGURES = ("candidates", "curvature", "pareto-front", "rides", "speed-profiles")
 
 
+searched = cache(chosen)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def searched_once() -> Iterator[None]:
     """The experiments and the tests ask for the same searches; each is made once."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(experiments, "chosen", cache(chosen))
+        patch.setattr(experiments, "chosen", searched)
         yield
 
 
@@ -118,7 +121,7 @@ def test_the_readings_of_the_distance_cost(results: tuple[list[Claim], Path]) ->
 @pytest.mark.parametrize("mode", EntropyMode)
 def test_the_search_stops_where_it_can_and_touches_nobody(mode: EntropyMode) -> None:
     for one in SITUATIONS:
-        found = experiments.chosen(one, mode)
+        found = searched(one, mode)
         assert found is not None
         front, judged, best = found
         assert front.looked_at == 32 * 25
