@@ -49,6 +49,7 @@ VIOLATIONS = {
 }
 CLEAN = (
     "cosim/errors.py",
+    "cosim/processes.py",
     "cosim/step/loop.py",
     "cosim/recording/first.py",
     "cosim/presentation/__init__.py",

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.cosim.batches.studies import write_study
-from tests.cosim.cli.test_cli import source_environment
+from tests.cosim.cli.commands import source_environment
 
 pytestmark = pytest.mark.sumo
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.cosim.batches import unruly
-from tests.cosim.batches.studies import batch, command, write_study
-from tests.cosim.cli.test_cli import source_environment
+from tests.cosim.batches.studies import batch, write_study
+from tests.cosim.cli.commands import command, source_environment
 
 pytestmark = pytest.mark.sumo
 
