@@ -22,7 +22,7 @@ from controllers.drivable_area.evaluation import (
 from controllers.drivable_area.pareto_search import Budget, Front, search
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.driving.lanes import lane_keeping
+from controllers.driving import lane_keeping
 from controllers.interface import FloatArray, Perception
 
 CREEPING = 2.0

@@ -10,7 +10,7 @@ import numpy as np
 from controllers.drivable_area.braking_profile import SmoothBraking
 from controllers.drivable_area.motions import arc_lengths
 from controllers.drivable_area.quintic_path import QuinticPaths
-from controllers.driving.lanes import lane_keeping
+from controllers.driving import lane_keeping
 from controllers.interface import EgoState, FloatArray, Perception
 
 SPEED_GAIN = 1.0

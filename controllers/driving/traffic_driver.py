@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.lanes.lane_choice import LaneChoice
 from controllers.interface import Decision, FloatArray, Manoeuvre, Perception
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.driving import lane_keeping
 from controllers.driving.following import limit_now
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.geometry.path_clearance import beyond_edges, disc_clearances, vehicles_met
 from controllers.interface import Decision, FloatArray, Pedestrians, Perception

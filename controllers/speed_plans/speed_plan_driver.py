@@ -11,9 +11,9 @@ from enum import StrEnum
 
 import numpy as np
 
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import BEND, SPEED_LIMIT, limit_now
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (

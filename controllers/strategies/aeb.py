@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, Perception, Plan
 from controllers.prediction import by_name

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.driving.lanes.lane_keeping import instants
+from controllers.driving.lane_keeping import instants
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.geometry.contact_times import disc_contact_times

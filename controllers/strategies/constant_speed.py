@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.driving.lanes import lane_keeping
+from controllers.driving import lane_keeping
 from controllers.interface import Command, Controller, Decision, EgoState, Manoeuvre, Perception, Plan
 from controllers.settings import ControllerSettings, NotNegative
 

@@ -26,8 +26,8 @@ from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget, require_pymoo
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (

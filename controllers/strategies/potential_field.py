@@ -15,8 +15,8 @@ from typing import Annotated, Final, Literal
 
 import numpy as np
 
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (

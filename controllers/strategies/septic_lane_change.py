@@ -13,8 +13,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.driving.lanes.lane_path import LanePath, Odometer, told
 from controllers.driving.lanes.septic_path import SepticPath

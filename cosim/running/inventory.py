@@ -75,11 +75,15 @@ def described_sensing(name: str) -> tuple[Parameter, ...]:
 
 
 def controllers() -> list[Entry]:
-    """Return the controllers of this project and of installed plug-ins."""
-    return [
-        Entry(name, catalog.describe(name), tuple(map(_with_unit, catalog.described(name))))
-        for name in catalog.names()
-    ]
+    """Return the controllers of this project and of installed plug-ins; a broken one hides no other."""
+    return [_controller(name) for name in catalog.names()]
+
+
+def _controller(name: str) -> Entry:
+    try:
+        return Entry(name, catalog.describe(name), tuple(map(_with_unit, catalog.described(name))))
+    except catalog.CatalogError as error:
+        return Entry(name, f"not usable: {error}")
 
 
 def sensing_models() -> list[Entry]:

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from controllers.driving.lanes.lane_keeping import Place
+from controllers.driving.lane_keeping import Place
 from controllers.interface import EgoState, FloatArray, Perception
 
 LEAST_ADVANCE = 0.2
@@ -102,7 +102,7 @@ class LanePath:
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A shape as it lies in one route frame; see :class:`controllers.driving.lanes.lane_keeping.Course`."""
+    """A shape as it lies in one route frame; see :class:`controllers.driving.lane_keeping.Course`."""
 
     shape: Shape
     passed: float

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.driving.lanes.lane_keeping import Place
+from controllers.driving.lane_keeping import Place
 from controllers.interface import FloatArray
 
 PROFILE = np.polynomial.Polynomial([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from controllers.conflicts.path_conflicts import Conflicts
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.lanes.lane_path import LanePath, Odometer, through
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers import catalog
+from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import (
     BEND,
@@ -19,7 +20,6 @@ from controllers.driving.following import (
     desired_gap,
     free_acceleration,
 )
-from controllers.driving.lanes import lane_keeping
 from controllers.driving.leaders import LANE_END
 from controllers.interface import (
     EgoState,

@@ -10,6 +10,7 @@ import pytest
 from controllers import catalog
 from cosim.errors import InputError
 from cosim.running import compose
+from cosim.running import inventory
 from cosim.running.rehearsal import rehearse
 from tests.cosim.cli.test_cli import configuration, network, refused
 
@@ -141,3 +142,17 @@ def test_a_controller_that_cannot_plan_on_a_plain_road_is_refused() -> None:
 def test_every_controller_can_plan_on_a_plain_road() -> None:
     for name in catalog.names():
         rehearse(name, catalog.build(name), {})
+
+
+def test_a_plug_in_that_cannot_be_loaded_hides_no_other_controller(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "broken_driver.py").write_text("raise SystemExit(0)\n")
+    about = tmp_path / "broken-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[cosim.controllers]\nbroken = broken_driver\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = {entry.name: entry.description for entry in inventory.controllers()}
+    assert found["broken"] == "not usable: controller 'broken' cannot be loaded: SystemExit: 0"
+    assert found["vo_mpc"].endswith(".")

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.driving.lanes import lane_keeping
+from controllers.driving import lane_keeping
 from controllers.interface import Body, Command, FloatArray, RoadAhead
 from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import LANE_WIDTH, bend, ego, perception, straight_road
