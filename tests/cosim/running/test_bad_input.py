@@ -9,8 +9,7 @@ import pytest
 
 from controllers import catalog
 from cosim.errors import InputError
-from cosim.running import compose
-from cosim.running import inventory
+from cosim.running import compose, inventory
 from cosim.running.rehearsal import rehearse
 from tests.cosim.cli.test_cli import configuration, network, refused
 
