@@ -53,6 +53,22 @@ class Conflicts:
     def __len__(self) -> int:
         return len(self.names)
 
+    def only(self, chosen: IntArray) -> Conflicts:
+        """Return some of the conflicts, by index."""
+        return Conflicts(
+            tuple(self.names[i] for i in chosen),
+            self.index[chosen],
+            self.along[chosen],
+            self.along_speed[chosen],
+            self.across[chosen],
+            self.across_speed[chosen],
+            self.radius[chosen],
+            self.enter[chosen],
+            self.leave[chosen],
+            self.stop_line[chosen],
+            None if self.forecast is None else self.forecast.only(chosen),
+        )
+
     def along_at(self, times: FloatArray) -> FloatArray:
         """Return the places along the road, shape (n, N) [m]."""
         if self.forecast is not None:

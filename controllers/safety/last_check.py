@@ -95,9 +95,7 @@ class LastCheck:
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
             comes = np.where(told.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
-        others = people
-        if len(cars.x):
-            others = Discs(*(np.concatenate(both) for both in zip(people, cars, strict=True)))
+        others = _joined(people, cars) if len(cars.x) else people
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, others, path, motion)
@@ -114,25 +112,20 @@ class LastCheck:
             return plan
         tried = np.array((MILD, *URGENT))
         slower = braked(perception, tried, times)
-        distances = _clearances(perception, others, path, slower)
-        touches = _touches(distances, slower, margin)
+        touches = _touches(_clearances(perception, others, path, slower), slower, margin)
         if not touches[0] and not starts:
             return plan
         limit = perception.ego.drive.max_deceleration
-        if not touches.all() or starts:
-            enough = tried[int(np.argmin(touches))] if not touches.all() else tried[-1]
+        if starts or not touches.all():
+            enough = tried[-1] if touches.all() else tried[int(np.argmin(touches))]
             return _braking(plan, min(float(enough), limit))
         # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
-        people = discs(perception, near, np.full(len(told), True), None, times)
-        on = np.minimum(
-            np.append(_least(clearance, motion), _least(distances, slower)),
-            np.append(
-                _least(_clearances(perception, people, path, motion), motion),
-                _least(_clearances(perception, people, path, slower), slower),
-            ),
-        )
-        best = on.max(initial=0.0)
-        chosen = int(np.flatnonzero(on >= best - GRAZING)[-1]) if best >= MARGIN else len(tried)
+        walking_on = discs(perception, near, np.full(len(told), True), None, times)
+        variants = Motion(*(np.concatenate(both, axis=1) for both in zip(motion, slower, strict=True)))
+        distances = _clearances(perception, _joined(others, walking_on), path, variants)
+        least = _least(distances, variants)
+        best = least.max()
+        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else len(tried)
         return plan if chosen == 0 else _braking(plan, min(float(tried[chosen - 1]), limit))
 
     def _margins(
@@ -161,6 +154,10 @@ def _near(perception: Perception) -> NDArray[np.intp]:
     if np.isnan(x).any():
         x, y = people.along, people.across - ego.across
     return np.flatnonzero(np.hypot(x, y) < reach)
+
+
+def _joined(some: Discs, others: Discs) -> Discs:
+    return Discs(*(np.concatenate(both) for both in zip(some, others, strict=True)))
 
 
 def _clearances(perception: Perception, people: Discs, path: Course, motion: Motion) -> FloatArray:

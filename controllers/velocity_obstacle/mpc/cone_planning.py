@@ -51,7 +51,7 @@ class ConePlanner(SpeedPlanner):
             return speed, nothing
         near = _nearest(perception, conflicts)
         far = np.setdiff1d(np.arange(len(conflicts)), near)
-        bounded = self._bounded(perception, task, _only(conflicts, far), int(np.count_nonzero(far < behind)))
+        bounded = self._bounded(perception, task, conflicts.only(far), int(np.count_nonzero(far < behind)))
         walkers = self._walkers(conflicts, near, behind)
         steering_task = self.steering_of(perception, speed, lane)
         best = JointPlan(speed, self.steering.solve(steering_task, memory=self.steering_memory))
@@ -100,23 +100,6 @@ def _nearest(perception: Perception, conflicts: Conflicts) -> NDArray[np.intp]:
     """Return the indices of the nearest pedestrians, in their order."""
     distance = np.hypot(conflicts.along - perception.ego.body.front, conflicts.across - perception.ego.across)
     return np.sort(np.argsort(distance, kind="stable")[:SLOTS])
-
-
-def _only(conflicts: Conflicts, chosen: NDArray[np.intp]) -> Conflicts:
-    c = conflicts
-    return Conflicts(
-        tuple(c.names[i] for i in chosen),
-        c.index[chosen],
-        c.along[chosen],
-        c.along_speed[chosen],
-        c.across[chosen],
-        c.across_speed[chosen],
-        c.radius[chosen],
-        c.enter[chosen],
-        c.leave[chosen],
-        c.stop_line[chosen],
-        None if c.forecast is None else c.forecast.only(chosen),
-    )
 
 
 def _motion(plan: JointPlan, task: SteeringTask, speed: float) -> Motion:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.conflicts import path_conflicts
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
@@ -97,7 +96,7 @@ class SceneReader:
         if len(found) > MOST:
             distance = np.where(near, np.hypot(found.along, found.across), np.inf)
             near[np.argsort(distance, kind="stable")[MOST:]] = False
-        return found if near.all() else _only(found, near)
+        return found if near.all() else found.only(np.flatnonzero(near))
 
     def straight(self, perception: Perception, lane: Lane, conflicts: Conflicts) -> AvoidanceProblem:
         """Return the problem of driving on in a lane, which leaves the speed alone to be chosen."""
@@ -251,21 +250,3 @@ class SceneReader:
             times = np.minimum(times, speed / braking)
             return speed * times - 0.5 * braking * times**2
         return speed * times
-
-
-def _only(conflicts: Conflicts, chosen: NDArray[np.bool_]) -> Conflicts:
-    index = np.flatnonzero(chosen)
-    c = conflicts
-    return Conflicts(
-        tuple(c.names[i] for i in index),
-        c.index[index],
-        c.along[index],
-        c.along_speed[index],
-        c.across[index],
-        c.across_speed[index],
-        c.radius[index],
-        c.enter[index],
-        c.leave[index],
-        c.stop_line[index],
-        None if c.forecast is None else c.forecast.only(index),
-    )
