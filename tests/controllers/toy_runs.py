@@ -97,6 +97,7 @@ def ride(
     lane: int = 0,
     parameters: Mapping[str, Any] | None = None,
     controller: str = "vo_mpc",
+    step: float = 0.1,
 ) -> Ride:
     """Drive a controller with those parameters."""
     world = ToyWorld(
@@ -106,6 +107,7 @@ def ride(
         speed=speed,
         duration=duration,
         lane=lane,
+        step=step,
     )
     record = Ride()
     run(world, {"ego": catalog.build(controller, **(parameters or {}))}, record)

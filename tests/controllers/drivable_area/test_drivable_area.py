@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -19,37 +20,17 @@ from cosim.pedestrians.swerving import Swerving
 from cosim.pedestrians.walker import Walker as ScriptedWalker
 from cosim.step.loop import run
 from cosim.step.plant import CAR_DRIVE, Plant
-from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
+from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, walk
 from cosim.step.toy_world import ToyWorld
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
-from tests.controllers.toy_runs import Ride
+from tests.controllers.toy_runs import Ride, ride
 from tests.cosim.pedestrians.toy_walk import ToyWalk
 
 NARROW = ToyRoad(lanes=1, lane_width=3.5)
 WIDE = ToyRoad(lanes=3, lane_width=3.5)
 
 
-def _ride(
-    road: ToyRoad,
-    walkers: Sequence[Motion] = (),
-    vehicles: Sequence[Motion] = (),
-    speed: float = 12.0,
-    duration: float = 10.0,
-    lane: int = 0,
-    parameters: Mapping[str, object] | None = None,
-    controller: str = "drivable_area",
-) -> Ride:
-    world = ToyWorld(
-        road,
-        [ToyPedestrian(f"p{i}", motion) for i, motion in enumerate(walkers)],
-        [ToyVehicle(f"v{i}", motion) for i, motion in enumerate(vehicles)],
-        speed=speed,
-        duration=duration,
-        lane=lane,
-    )
-    ride = Ride()
-    run(world, {"ego": catalog.build(controller, **cast(Any, dict(parameters or {})))}, ride)
-    return ride
+_ride = partial(ride, duration=10.0, controller="drivable_area")
 
 
 def _answers(scenes: Sequence[Perception], **parameters: object) -> list[tuple[Decision, Plan]]:

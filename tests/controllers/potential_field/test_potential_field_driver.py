@@ -12,10 +12,8 @@ from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
 from controllers.catalog import CatalogError
 from cosim.pedestrians.crossing_direction import CrossingDirection
-from cosim.step.loop import run
-from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
-from cosim.step.toy_world import ToyWorld
-from tests.controllers.toy_runs import Ride
+from cosim.step.toy_road import Motion, ToyCrossing, ToyRoad, walk
+from tests.controllers.toy_runs import Ride, ride
 
 ROAD = ToyRoad(lanes=2, lane_width=4.0, speed_limit=25.0)
 
@@ -32,18 +30,7 @@ def drive(
     **parameters: Any,
 ) -> Ride:
     """Drive ``potential_field`` with those parameters."""
-    world = ToyWorld(
-        road,
-        [ToyPedestrian(f"p{i}", motion) for i, motion in enumerate(walkers)],
-        [ToyVehicle(f"v{i}", motion) for i, motion in enumerate(vehicles)],
-        speed=speed,
-        duration=duration,
-        lane=lane,
-        step=step,
-    )
-    record = Ride()
-    run(world, {"ego": catalog.build("potential_field", **parameters)}, record)
-    return record
+    return ride(road, walkers, vehicles, speed, duration, lane, parameters, "potential_field", step)
 
 
 def assert_on_the_road(record: Ride, road: ToyRoad) -> None:

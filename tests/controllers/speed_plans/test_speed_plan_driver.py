@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,13 +14,11 @@ from controllers.interface import CrossingKind, EgoState, Perception, Signal, Si
 from controllers.prediction import by_name
 from controllers.speed_plans.intermediate_speed import safe_distance
 from controllers.speed_plans.trapezoid_profile import PlanningLimits
-from cosim.step.loop import run
 from cosim.step.plant import CAR_DRIVE
-from cosim.step.toy_road import Motion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
-from cosim.step.toy_world import ToyWorld
+from cosim.step.toy_road import Motion, ToyCrossing, ToyRoad, walk
 from tests.controllers.drives import drive
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
-from tests.controllers.toy_runs import Ride
+from tests.controllers.toy_runs import Ride, ride
 
 BOTH = pytest.mark.parametrize("name", ["trapezoid", "intermediate_speed"])
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -39,22 +37,10 @@ def _ride(
     road: ToyRoad,
     walkers: Sequence[Motion] = (),
     vehicles: Sequence[Motion] = (),
-    speed: float = 12.0,
     duration: float = 40.0,
-    parameters: Mapping[str, Any] | None = None,
-    step: float = 0.1,
+    **given: Any,
 ) -> Ride:
-    world = ToyWorld(
-        road,
-        [ToyPedestrian(f"p{i}", motion) for i, motion in enumerate(walkers)],
-        [ToyVehicle(f"v{i}", motion) for i, motion in enumerate(vehicles)],
-        speed=speed,
-        duration=duration,
-        step=step,
-    )
-    record = Ride()
-    run(world, {"ego": catalog.build(name, **(parameters or {}))}, record)
-    return record
+    return ride(road, walkers, vehicles, duration=duration, controller=name, **given)
 
 
 def _crowd(count: int, place: float, seed: int) -> list[Motion]:
