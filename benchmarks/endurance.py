@@ -13,7 +13,6 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 import gzip
 import json
-import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
@@ -24,7 +23,7 @@ from typing import Any
 from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
-from measuring.resident import HOUR_S, Looks, settled, slope
+from measuring.resident import HOUR_S, Looks, in_process, settled, slope
 
 from cosim.running.execution import execute
 from cosim.running.request import RunRequest
@@ -109,9 +108,7 @@ def main() -> None:
     duration_s = 120.0 if given.quick else HOURS * HOUR_S
     settled_s = 60.0 if given.quick else SETTLED_S
     began = time.perf_counter()
-    words = [sys.executable, __file__, "--watch", f"{duration_s}"]
-    done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True)
-    seen: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    seen = in_process(__file__, "--watch", f"{duration_s}")
     times, sizes = settled(seen, settled_s)
     found: dict[str, Any] = {
         "controller": CONTROLLER,

@@ -10,7 +10,6 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 import json
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -21,7 +20,7 @@ import libsumo
 from measuring import results
 from measuring.bars import Bar, show
 from measuring.command import options
-from measuring.resident import HOUR_S, Looks, settled, slope
+from measuring.resident import HOUR_S, Looks, in_process, settled, slope
 from measuring.solvers import DEFAULT
 
 from cosim.running.request import RunRequest
@@ -68,15 +67,6 @@ def watched_alone(duration_s: float) -> dict[str, list[float]]:
     return looks.found
 
 
-def in_process(*arguments: str) -> dict[str, list[float]]:
-    """Return what this script sees in a process of its own."""
-    done = subprocess.run([sys.executable, __file__, *arguments], stdout=subprocess.PIPE, text=True)
-    if done.returncode:
-        raise SystemExit(f"{arguments[0]} ended with {done.returncode}")
-    seen: dict[str, list[float]] = json.loads(done.stdout.splitlines()[-1])
-    return seen
-
-
 def main() -> None:
     """Measure, print and publish."""
     if sys.argv[1:2] == ["--watch"]:
@@ -89,10 +79,10 @@ def main() -> None:
     duration_s, settled_s = (300.0, 150.0) if given.quick else (HOUR_S, SETTLED_S)
     solver = DEFAULT
     began = time.perf_counter()
-    seen = in_process("--watch", f"{duration_s}", solver)
+    seen = in_process(__file__, "--watch", f"{duration_s}", solver)
     took_s = time.perf_counter() - began
     times, sizes = settled(seen, settled_s)
-    alone = settled(in_process("--watch-alone", f"{duration_s}"), settled_s)
+    alone = settled(in_process(__file__, "--watch-alone", f"{duration_s}"), settled_s)
     found: dict[str, Any] = {
         "scenario": SCENARIO,
         "controller": CONTROLLER,

@@ -5,17 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from analysis.markdown import table_of
+from measuring.resident import table
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
     """Return the section's Markdown."""
-    times = found["time_s"]
-    step = max(1, len(times) // 12)
-    rows = [
-        {"simulated h": f"{now / 3600.0:.1f}", "resident MB": f"{size:.0f}"}
-        for now, size in list(zip(times, found["resident_mb"], strict=True))[::step]
-    ]
     return [
         "## Memory over twelve simulated hours in Braunschweig",
         f"`fokr_bs_demo`, as SUMO ships it, with `{found['controller']}` for {found['ego_share']:.0%} of the "
@@ -28,5 +22,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"{found['settled_s'] / 3600.0:g} h memory grows by {found['mb_per_hour']:+.1f} MB per simulated "
         "hour; with the analysis of the whole recording the process held at most "
         f"{found['analysed_mb']:.0f} MB.",
-        table_of(rows),
+        table(found, 12, "simulated h", lambda now: f"{now / 3600.0:.1f}"),
     ]

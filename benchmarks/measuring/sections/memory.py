@@ -5,18 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from analysis.markdown import table_of
+from measuring.resident import table
 
 
 def paragraphs(found: Mapping[str, Any]) -> list[str]:
     """Return the section's Markdown."""
     settings = ", ".join(f"{key}={value}" for key, value in found["settings"].items())
-    times = found["time_s"]
-    step = max(1, len(times) // 8)
-    rows = [
-        {"simulated s": f"{now:.0f}", "resident MB": f"{size:.0f}"}
-        for now, size in list(zip(times, found["resident_mb"], strict=True))[::step]
-    ]
     return [
         "## Memory over a simulated hour",
         f"`{found['scenario']}` with `{found['controller']}` ({found['solver']}) for a fifth of the cars, "
@@ -24,5 +18,5 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"first {found['settled_s']:g} s memory grows by {found['mb_per_hour']:+.1f} MB per simulated hour, "
         f"the recording included. SUMO alone, stepping through the same demand, grows by "
         f"{found['alone_mb_per_hour']:+.1f} MB per hour and ends at {found['alone_end_mb']:.0f} MB.",
-        table_of(rows),
+        table(found, 8, "simulated s", "{:.0f}".format),
     ]
