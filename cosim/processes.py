@@ -22,6 +22,9 @@ _starting = Lock()
 
 def context() -> BaseContext:
     """Return how processes are to be started; to be called shortly before."""
+    # New interpreters look for modules in the current folder first: a user's file named like one of the
+    # standard library would be executed.
+    os.environ.setdefault("PYTHONSAFEPATH", "1")
     if not sys.platform.startswith("linux"):
         return get_context("spawn")  # system libraries of macOS do not bear to be copied
     found = get_context("forkserver")

@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -81,11 +82,7 @@ class Pool:
     def check(self, job: Job, start_sumo: bool) -> Future[tuple[Inputs, str] | str]:
         """Return the inputs of a run and the hash of the code, or why it cannot be made."""
         limit = self._handling.timeout_s
-
-        def answer(done: Future[tuple[Inputs, str] | str]) -> tuple[Inputs, str] | str:
-            return _answer(done, limit)
-
-        return self._schedule(worker.check, (job, start_sumo), limit, answer)
+        return self._schedule(worker.check, (job, start_sumo), limit, partial(_answer, timeout_s=limit))
 
     def close(self) -> None:
         """End the processes and what they are doing."""
@@ -107,9 +104,6 @@ class Pool:
         # Before the processes load NumPy: two with several BLAS threads each are slower than one.
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
             os.environ.setdefault(name, "1")
-        # New interpreters look for modules in the current folder first: a user's file named like one of the
-        # standard library would be executed.
-        os.environ.setdefault("PYTHONSAFEPATH", "1")
         # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The pool's threads
         # inherit what is blocked here, and the processes that they start.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
