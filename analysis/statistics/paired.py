@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 from statsmodels.stats.contingency_tables import mcnemar
+from statsmodels.stats.multitest import multipletests
 
 from analysis.statistics.intervals import LEVEL, FloatArray, Interval, all_equal, mean_interval
 
@@ -176,13 +177,8 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
     known = [p for p in p_values if p is not None]
     if not known:
         return list(p_values)
-    # statsmodels has it too, with a full garbage collection on every call: longer than all the other tests.
-    order = np.argsort(known)
-    rising = np.maximum.accumulate(np.take(known, order) * np.arange(len(known), 0, -1))
-    corrected = np.empty(len(known))
-    corrected[order] = np.minimum(rising, 1.0)
-    found = iter(corrected.tolist())
-    return [None if p is None else float(next(found)) for p in p_values]
+    corrected = iter(multipletests(known, method="holm")[1].tolist())
+    return [None if p is None else float(next(corrected)) for p in p_values]
 
 
 def _correlation(base: FloatArray, alt: FloatArray) -> float | None:
