@@ -37,6 +37,7 @@ def publish(section: str, content: Mapping[str, Any], bars: Sequence[Bar], folde
     """Replace one section of the results in a folder and write the page anew; nothing without a folder."""
     if folder is None:
         return
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "results.json"
     everything = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     everything["environment"] = environment()
