@@ -1,7 +1,8 @@
-"""Egos that stood with their body over a crossing.
+"""Egos that stood with their body over a crossing, and how often they could have known before.
 
 Stretches of at least stopped_on_crossing_s at or below standing_speed_mps within a passage over a
-crossing of the map.
+crossing of the map. Foreseeable are those for which somebody stood in the ego's way over the crossing
+when it could still have stopped before it with comfort_deceleration_mps2.
 
 Undefined: never; 0 where the map has no crossings.
 """
@@ -9,24 +10,29 @@ Undefined: never; 0 where the map has no crossings.
 from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
-from analysis.stretches import stretches
+from analysis.encounters.crossing_stops import stops_over, was_foreseeable
 from analysis.tables import column
 
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-RUN_COLUMNS = (column.count("n_stopped_on_crossing", "stops with the body over a crossing", required=True),)
+RUN_COLUMNS = (
+    column.count("n_stopped_on_crossing", "stops with the body over a crossing", required=True),
+    column.count(
+        "n_stopped_on_crossing_foreseeable",
+        "those for which somebody stood in the way when the ego could still stop before the crossing",
+    ),
+)
 
 
 def compute(case: Case) -> Values:
-    """Return the number of stretches."""
-    limits = case.thresholds
-    count = 0
-    for passages in case.traversals.values():
-        for passage in passages:
-            first, last = passage.visit.first, passage.visit.last
-            speed = passage.track.speed[first : last + 1]
-            time = case.grid.time[passage.track.first + first : passage.track.first + last + 1]
-            for start, end in stretches(speed <= limits.standing_speed_mps):
-                count += bool(time[end] - time[start] >= limits.stopped_on_crossing_s)
-    return {"n_stopped_on_crossing": count}
+    """Return the number of stops, and of those that could have been foreseen."""
+    passages = [one for passed in case.traversals.values() for one in passed]
+    stopped = [one for one in passages for _ in stops_over(one, case.grid, case.thresholds)]
+    vehicles = [*case.vehicles, *case.egos]
+    return {
+        "n_stopped_on_crossing": len(stopped),
+        "n_stopped_on_crossing_foreseeable": sum(
+            was_foreseeable(one, vehicles, case.persons, case.thresholds) for one in stopped
+        ),
+    }

@@ -12,6 +12,7 @@ JUDGED = "vo_mpc"
 REFERENCE, RIVAL = "sumo", "aeb"
 APPEARED = "appeared"
 """Class of contacts with people who were first there inside the emergency stopping distance."""
+FORESEEABLE = "n_stopped_on_crossing_foreseeable"
 LEAST_ENTERED, LEAST_NETWORKS, LEAST_ON_EACH = 2000, 15, 100
 
 
@@ -90,7 +91,11 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
             200 * len(sudden) <= entered if met else None,
         ),
         _none("0 ego-closed overlaps with vehicles", judged.total("n_vehicle_overlaps_ego_closed"), ran),
-        _none("0 stops on a crossing", judged.total("n_stopped_on_crossing"), ran),
+        Bar(
+            "0 stops on a crossing that it could have foreseen",
+            f"{judged.total(FORESEEABLE)} of {judged.total('n_stopped_on_crossing')}",
+            _zero(judged.total(FORESEEABLE), ran),
+        ),
         _none("0 deadlocks", judged.total("deadlock"), ran),
         _none(
             "0 interventions, except in bends too tight for a car",

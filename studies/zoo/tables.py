@@ -23,6 +23,7 @@ HEADS = (
     "overlaps closed",
     "interventions",
     "stops on a crossing",
+    "foreseeable",
     "deadlocks",
     "mean delay [s]",
 )
@@ -89,6 +90,7 @@ _COUNTS = (
     "n_vehicle_overlaps_ego_closed",
     "n_interventions",
     "n_stopped_on_crossing",
+    "n_stopped_on_crossing_foreseeable",
     "deadlock",
 )
 

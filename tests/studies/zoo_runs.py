@@ -18,6 +18,7 @@ RUN = {
     "n_vehicle_overlaps_ego_closed": 0,
     "n_interventions": 0,
     "n_stopped_on_crossing": 0,
+    "n_stopped_on_crossing_foreseeable": 0,
     "deadlock": 0,
     "ego_time_loss_s": 40.0,
 }
