@@ -2,7 +2,7 @@
 
 The body is laid along the way into a lane, with all four corners on the true curve of the road. Pedestrians
 not expected to enter that way are discs where they are. The nearer the body comes to them, the slower it
-passes.
+passes; those who wait at a crossing may set off while it does, so that it has to stop before they reach it.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ NEAR, SLOW = 0.55, 2.5
 """Nearer than this with this one [m, m/s]."""
 FREE, FAST = 0.8, 14.0
 """Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
+SETTING_OFF, STOPPING, REACTING = 1.5, 8.0, 0.25
+"""Speed of who sets off from a crossing's end, and how the ego stops for them [m/s, m/s^2, s]."""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
@@ -39,6 +41,8 @@ class Bystanders(NamedTuple):
     """Along the road, shape (k,) [m]."""
     who: NDArray[np.intp]
     """Index into ``Perception.pedestrians``, shape (n,)."""
+    wait: NDArray[np.bool_]
+    """Whose next step is onto a crossing, shape (n,)."""
     clearance: FloatArray
     """Shape (k, n) [m]."""
 
@@ -57,7 +61,10 @@ class Bystanders(NamedTuple):
         """
         passed = ~np.isin(self.who, waited_for)
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
-        return (self.places, passing_speed(nearest)) if nearest.min() < FREE else None
+        if not nearest.min() < FREE:
+            return None
+        at_crossing = self.clearance[:, passed & self.wait].min(axis=1, initial=np.inf)
+        return self.places, np.minimum(passing_speed(nearest), speed_to_stop(at_crossing))
 
 
 def passing_speed(clearance: FloatArray) -> FloatArray:
@@ -69,6 +76,16 @@ def passing_speed(clearance: FloatArray) -> FloatArray:
     rising = SLOW + (FAST - SLOW) * (clearance - NEAR) / (FREE - NEAR)
     bounded = np.where(clearance < TOUCHING, CREEPING, np.maximum(rising, SLOW))
     return np.where(clearance < FREE, bounded, UNBOUNDED).round(9)
+
+
+def speed_to_stop(clearance: FloatArray) -> FloatArray:
+    """Return from which speed the ego stops before somebody at a distance has walked up to it [m/s].
+
+    >>> speed_to_stop(np.array([0.2, 0.6, 0.75, 0.8])).tolist()
+    [1.0, 1.2, 2.0, 100.0]
+    """
+    stops = np.maximum(STOPPING * (clearance / SETTING_OFF - REACTING), CREEPING)
+    return np.where(clearance < FREE, stops, UNBOUNDED).round(9)
 
 
 def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_]) -> Bystanders | None:
@@ -97,7 +114,8 @@ def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_])
     still = (
         np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
     )
-    return Bystanders(places, who, disc_clearances(x, y, heading, ego.body, *still)[:, 0, :])
+    wait = people.waiting[who]
+    return Bystanders(places, who, wait, disc_clearances(x, y, heading, ego.body, *still)[:, 0, :])
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:

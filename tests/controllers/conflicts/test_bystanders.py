@@ -52,6 +52,23 @@ def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
     assert found.speed_limit(np.array([0])) is None, "whom the ego waits for is not passed"
 
 
+@pytest.mark.parametrize("gap", [0.45, 0.6, 0.75])
+def test_beside_somebody_who_waits_at_a_crossing_it_can_stop_before_they_reach_it(gap: float) -> None:
+    """They set off at 1.5 m/s when the front has passed; the ego brakes with 8 m/s^2 after 0.25 s."""
+    stands = _stands(gap)
+    waits, stays = (
+        _beside(perception(ego(), walkers=[replace(stands, waiting=waiting)])).speed_limit(
+            np.zeros(0, dtype=np.int64)
+        )
+        for waiting in (True, False)
+    )
+    assert waits is not None
+    assert stays is not None
+    allowed = waits[1].min()
+    assert 1.0 <= allowed < stays[1].min()
+    assert allowed == 1.0 or 0.25 + allowed / 8.0 == pytest.approx(gap / 1.5)
+
+
 def test_beyond_a_distance_the_speed_is_free() -> None:
     far = _beside(perception(ego(), walkers=[_stands(FREE + 0.01)]))
     assert far.speed_limit(np.zeros(0, dtype=np.int64)) is None
