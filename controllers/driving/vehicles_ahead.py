@@ -20,6 +20,8 @@ MERGING_WITHIN = 2.0
 """One that will be in the band within this time is about to [s]."""
 DRIFTING = 0.15
 """Slower movement across the road is not taken for a change of lane [m/s]."""
+TURNING_SPEED, ROOM_TO_TURN = 2.0, 4.0
+"""A slower vehicle that does not go the ego's way manoeuvres, and is left so much more room [m/s, m]."""
 
 
 class Blockade(NamedTuple):
@@ -30,7 +32,8 @@ class Blockade(NamedTuple):
     rest: FloatArray
     """Where that rear bumper comes to rest should the vehicle brake hard from there [m]."""
     follow: FloatArray
-    """As ``rear``, of those who are about to move into the way too: to keep a time gap to [m]."""
+    """As ``rear``, of those who are about to move into the way too, and nearer for those who stand across
+    the ego's lane or come towards it and may need room to get out of it: to keep a time gap to [m]."""
     name: str
     """Nearest vehicle now; empty for none."""
 
@@ -67,10 +70,13 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     blocking = np.flatnonzero(soon[chosen])
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
+    pace = np.hypot(vehicles.along_speed[chosen], vehicles.across_speed[chosen])
+    turning = ~box.same_way[chosen] & (pace < TURNING_SPEED)
+    room = np.where(turning, ROOM_TO_TURN, 0.0).reshape(-1, 1)
     return Blockade(
         rear[blocking].min(axis=0, initial=nobody),
         rest[blocking].min(axis=0, initial=nobody),
-        rear.min(axis=0, initial=nobody),
+        (rear - room).min(axis=0, initial=nobody),
         vehicles.names[nearest],
     )
 

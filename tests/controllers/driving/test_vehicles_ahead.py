@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from controllers.driving.vehicles_ahead import Blockade, blockade
+from controllers.driving.vehicles_ahead import ROOM_TO_TURN, Blockade, blockade
 from controllers.geometry.footprints import footprints
 from tests.controllers.scenes import FRONT, Car, perception, straight_road, vehicles
 
@@ -88,3 +88,18 @@ def test_an_oncoming_or_crossing_vehicle_stands_where_it_is() -> None:
     oncoming = _ahead([Car(40.0, 0.5, -10.0, heading_error=np.pi)])
     assert oncoming.rear == pytest.approx(np.full(4, 40.0))
     assert _ahead([Car(40.0, 4.5, 0.0, across_speed=-6.0, heading_error=-np.pi / 2)]).name == ""
+
+
+@pytest.mark.parametrize("heading", [np.pi, 0.6 * np.pi, -0.5 * np.pi])
+def test_a_vehicle_that_gets_out_of_the_lane_is_left_room_to_turn(heading: float) -> None:
+    stands, drives, same_way = (
+        _ahead([car])
+        for car in (
+            Car(20.0, 0.5, 0.5, heading_error=heading),
+            Car(20.0, 0.5, -5.0, heading_error=heading),
+            Car(20.0, 0.5, 0.0),
+        )
+    )
+    assert stands.follow == pytest.approx(stands.rear - ROOM_TO_TURN)
+    assert drives.follow == pytest.approx(drives.rear), "it will not be there any more"
+    assert same_way.follow == pytest.approx(same_way.rear)
