@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cosim.sumo.network import Network
 from cosim.sumo.present import forget_absent
-from cosim.sumo.surroundings import Cars
+from cosim.sumo.road_users import Cars
 
 AT_THE_LINE = 6.0
 """A vehicle this near to its line, and slow, has come to an all-way stop [m]."""

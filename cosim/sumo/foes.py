@@ -22,7 +22,7 @@ from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
-from cosim.sumo.surroundings import Cars
+from cosim.sumo.road_users import Cars
 
 FloatArray = NDArray[np.float64]
 

@@ -16,7 +16,8 @@ from cosim.sensing.interface import Scene, Sensed, Sensing, Site
 from cosim.sensing.senses import Senses
 from cosim.step.plant import Plant
 from cosim.sumo.network import Network
-from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Persons, Surroundings
+from cosim.sumo.road_users import Persons
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 
 FloatArray = NDArray[np.float64]
 

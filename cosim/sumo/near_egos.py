@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from controllers.interface import Pedestrians, Vehicles
 from cosim.sumo.lane_path import PathCrossing
 from cosim.sumo.path import project_all
-from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Cars, Surroundings
+from cosim.sumo.road_users import Cars
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.view import Frame
 
 FloatArray = NDArray[np.float64]

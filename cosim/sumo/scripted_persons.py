@@ -16,7 +16,8 @@ from cosim.pedestrians.population import Population, Scripted
 from cosim.step.plant import Plant
 from cosim.sumo.ground import Ground, Spot
 from cosim.sumo.network import Network
-from cosim.sumo.surroundings import PERSON_RANGE, Persons, Surroundings
+from cosim.sumo.road_users import Persons
+from cosim.sumo.surroundings import PERSON_RANGE, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.traffic_near import TrafficNear, way_along
 from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding

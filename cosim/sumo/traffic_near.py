@@ -18,7 +18,7 @@ from cosim.step.frames import heading_of
 from cosim.sumo.egos import ROADLESS_CLASSES
 from cosim.sumo.network import Network
 from cosim.sumo.path import Path
-from cosim.sumo.surroundings import INVALID, sumo_constant
+from cosim.sumo.road_users import INVALID, sumo_constant
 
 FloatArray = NDArray[np.float64]
 

@@ -25,10 +25,11 @@ from cosim.sumo.map_areas import CELL, areas_near
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.placement import Executed, Method, Placement
 from cosim.sumo.present import Present, everybody_present
+from cosim.sumo.road_users import KnownState
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
-from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, KnownState, Observer, Surroundings
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario

@@ -16,7 +16,7 @@ from cosim.sumo.foes import FoeFinder
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network, read_network
-from cosim.sumo.surroundings import Cars
+from cosim.sumo.road_users import Cars
 
 LENGTH, WIDTH = 5.0, 1.8
 
