@@ -37,6 +37,8 @@ class Thresholds:
     """Both users are within this distance of their conflict area, or of each other."""
     visit_pairing_s: float = 60.0
     """Visits to one conflict area further apart in time are not one encounter."""
+    traffic_pairing_s: float = 10.0
+    """The same where everybody is judged, who are many."""
     substep_s: float = 0.05
     """Motion is resampled to at most this step before the exact check between samples."""
     ego_rear_overhang_m: float = 0.95

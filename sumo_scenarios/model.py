@@ -22,7 +22,7 @@ class Egos:
     vehicles: tuple[str, ...] = ()
     """Ids of vehicles of the demand to take over."""
     share: float | None = None
-    """Share of the demand's passenger cars to take over, in (0, 1]; which ones is drawn by the seed."""
+    """Share of the demand's passenger cars to take over, in [0, 1]; which ones is drawn by the seed."""
     count: int = 0
     """Number of inserted egos."""
     first_depart_s: float = 0.0
@@ -121,12 +121,12 @@ def with_egos(
     Raises
     ------
     ScenarioError
-        If nothing is given, or the share is not in (0, 1].
+        If nothing is given, or the share is not in [0, 1].
     """
     if not route and not vehicle and share is None:
         raise ScenarioError("no ego: expected a route, a vehicle id or a share of the passenger cars")
-    if share is not None and not 0.0 < share <= 1.0:
-        raise ScenarioError(f"the share of egos is {share:g}; expected more than 0 and at most 1")
+    if share is not None and not 0.0 <= share <= 1.0:
+        raise ScenarioError(f"the share of egos is {share:g}; expected at least 0 and at most 1")
     egos = replace(
         scenario.egos,
         routes=(tuple(route),) if route else (),

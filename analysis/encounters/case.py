@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analysis.encounters.careful_driver import Replay, replay_contact
 from analysis.encounters.contacts import Approach, Contact, closest_approaches, find_contacts
 from analysis.encounters.crossings import Traversal, traversals
-from analysis.encounters.finding import Encounter, Surroundings, find_encounters
+from analysis.encounters.finding import Encounter, Surroundings, find_encounters, find_in_traffic
 from analysis.encounters.prediction import PredictedArea, predict_area
 from analysis.encounters.samples import Samples, gather
 from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
@@ -106,13 +106,38 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
     """Return the case of a recorded run."""
     thresholds = thresholds or Thresholds()
     grid = make_grid(run, thresholds)
-    egos = ego_tracks(run, grid, thresholds)
+    egos, vehicles = ego_tracks(run, grid, thresholds), object_tracks(run, grid, "vehicle")
+    return _case(run, thresholds, grid, egos, vehicles, find_encounters, find_overlaps(egos, vehicles, grid))
+
+
+def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
+    """Return the case of all traffic of a run, in which vehicles take the place of egos.
+
+    Parameters
+    ----------
+    run : RecordedRun
+        As :func:`analysis.recording.traffic.read_traffic` returns it.
+    thresholds : Thresholds
+    """
+    thresholds = thresholds or Thresholds()
+    grid = make_grid(run, thresholds)
+    return _case(run, thresholds, grid, ego_tracks(run, grid, thresholds), (), find_in_traffic, ())
+
+
+def _case(
+    run: RecordedRun,
+    thresholds: Thresholds,
+    grid: Grid,
+    egos: Sequence[Track],
+    vehicles: Sequence[Track],
+    find: Callable[[Sequence[Track], Sequence[Track], Surroundings], list[Encounter]],
+    overlaps: Sequence[VehicleOverlap],
+) -> Case:
     persons = object_tracks(run, grid, "pedestrian")
-    vehicles = object_tracks(run, grid, "vehicle")
     passed = traversals(egos, run.crossings(), grid)
     kinds = {area.name: area.crossing_kind for area in run.crossings()}
     around = Surroundings(run, grid, thresholds, passed, kinds)
-    encounters = find_encounters(egos, persons, around)
+    encounters = find(egos, persons, around)
     samples = gather(encounters, run, grid, thresholds)
     areas = [one.area for one in encounters]
     contacts = _once(
@@ -135,7 +160,7 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
         replays=_replays(run, grid, thresholds, encounters, contacts, [*vehicles, *egos]),
         approach=closest_approaches(samples),
         steps=ego_steps(run, egos, grid, thresholds),
-        overlaps=find_overlaps(egos, vehicles, grid),
+        overlaps=overlaps,
         ego_rows=[_ego_rows(one, grid) for one in encounters],
         ego_enter=np.array([np.nan if area is None else area.ego.enter for area in areas]),
         ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),

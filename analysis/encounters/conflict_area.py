@@ -8,7 +8,7 @@ Instants are interpolated between samples of at most 0.05 s.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -38,6 +38,10 @@ class Visit:
     first: int
     """Samples of the track inside, first and last."""
     last: int
+
+    def later(self, samples: int) -> Visit:
+        """Return the stay on a track that begins so many samples earlier."""
+        return replace(self, first=self.first + samples, last=self.last + samples)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,12 @@ riders of vehicles (whom a recording does not hold) are none.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.encounters.candidates import Candidate, candidates
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
 from analysis.geometry import BoolArray
@@ -23,6 +24,8 @@ from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 
 IntArray = NDArray[np.int64]
+
+_MARGIN_M = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +74,53 @@ def find_encounters(egos: Sequence[Track], persons: Sequence[Track], around: Sur
     for ego in egos:
         for person in persons:
             if _may_meet(ego, person, around.thresholds.encounter_range_m):
-                found.extend(_of_pair(ego, person, around))
-    return sorted(found, key=lambda one: (one.first, one.ego.name, one.person.name, one.last))
+                areas = conflict_areas(ego, person, around.grid, around.thresholds.visit_pairing_s)
+                found.extend(_of_pair(ego, person, areas, around))
+    return sorted(found, key=_order)
+
+
+def find_in_traffic(
+    vehicles: Sequence[Track], persons: Sequence[Track], around: Surroundings
+) -> list[Encounter]:
+    """Return the encounters of all vehicles in which one drove over the other's ground or crossing.
+
+    As `find_encounters`, without those of vehicles that passed neither the pedestrian's way within
+    traffic_pairing_s nor their crossing.
+    """
+    within = around.thresholds.traffic_pairing_s
+    pairs = candidates(vehicles, persons, around.traversals, around.run, around.grid, within)
+    found: list[Encounter] = []
+    for pair in pairs:
+        vehicle, person = vehicles[pair.vehicle], persons[pair.person]
+        if vehicle.last < person.first or person.last < vehicle.first:
+            continue
+        areas = _areas_near(vehicle, person, pair, around.grid, within)
+        of_pair = _of_pair(vehicle, person, areas, around)
+        found.extend(one for one in of_pair if one.area is not None or one.traversal is not None)
+    return sorted(found, key=_order)
+
+
+def _order(one: Encounter) -> tuple[int, str, str, int]:
+    return one.first, one.ego.name, one.person.name, one.last
+
+
+def _areas_near(
+    vehicle: Track, person: Track, pair: Candidate, grid: Grid, within_s: float
+) -> list[ConflictArea]:
+    """Return the conflict areas on the ground where the two came near each other."""
+    if pair.vehicle_samples[1] < pair.vehicle_samples[0]:
+        return []
+    own, other = _around(vehicle, pair.vehicle_samples), _around(person, pair.person_samples)
+    areas = conflict_areas(vehicle.between(*own), person.between(*other), grid, within_s)
+    return [replace(area, ego=area.ego.later(own[0]), person=area.person.later(other[0])) for area in areas]
+
+
+def _around(track: Track, samples: tuple[int, int]) -> tuple[int, int]:
+    """Return samples from some way before to some way after, so that stays are whole."""
+    margin = track.length + _MARGIN_M
+    first = np.searchsorted(track.path, track.path[samples[0]] - margin, "left")
+    last = np.searchsorted(track.path, track.path[samples[1]] + margin, "right")
+    return int(first), int(last) - 1
 
 
 def _may_meet(ego: Track, person: Track, range_m: float) -> bool:
@@ -84,12 +132,13 @@ def _may_meet(ego: Track, person: Track, range_m: float) -> bool:
     return bool(apart.min() <= 2.0 * range_m)
 
 
-def _of_pair(ego: Track, person: Track, around: Surroundings) -> list[Encounter]:
+def _of_pair(
+    ego: Track, person: Track, areas: Sequence[ConflictArea], around: Surroundings
+) -> list[Encounter]:
     first, last = max(ego.first, person.first), min(ego.last, person.last)
     own, other = _slice(ego, first, last), _slice(person, first, last)
     reach = around.thresholds.encounter_range_m
     accepted: list[Encounter] = []
-    areas = conflict_areas(ego, person, around.grid, around.thresholds.visit_pairing_s)
     for area in sorted(areas, key=lambda one: max(one.time_between, 0.0)):
         near = np.hypot(ego.x[own] - area.x, ego.y[own] - area.y) <= reach
         near &= np.hypot(person.x[other] - area.x, person.y[other] - area.y) <= reach

@@ -15,6 +15,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "Eqs. (26)-(31) of [VOMPC2019]"
+OF_CONTROLLER = True
 COLUMNS = (
     column.count("n_straight", "plans under the rule STRAIGHT", required=True),
     column.count("n_lane_change", "plans under the rule LANE CHANGE", required=True),

@@ -19,6 +19,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+OF_CONTROLLER = True
 COLUMNS = (column.count("n_interventions", "steps at which SUMO did something else", required=True),)
 RUN_COLUMNS = (
     column.count("n_interventions", "steps at which SUMO did something else", required=True),

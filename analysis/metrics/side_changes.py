@@ -16,6 +16,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+OF_CONTROLLER = True
 COLUMNS = (column.count("side_changes", "changes of the passing class", required=True),)
 RUN_COLUMNS = (column.count("side_changes", "changes of the passing class", required=True),)
 

@@ -13,6 +13,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+OF_CONTROLLER = True
 COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
 RUN_COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
 

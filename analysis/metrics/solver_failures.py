@@ -14,6 +14,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
+OF_CONTROLLER = True
 COLUMNS = (
     column.text(
         "controller_status", "whether every plan was solved", "ok", "infeasible", "timeout", required=True

@@ -19,6 +19,7 @@ from analysis.tables import column
 UNIT = "s"
 WORSE = "lower"
 SOURCE = "own definition"
+OF_CONTROLLER = True
 COLUMNS = (
     column.at_least_0(
         "visible_before_conflict_s",

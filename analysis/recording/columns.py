@@ -190,6 +190,33 @@ NEIGHBOURS = RecordedTable(
     ("object_kind", "object_id"),  # SUMO lets a vehicle and a person share an id
 )
 
+TRAFFIC = RecordedTable(
+    "traffic",
+    "One row for each pedestrian within 20 m of a crossing, each vehicle within 60 m of one, and step; "
+    "written where everybody is recorded, rounded to a thousandth",
+    (
+        _needed("time_s", "s", "time", "end of the step"),
+        _text("object_id", "objects.names", "SUMO's name of it", judged=True),
+        _text("object_kind", "objects.object_kind", "what it is", "pedestrian", "vehicle", judged=True),
+        _text("object_type", "objects.kind", "SUMO type", judged=True),
+        _text("vehicle_class", "vehicle_class", "SUMO's class, of vehicles", judged=True),
+        _flag("is_ego", "is_ego", "an ego now; null for pedestrians"),
+        _needed("x_m", "m", "x", "centre of a pedestrian's disc, of a vehicle's front bumper"),
+        _needed("y_m", "m", "y", "the same"),
+        _number("heading_rad", "rad", "heading", "heading, of vehicles", judged=True),
+        _needed("x_speed_mps", "m/s", "x_speed", "velocity to the east"),
+        _needed("y_speed_mps", "m/s", "y_speed", "velocity to the north"),
+        _number("acceleration_mps2", "m/s^2", "acceleration", "of vehicles", judged=True),
+        _number("speed_limit_mps", "m/s", "speed_limit", "the lane's and its own, of vehicles", judged=True),
+        _needed("length_m", "m", "objects.length", "of a pedestrian the disc's diameter"),
+        _needed("width_m", "m", "objects.width", "of a pedestrian the disc's diameter"),
+        _text("edge_or_lane", "objects.place", "edge walked on, lane driven on", judged=True),
+        _text("crossing_id", "objects.crossing", "crossing walked on or next, of pedestrians", judged=True),
+        _text("phase", "objects.phase", "of pedestrians", *("crossing", "waiting", "walking"), judged=True),
+    ),
+    ("object_kind", "object_id"),
+)
+
 PLANS = RecordedTable(
     "plans",
     "One row for each plan that is kept, two in a simulated second",
@@ -243,4 +270,4 @@ SENSING = RecordedTable(
     ("ego_id", "object_id"),
 )
 
-RECORDED_TABLES = (EGOS, NEIGHBOURS, PLANS, TIMING, SENSING)
+RECORDED_TABLES = (EGOS, NEIGHBOURS, TRAFFIC, PLANS, TIMING, SENSING)

@@ -30,6 +30,8 @@ IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
 _PERFECT = "perfect"
+EVERYBODY = "everybody"
+"""Value of ``record`` in run.json where the traffic near crossings was recorded; such a run needs no ego."""
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
 
@@ -121,15 +123,15 @@ def read_run(folder: Path) -> RecordedRun:
     step_s = meta["step_s"]
     if not isinstance(step_s, int | float) or not math.isfinite(step_s) or step_s <= 0.0:
         raise RecordingError(f"{folder / 'run.json'}: step_s must be a positive number, is {step_s!r}")
-    egos = _read_table(folder, EGOS)
-    if len(egos) == 0:
+    egos = read_table(folder, EGOS)
+    if len(egos) == 0 and meta.get("record") != EVERYBODY:
         raise RecordingError(f"{folder / EGOS.file}: no rows")
-    neighbours = _read_table(folder, NEIGHBOURS)
-    timing = _read_table(folder, TIMING)
+    neighbours = read_table(folder, NEIGHBOURS)
+    timing = read_table(folder, TIMING)
     times = np.unique(np.round(np.concatenate([egos.numbers["time_s"], neighbours.numbers["time_s"]]), 6))
     areas = _read_areas(folder / "map.json")
     perfect = str(meta.get("sensing") or _PERFECT) == _PERFECT
-    sensing = None if perfect else _read_table(folder, SENSING)
+    sensing = None if perfect else read_table(folder, SENSING)
     return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, sensing)
 
 
@@ -149,8 +151,14 @@ def _read_json(path: Path) -> dict[str, Any]:
     return content
 
 
-def _read_table(folder: Path, declared: RecordedTable) -> Columns:
-    """Return the judged columns; there is one row for each time and value of the key columns."""
+def read_table(folder: Path, declared: RecordedTable) -> Columns:
+    """Return the judged columns; there is one row for each time and value of the key columns.
+
+    Raises
+    ------
+    RecordingError
+        As `read_run`.
+    """
     path = folder / declared.file
     table = _load(path, declared)
     judged = [column for column in declared.columns if column.judged]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -65,6 +65,17 @@ class Track:
     def last(self) -> int:
         """Fine index of the last sample."""
         return self.first + len(self.x) - 1
+
+    def between(self, first: int, last: int) -> Track:
+        """Return the part between two samples of this track, both included."""
+        part = slice(first, last + 1)
+        arrays = {name: getattr(self, name)[part] for name in _ARRAYS}
+        return replace(self, first=self.first + first, **arrays)
+
+
+_ARRAYS = tuple(
+    one.name for one in fields(Track) if one.name not in ("name", "kind", "first", "length", "width")
+)
 
 
 def make_grid(run: RecordedRun, thresholds: Thresholds) -> Grid:

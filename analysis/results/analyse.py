@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.encounters.case import Case, prepare
+from analysis.encounters.case import Case, prepare, prepare_traffic
 from analysis.errors import RecordingError
 from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run
+from analysis.recording.traffic import has_traffic, read_traffic
 from analysis.results.metric_catalog import find_metrics
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.rows import encounter_and_run_rows, overlap_rows
-from analysis.results.run_tables import ENCOUNTERS, RUN_TABLES, RUNS
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS, traffic_rows
 from analysis.tables.cells import Row, cells
 from analysis.tables.column import Table
 from analysis.tables.datapackage import describe
@@ -51,17 +53,24 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
         When the run cannot be read; nothing is written then.
     """
     thresholds = thresholds or Thresholds()
-    case = prepare(read_run(folder), thresholds)
+    recorded = read_run(folder)
+    traffic = read_traffic(recorded) if has_traffic(folder) else None
+    case = prepare(recorded, thresholds)
     encounters, run = encounter_and_run_rows(case)
     overlaps = overlap_rows(case)
-    tables: tuple[tuple[Table, Sequence[Row]], ...] = (
+    tables: list[tuple[Table, Sequence[Row]]] = [
         (ENCOUNTERS, encounters),
         (RUNS, [run]),
         (VEHICLE_OVERLAPS, overlaps),
-    )
+    ]
+    if traffic is not None:
+        others = None if traffic.run is None else prepare_traffic(traffic.run, thresholds)
+        tables.append((TRAFFIC_ENCOUNTERS, traffic_rows(case, others, traffic.classes)))
     files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
     files.append(write_json(folder / "config.json", _config(case)))
-    files.append(write_json(folder / "datapackage.json", describe(RUN_TABLES, "one recorded run")))
+    files.append(
+        write_json(folder / "datapackage.json", describe([table for table, _ in tables], "one recorded run"))
+    )
     return RunReport(folder, run, encounters, overlaps, files)
 
 

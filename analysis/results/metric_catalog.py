@@ -40,6 +40,8 @@ class Metric:
     """In runs.csv."""
     compute: Callable[[Case], Values]
     summarise: Callable[[Case, Values], Values] | None
+    of_controller: bool = False
+    """Whether it is about the controller's plans, so that vehicles without a recorded one have no value."""
 
     @property
     def scope(self) -> str:
@@ -94,4 +96,5 @@ def read_metric(name: str, file: Any) -> Metric:
         run_columns=run_columns,
         compute=file.compute,
         summarise=getattr(file, "summarise", None),
+        of_controller=getattr(file, "OF_CONTROLLER", False),
     )

@@ -50,6 +50,13 @@ SensingName = Annotated[
         show_default="as the scenario",
     ),
 ]
+Record = Annotated[
+    str,
+    typer.Option(
+        metavar="egos|everybody",
+        help="Whom to record and judge; with everybody, all traffic near crossings, and no ego is needed.",
+    ),
+]
 
 
 def run(
@@ -66,6 +73,7 @@ def run(
     ego_vehicle: EgoVehicle = None,
     ego_share: EgoShare = None,
     sensing: SensingName = None,
+    record: Record = "egos",
     gui: Annotated[bool, typer.Option("--gui", help="Show the run in sumo-gui.")] = False,
     debug: Debug = False,
 ) -> int:
@@ -97,6 +105,7 @@ def run(
         ego_vehicle=ego_vehicle,
         ego_share=ego_share,
         sensing=sensing,
+        record=record,
         gui=gui,
         out=out,
     )

@@ -14,6 +14,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+EGOS = "egos"
+"""Only egos and who is near them are recorded."""
 PERFECT = "perfect"
 """Sensing that tells egos the truth."""
 _DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "piqp", "proxsuite", "clarabel")
@@ -40,6 +42,8 @@ class Inputs:
     """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
     sensing: str = PERFECT
     sensing_parameters: Mapping[str, Any] = field(default_factory=dict)
+    record: str = EGOS
+    """Whom the run records; changes no number of an ego, so it is part of no identity."""
 
     def config_id(self) -> str:
         """Return the identity of everything but the seed: the controller's name and a hash."""
@@ -93,6 +97,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "invalid_reason": "the run has not ended",
         "actuation": inputs.actuation,
         "sensing": inputs.sensing,
+        "record": inputs.record,
         "parameters": {
             "scenario": _writable(inputs.scenario_parameters),
             "controller": _writable(inputs.controller_parameters),

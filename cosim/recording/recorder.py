@@ -10,9 +10,9 @@ from types import TracebackType
 import numpy as np
 
 from analysis.files import write_json
-from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING, TRAFFIC
 from controllers.interface import Decision, Perception, Plan
-from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects
+from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects, stepped_traffic
 from cosim.recording.table_writer import TableWriter
 from cosim.step.loop import ToWorld
 from cosim.step.world import MapArea, Mishaps, Snapshot
@@ -21,10 +21,12 @@ PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
 PLANS_PER_CHUNK = 1024
 """A plan's row is long: thousands that wait to be written would be most of what a process holds."""
+TRAFFIC_PER_CHUNK = 65536
+"""Rows of one road user in one chunk pack well: a chunk holds several minutes of a junction."""
 
 
 class Recorder:
-    """Writes egos, neighbours, plans, timing and what was sensed of one run.
+    """Writes egos, neighbours, everybody near crossings, plans, timing and what was sensed of one run.
 
     Use as a context manager: however the block is left, what was recorded until then is in the files.
     The wall clock appears in ``timing.parquet`` only.
@@ -37,6 +39,7 @@ class Recorder:
         self._plans = TableWriter(folder, PLANS, PLANS_PER_CHUNK)
         self._timing = TableWriter(folder, TIMING)
         self._sensing: TableWriter | None = None
+        self._traffic: TableWriter | None = None
         self._planned_now: dict[str, PlannedEgo] = {}
         self._last_kept_plan: dict[str, int] = {}
         self.first_time: float | None = None
@@ -46,6 +49,11 @@ class Recorder:
         self.ego_names: set[str] = set()
         self.solves: dict[str, dict[str, int]] = {}
         """Programs by solver: how many, and how many of them were left unsolved."""
+
+    @property
+    def records_everybody(self) -> bool:
+        """Whether the traffic near crossings has been recorded."""
+        return self._traffic is not None
 
     def __enter__(self) -> Recorder:
         return self
@@ -85,6 +93,11 @@ class Recorder:
         self._planned_now.clear()
         for objects in (snapshot.persons, snapshot.vehicles):
             self._neighbours.add_all(SteppedObjects(snapshot.time, objects), len(objects.names))
+        if snapshot.traffic is not None:
+            if self._traffic is None:
+                self._traffic = TableWriter(self._folder, TRAFFIC, TRAFFIC_PER_CHUNK)
+            for rows in stepped_traffic(snapshot.time, snapshot.traffic):
+                self._traffic.add_all(rows, len(rows.objects.names))
         if snapshot.sensed is not None:
             if self._sensing is None:
                 self._sensing = TableWriter(self._folder, SENSING)
@@ -110,7 +123,7 @@ class Recorder:
     def close(self) -> None:
         """Write the last rows of every file, also when one of them cannot be written."""
         errors: list[OSError] = []
-        for table in (self._egos, self._neighbours, self._plans, self._timing, self._sensing):
+        for table in (self._egos, self._neighbours, self._traffic, self._plans, self._timing, self._sensing):
             try:
                 if table is not None:
                     table.close()

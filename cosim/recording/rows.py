@@ -14,7 +14,7 @@ import numpy as np
 
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from cosim.step.loop import ToWorld
-from cosim.step.world import EgoTruth, PersonsTruth, VehiclesTruth
+from cosim.step.world import EgoTruth, PersonsTruth, Traffic, VehiclesTruth
 
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 """Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
@@ -82,3 +82,75 @@ class SteppedObjects:
     time: float
     """[s]."""
     objects: PersonsTruth | VehiclesTruth
+
+
+@dataclass(frozen=True, slots=True)
+class SteppedTraffic:
+    """All pedestrians or all vehicles near crossings after a step: rows of traffic.parquet.
+
+    Numbers are rounded to a thousandth, which takes half the space.
+    """
+
+    time: float
+    """[s]."""
+    objects: PersonsTruth | VehiclesTruth
+    own_acceleration: FloatArray | None = None
+    """Of vehicles [m/s^2]."""
+    own_speed_limit: FloatArray | None = None
+    """Of vehicles [m/s]."""
+    vehicle_class: tuple[str, ...] | None = None
+    is_ego: tuple[bool, ...] | None = None
+
+    @property
+    def x(self) -> FloatArray:
+        """[m]."""
+        return _rounded(self.objects.x)
+
+    @property
+    def y(self) -> FloatArray:
+        """[m]."""
+        return _rounded(self.objects.y)
+
+    @property
+    def heading(self) -> FloatArray | None:
+        """Of vehicles; pedestrians have none [rad]."""
+        return _rounded(self.objects.heading) if isinstance(self.objects, VehiclesTruth) else None
+
+    @property
+    def x_speed(self) -> FloatArray:
+        """[m/s]."""
+        return _rounded(self.objects.x_speed)
+
+    @property
+    def y_speed(self) -> FloatArray:
+        """[m/s]."""
+        return _rounded(self.objects.y_speed)
+
+    @property
+    def acceleration(self) -> FloatArray | None:
+        """Of vehicles [m/s^2]."""
+        return None if self.own_acceleration is None else _rounded(self.own_acceleration)
+
+    @property
+    def speed_limit(self) -> FloatArray | None:
+        """Of vehicles [m/s]."""
+        return None if self.own_speed_limit is None else _rounded(self.own_speed_limit)
+
+
+def stepped_traffic(time: float, traffic: Traffic) -> tuple[SteppedTraffic, SteppedTraffic]:
+    """Return the pedestrians and the vehicles."""
+    return (
+        SteppedTraffic(time, traffic.persons),
+        SteppedTraffic(
+            time,
+            traffic.vehicles,
+            traffic.acceleration,
+            traffic.speed_limit,
+            traffic.vehicle_class,
+            traffic.is_ego,
+        ),
+    )
+
+
+def _rounded(values: FloatArray) -> FloatArray:
+    return np.asarray(np.round(values, 3))

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from analysis.errors import did_you_mean
+from analysis.recording.reading import EVERYBODY
 from controllers import catalog
 from cosim.errors import InputError
 from cosim.recording.provenance import Inputs
@@ -61,7 +62,10 @@ def compose(request: RunRequest) -> Composition:
         work_dir = TemporaryDirectory(prefix="cosim-")
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))
-            world = SumoWorld(scenario, prepared, request.seed, gui=request.gui, sensing=tried.sensing)
+            everybody = request.record == EVERYBODY
+            world = SumoWorld(
+                scenario, prepared, request.seed, gui=request.gui, sensing=tried.sensing, everybody=everybody
+            )
         except BaseException:
             work_dir.cleanup()
             raise
@@ -107,7 +111,8 @@ def _tried(request: RunRequest) -> _Tried:
     scenario, controller_texts = _with_parameters(scenario, request, texts)
     place = str((scenario.folder or Path()) / library.DEFINITION)
     sensing_name, sensing = chosen.choose(table, place, request.sensing, sensing_texts)
-    if not (scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share):
+    has_egos = scenario.egos.routes or scenario.egos.vehicles or scenario.egos.share
+    if not has_egos and request.record != EVERYBODY:
         raise InputError(
             f"{scenario.name} has no ego: choose one with --ego-route, --ego-vehicle or --ego-share"
         )
@@ -131,6 +136,7 @@ def _inputs(request: RunRequest, tried: _Tried, prepared: library.Prepared) -> I
         duration_s=scenario.duration_s,
         actuation=scenario.actuation,
         files=prepared.inputs,
+        record=request.record,
         sensing=tried.sensing_name,
         sensing_parameters=sensing_catalog.values_of(tried.sensing),
     )

@@ -6,9 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from analysis.recording.reading import EVERYBODY
 from cosim.errors import InputError
 
 ACTUATIONS = ("hybrid", "move")
+EGOS = "egos"
+"""Whom a run records and judges: egos and who is near them, or `EVERYBODY` near a crossing as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +34,11 @@ class RunRequest:
     ego_vehicle: str | None = None
     """Vehicle of the demand to take over."""
     ego_share: float | None = None
-    """Share of the passenger cars to take over."""
+    """Share of the passenger cars to take over; 0: no egos at all."""
     sensing: str | None = None
     """How egos come to know of pedestrians; ``None``: as the scenario says."""
+    record: str = EGOS
+    """``egos`` or ``everybody``; with everybody, a run needs no ego."""
     gui: bool = False
     out: Path | None = None
 
@@ -49,7 +54,11 @@ class RunRequest:
         ]
         if len(chosen) > 1:
             raise InputError(f"{' and '.join(chosen)} exclude each other; give only one")
-        if self.ego_share is not None and not 0.0 < self.ego_share <= 1.0:
+        if self.record not in (EGOS, EVERYBODY):
+            raise InputError(f"--record: expected {EGOS} or {EVERYBODY}, got {self.record!r}")
+        if self.ego_share == 0.0 and self.record != EVERYBODY:
+            raise InputError("--ego-share 0: a run without egos has to record everybody: --record everybody")
+        if self.ego_share is not None and not 0.0 <= self.ego_share <= 1.0:
             raise InputError(f"--ego-share: expected a share above 0 and at most 1, got {self.ego_share:g}")
         if self.ego_vehicle is not None and not self.ego_vehicle.strip():
             raise InputError("--ego-vehicle: expected the id of a vehicle of the demand, got none")

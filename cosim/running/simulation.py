@@ -96,7 +96,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
             _drive(composition, recorder, times, progress)
     except CosimError as error:
         reason = str(error)
-        if not recorder.ego_names:
+        if not recorder.ego_names and not recorder.records_everybody:
             # Nothing was driven, so nothing was recorded: what was asked for is not possible.
             raise InputError(reason) from error
     except OSError as error:
@@ -107,7 +107,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:
         reason = f"{TELEPORTED} {recorder.teleports} egos"
-    if reason is None and not recorder.ego_names:
+    if reason is None and not recorder.ego_names and not recorder.records_everybody:
         raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
     _finish(description, recorder, times, perf_counter() - started, reason)
     _write_description(folder, description)

@@ -127,6 +127,21 @@ class VehiclesTruth:
         return np.asarray(self.speed * np.sin(self.heading))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Traffic:
+    """Everybody near a crossing, egos included."""
+
+    persons: PersonsTruth
+    vehicles: VehiclesTruth
+    acceleration: FloatArray
+    """Of the vehicles, shape (n,) [m/s^2]."""
+    speed_limit: FloatArray
+    """Of the vehicles: the lane's and their own [m/s]."""
+    vehicle_class: tuple[str, ...]
+    is_ego: tuple[bool, ...]
+    """Which of the vehicles are egos now."""
+
+
 @dataclass(frozen=True, slots=True)
 class Mishaps:
     """Faults between a simulator and egos since the start that were mended or given up."""
@@ -156,6 +171,8 @@ class Snapshot:
     sensed: tuple[Sensed, ...] | None = None
     """What egos knew at the beginning of the step, if they planned; ``None`` where they know the truth."""
     mishaps: Mishaps = Mishaps()
+    traffic: Traffic | None = None
+    """``None`` where egos alone are looked at."""
 
 
 @dataclass(frozen=True, slots=True)

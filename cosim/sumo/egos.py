@@ -44,6 +44,7 @@ class EgoSources:
     network
     seed : draws the share
     start : simulated time from which egos may appear [s]
+    needed : whether there has to be an ego
 
     Raises
     ------
@@ -51,7 +52,7 @@ class EgoSources:
         If a route is not possible, or there is no road for cars.
     """
 
-    def __init__(self, egos: Egos, network: Network, seed: int, start: float) -> None:
+    def __init__(self, egos: Egos, network: Network, seed: int, start: float, needed: bool = True) -> None:
         self._egos = egos
         self._seed = seed
         self._start = start
@@ -59,7 +60,7 @@ class EgoSources:
         self._cars_seen = 0
         self._departed_seen = 0
         self._some_departed: list[str] = []
-        if not egos.routes and not egos.vehicles and not egos.share:
+        if needed and not egos.routes and not egos.vehicles and not egos.share:
             raise InputError("no ego: expected a route, a vehicle id or a share of the passenger cars")
         roads = network.roads
         if not egos.vehicles and not any(network.allowed_lanes(edge, PASSENGER) for edge in roads):

@@ -18,8 +18,14 @@ REACH = 80.0
 """What is nearer to a cell than this belongs to the map [m]."""
 
 
+def cells_of_crossings(network: Network) -> set[tuple[int, int]]:
+    """Return the cells in which crossings are."""
+    cells = (np.round(crossing.axis / CELL).astype(np.int64) for crossing in network.crossings.values())
+    return {(int(x), int(y)) for some in cells for x, y in some}
+
+
 def areas_near(network: Network, cells: Iterable[tuple[int, int]]) -> list[MapArea]:
-    """Return lanes, crossings and walking areas near cells that egos have been in.
+    """Return lanes, crossings and walking areas near cells.
 
     Parameters
     ----------

@@ -14,14 +14,15 @@ from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.step.frames import heading_of, rear_axle_of
 from cosim.step.plant import CAR_DRIVE, Plant, body_of
-from cosim.step.world import MapArea, Mishaps, PersonsTruth, Snapshot, VehiclesTruth
+from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
 from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
+from cosim.sumo.everybody import Everybody, persons_truth, vehicles_truth
 from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
-from cosim.sumo.map_areas import CELL, areas_near
+from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
 from cosim.sumo.network import Network, read_network
 from cosim.sumo.placement import Executed, Method, Placement
 from cosim.sumo.present import Present, everybody_present
@@ -29,7 +30,7 @@ from cosim.sumo.road_users import KnownState
 from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
-from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Observer, Surroundings
+from cosim.sumo.surroundings import Observer, Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
@@ -55,6 +56,7 @@ class SumoWorld:
     drive : actuators of every ego
     gui : show SUMO's window
     sensing : how egos come to know of pedestrians; not given: they know the truth
+    everybody : whether everybody near a crossing is looked at, so that no ego is needed
 
     Raises
     ------
@@ -70,12 +72,14 @@ class SumoWorld:
         drive: Drive = CAR_DRIVE,
         gui: bool = False,
         sensing: Sensing | None = None,
+        everybody: bool = False,
     ) -> None:
         self._network = read_network(prepared.net_file)
         self._begin = prepared.begin_s
         self._first = prepared.begin_s + scenario.warmup_s
         self._end = prepared.begin_s + scenario.duration_s
-        self._sources = EgoSources(scenario.egos, self._network, seed, self._first)
+        self._needs_egos = not everybody
+        self._sources = EgoSources(scenario.egos, self._network, seed, self._first, self._needs_egos)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = drive
         self._egos: dict[str, DrivenEgo] = {}
@@ -89,6 +93,7 @@ class SumoWorld:
         self._to_take: list[str] = []
         """Chosen as egos, but not on a lane yet."""
         self._present = Present()
+        self._traffic: Traffic | None = None
         self._any_ego = False
         self._warm = False
         self._connection = start(prepared.options, gui)
@@ -102,6 +107,7 @@ class SumoWorld:
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
             self._observer = Observer(self._sumo, self._network, self.step)
+            self._everybody = Everybody(self._sumo, self._network, self.step) if everybody else None
             self._scripted.join(self._sumo, self.step)
             self._knowledge = self._known_by(sensing or Perfect(), seed)
             self._perceiver = Perceiver(
@@ -119,7 +125,8 @@ class SumoWorld:
         if not self._warm:
             self._warm_up()
         if self._over():
-            self._sources.check_seen(self._any_ego, self._time)
+            if self._needs_egos:
+                self._sources.check_seen(self._any_ego, self._time)
             return None
         self._knowledge.begin()
         if self._steps % self._plan_every:
@@ -175,29 +182,8 @@ class SumoWorld:
         return Snapshot(
             self._time,
             tuple(ego.truth(self.step) for ego in self._egos.values()),
-            PersonsTruth(
-                names=persons.names,
-                x=persons.position[:, 0],
-                y=persons.position[:, 1],
-                x_speed=persons.velocity[:, 0],
-                y_speed=persons.velocity[:, 1],
-                radius=np.full(len(persons.names), PEDESTRIAN_RADIUS),
-                place=persons.edge,
-                crossing=tuple(crossing or None for crossing in persons.crossing),
-                phase=persons.phase,
-                kind=persons.kind,
-            ),
-            VehiclesTruth(
-                names=tuple(cars.names[row] for row in others),
-                x=cars.front[others, 0],
-                y=cars.front[others, 1],
-                heading=cars.heading[others],
-                speed=cars.speed[others],
-                length=cars.length[others],
-                width=cars.width[others],
-                place=tuple(cars.lane[row] for row in others),
-                kind=tuple(cars.kind[row] for row in others),
-            ),
+            persons_truth(persons),
+            vehicles_truth(cars, np.array(others, dtype=np.int64)),
             self._teleports,
             self._knowledge.now,
             Mishaps(
@@ -207,6 +193,7 @@ class SumoWorld:
                 tuple(self._not_taken),
                 dict(self._tight_bends),
             ),
+            self._traffic,
         )
 
     def to_world(self, name: str, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -217,8 +204,11 @@ class SumoWorld:
         return frame.to_world(along, across)
 
     def map_areas(self) -> Sequence[MapArea]:
-        """Return lanes, crossings and walking areas near where the egos have been."""
-        return areas_near(self._network, self._visited)
+        """Return lanes, crossings and walking areas near where the egos, or everybody, have been."""
+        seen = (
+            self._visited if self._everybody is None else {*self._visited, *cells_of_crossings(self._network)}
+        )
+        return areas_near(self._network, seen)
 
     def close(self) -> None:
         """End the simulation."""
@@ -263,13 +253,16 @@ class SumoWorld:
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()
         self._present = everybody_present(self._sumo)
+        if self._everybody is not None:
+            self._everybody.follow_departed(self._present)
 
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
             return True
         if self._egos or self._sources.trips:
             return False
-        return self._sources.ends or self._sumo.simulation.getMinExpectedNumber() == 0
+        ends = self._sources.ends and self._needs_egos
+        return ends or self._sumo.simulation.getMinExpectedNumber() == 0
 
     def _drop_gone(self) -> None:
         """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""
@@ -341,6 +334,8 @@ class SumoWorld:
     def _remove(self, name: str) -> None:
         # A step with a subscription around a vehicle that has been removed fails.
         self._observer.leave(name)
+        if self._everybody is not None:
+            self._everybody.leave(name)
         self._sumo.vehicle.remove(name)
         self._present = self._present._replace(vehicles=self._present.vehicles - {name})
         self._connection.pending = True
@@ -393,6 +388,8 @@ class SumoWorld:
             for ego in self._egos.values()
         }
         surroundings = self._observer.read(tuple(self._egos), known, self._present)
+        if self._everybody is not None:
+            self._traffic = self._everybody.read(known, self._present)
         places = {name: ego.front for name, ego in self._egos.items()}
         self._surroundings = self._scripted.among(surroundings, places, self._time)
 

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SCHEMA_VERSION, TIMING
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SCHEMA_VERSION, TIMING, TRAFFIC
 
 Motion = Callable[[float], tuple[float, float]]
 """Time -> position."""
@@ -208,3 +208,34 @@ def write_run(
     }
     (folder / "run.json").write_text(json.dumps(description))
     return folder
+
+
+def write_traffic(folder: Path, cars: Sequence[Ego], persons: Sequence[Person]) -> None:
+    """Add to a run's folder a recording of everybody: its egos, these cars and pedestrians."""
+    egos = pq.read_table(folder / EGOS.file).to_pylist()
+    times = sorted({row["time_s"] for row in egos})
+    headings: dict[str, float] = {}
+    rows = [(row, True) for row in egos]
+    rows += [(_ego_row(one, t, headings), False) for t in times for one in cars]
+    table = [_traffic_row(row, is_ego) for row, is_ego in rows]
+    table += [_person_row(one, t) for t in times for one in persons if one.start <= t <= one.end]
+    table.sort(key=lambda row: row["time_s"])
+    pq.write_table(pa.Table.from_pylist(table, schema=TRAFFIC.schema), folder / TRAFFIC.file)
+
+
+def _traffic_row(row: dict[str, Any], is_ego: bool) -> dict[str, Any]:
+    speed, heading = row["speed_mps"], row["heading_rad"]
+    return {
+        **{name: row[name] for name in ("time_s", "heading_rad", "length_m", "width_m")},
+        **{name: row[name] for name in ("acceleration_mps2", "speed_limit_mps")},
+        "object_id": row["ego_id"],
+        "object_kind": "vehicle",
+        "object_type": "car",
+        "vehicle_class": "passenger",
+        "is_ego": is_ego,
+        "x_m": row["front_x_m"],
+        "y_m": row["front_y_m"],
+        "x_speed_mps": speed * np.cos(heading),
+        "y_speed_mps": speed * np.sin(heading),
+        "edge_or_lane": "l",
+    }

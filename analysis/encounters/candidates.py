@@ -1,0 +1,147 @@
+"""Which of very many vehicles and pedestrians could have met: looked up in a tree of places and times.
+
+Of a pair the exact geometry is needed only if the two came to the same ground within some seconds of each
+other, or if the vehicle passed a crossing while the pedestrian waited for it or walked on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from analysis.encounters.crossings import Traversal
+from analysis.geometry import FloatArray
+from analysis.recording.reading import RecordedRun
+from analysis.recording.tracks import Grid, Track
+from analysis.stretches import stretches
+
+IntArray = NDArray[np.int64]
+
+VEHICLE_SPACING_M, PERSON_SPACING_M = 1.0, 0.5
+"""Places of a track that are looked up are so far apart."""
+STAY_S = 4.0
+"""Of those who stand a place is looked up this often."""
+
+
+class Candidate(NamedTuple):
+    """A vehicle and a pedestrian that may have met, and between which samples."""
+
+    vehicle: int
+    person: int
+    vehicle_samples: tuple[int, int]
+    """First and last sample of the vehicle's track near the pedestrian's way; (0, −1) for none."""
+    person_samples: tuple[int, int]
+
+
+def candidates(
+    vehicles: Sequence[Track],
+    persons: Sequence[Track],
+    passed: Mapping[tuple[str, str], Sequence[Traversal]],
+    run: RecordedRun,
+    grid: Grid,
+    within_s: float,
+) -> list[Candidate]:
+    """Return the pairs that could matter, sorted.
+
+    Parameters
+    ----------
+    vehicles, persons : Sequence
+    passed : Mapping
+        When which vehicle was over which crossing, by names.
+    run : RecordedRun
+    grid : Grid
+    within_s : float
+        Those who came to the same ground with more time between them are no pair [s].
+    """
+    if not vehicles or not persons:
+        return []
+    near = _near(vehicles, persons, grid, within_s)
+    none = ((0, -1), (0, -1))
+    found = {pair: Candidate(*pair, *near.get(pair, none)) for pair in near}
+    for pair in _at_crossings(vehicles, persons, passed, run, grid, within_s):
+        if pair not in found:
+            found[pair] = Candidate(*pair, *none)
+    return [found[pair] for pair in sorted(found)]
+
+
+class _Places(NamedTuple):
+    """Some samples of many tracks."""
+
+    points: FloatArray
+    """Place and scaled time, shape (n, 3) [m]."""
+    owner: IntArray
+    sample: IntArray
+
+
+def _near(
+    vehicles: Sequence[Track], persons: Sequence[Track], grid: Grid, within_s: float
+) -> dict[tuple[int, int], tuple[tuple[int, int], tuple[int, int]]]:
+    reach = max(0.5 * float(np.hypot(one.length, one.width)) for one in vehicles)
+    reach += max(0.5 * one.width for one in persons) + VEHICLE_SPACING_M + PERSON_SPACING_M
+    scale = reach / (within_s + STAY_S)
+    own = _places(vehicles, grid, VEHICLE_SPACING_M, scale)
+    other = _places(persons, grid, PERSON_SPACING_M, scale)
+    pairs = cKDTree(own.points).sparse_distance_matrix(
+        cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
+    )
+    i, j = pairs["i"], pairs["j"]
+    if not len(i):
+        return {}
+    key = own.owner[i] * len(persons) + other.owner[j]
+    order = np.argsort(key, kind="stable")
+    key, i, j = key[order], own.sample[i[order]], other.sample[j[order]]
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(key) > 0]))
+    low, high = np.minimum.reduceat, np.maximum.reduceat
+    spans = zip(low(i, starts), high(i, starts), low(j, starts), high(j, starts), strict=True)
+    return {
+        divmod(int(pair), len(persons)): ((int(a), int(b)), (int(c), int(d)))
+        for pair, (a, b, c, d) in zip(key[starts], spans, strict=True)
+    }
+
+
+def _places(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -> _Places:
+    points, owner, sample = [], [], []
+    for number, track in enumerate(tracks):
+        time = grid.time[track.first : track.last + 1]
+        way, stay = np.floor(track.path / spacing), np.floor(time / STAY_S)
+        kept = np.flatnonzero(np.concatenate([[True], (np.diff(way) != 0.0) | (np.diff(stay) != 0.0)]))
+        points.append(np.column_stack((track.x[kept], track.y[kept], scale * time[kept])))
+        owner.append(np.full(len(kept), number))
+        sample.append(kept)
+    return _Places(np.concatenate(points), np.concatenate(owner), np.concatenate(sample))
+
+
+def _at_crossings(
+    vehicles: Sequence[Track],
+    persons: Sequence[Track],
+    passed: Mapping[tuple[str, str], Sequence[Traversal]],
+    run: RecordedRun,
+    grid: Grid,
+    within_s: float,
+) -> set[tuple[int, int]]:
+    """Return who passed a crossing while somebody was on it or waited for it."""
+    number = {id(track): index for index, track in enumerate(vehicles)}
+    by_crossing: dict[str, list[tuple[int, float, float]]] = {}
+    for (_, crossing), passages in passed.items():
+        for one in passages:
+            time = grid.time[one.track.first : one.track.last + 1]
+            stay = number[id(one.track)], float(time[one.visit.first]), float(time[one.visit.last])
+            by_crossing.setdefault(crossing, []).append(stay)
+    table = {crossing: np.array(stays) for crossing, stays in by_crossing.items()}
+    texts = run.neighbours.texts["crossing_id"]
+    found: set[tuple[int, int]] = set()
+    for index, person in enumerate(persons):
+        codes = texts.codes[person.rows]
+        time = grid.time[person.first : person.last + 1]
+        for code in np.unique(codes[codes >= 0]).tolist():
+            stays = table.get(texts.names[code])
+            if stays is None:
+                continue
+            for first, last in stretches(codes == code):
+                there = (stays[:, 1] <= time[last] + within_s) & (stays[:, 2] >= time[first] - within_s)
+                found |= {(int(vehicle), index) for vehicle in stays[there, 0]}
+    return found

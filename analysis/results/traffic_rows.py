@@ -1,0 +1,117 @@
+"""traffic_encounters.csv: every encounter of a vehicle and a pedestrian near crossings, egos or not.
+
+The columns are those of encounters.csv without the ones that need a controller; where their names say
+*ego*, the vehicle is meant. An ego's values are those that it has in encounters.csv.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.encounters.case import Case
+from analysis.encounters.finding import Encounter
+from analysis.results import encounter_description
+from analysis.results.column_order import ENCOUNTERS, in_order
+from analysis.results.encounter_description import ListedEncounter
+from analysis.results.metric_catalog import Metric, find_metrics
+from analysis.results.origin import IDENTITY, Origin
+from analysis.results.rows import measure
+from analysis.tables.cells import Row, plain
+from analysis.tables.column import Column, Table, count, flag, row_of, text
+
+SUMO = "sumo"
+"""Controller of vehicles that are no egos."""
+
+
+@dataclass(frozen=True, slots=True)
+class ListedTraffic(ListedEncounter):
+    """One encounter of a vehicle; what a row is made of."""
+
+    is_ego: bool
+    vehicle_class: str
+
+    @property
+    def controller(self) -> str:
+        """Who drives the vehicle."""
+        return str(self.origin.meta["controller"]) if self.is_ego else SUMO
+
+    @property
+    def number_of_ego(self) -> int | None:
+        """Number in encounters.csv."""
+        return self.number if self.is_ego else None
+
+
+_NUMBER = count("traffic_encounter_id", "number within this table and run, from 1", required=True)
+_OF_VEHICLE = (
+    text("vehicle_id", "vehicle", source="encounter.ego.name", required=True),
+    text("vehicle_class", "SUMO's class of it", source="vehicle_class"),
+    flag("is_ego", "the vehicle is an ego", source="is_ego", required=True),
+    text("controller", "who drives it; sumo for SUMO's own driver", source="controller", required=True),
+    count("encounter_id", "of an ego: number in encounters.csv", source="number_of_ego"),
+)
+_LEFT_OUT = ("encounter_id", "ego_id", "actuation", "sensing", *(column.name for column in IDENTITY))
+_DESCRIPTION = (
+    *IDENTITY,
+    *_OF_VEHICLE,
+    *(column for column in encounter_description.COLUMNS if column.name not in _LEFT_OUT),
+)
+
+
+def _metrics() -> tuple[Metric, ...]:
+    return tuple(metric for metric in find_metrics() if metric.columns and not metric.of_controller)
+
+
+def _columns() -> tuple[Column, ...]:
+    measured = tuple(column for metric in _metrics() for column in metric.columns)
+    first = [column.name for column in (*IDENTITY, _NUMBER, *_OF_VEHICLE)]
+    others = [name for name in ENCOUNTERS.split() if name not in first]
+    return in_order((_NUMBER, *_DESCRIPTION, *measured), " ".join((*first, *others)))
+
+
+TRAFFIC_ENCOUNTERS = Table(
+    "traffic_encounters",
+    "One row for each encounter of a vehicle and a pedestrian near crossings; where a name says ego, the "
+    "vehicle is meant",
+    _columns(),
+    ("run_id", "traffic_encounter_id"),
+)
+
+
+def traffic_rows(egos: Case | None, others: Case | None, classes: Mapping[str, str]) -> Sequence[Row]:
+    """Return the rows of traffic_encounters.csv, by the time at which they begin.
+
+    Parameters
+    ----------
+    egos : Case
+        The run's own; ``None`` without egos. Of its encounters those count that would of other vehicles.
+    others : Case
+        Of the other vehicles; ``None`` without any.
+    classes : Mapping
+        SUMO's vehicle class of each vehicle.
+    """
+    cases = [(case, case is egos) for case in (egos, others) if case is not None]
+    made = [row for case, is_ego in cases for row in _rows(case, is_ego, classes)]
+    made.sort(key=lambda row: (row["t_start_s"], row["vehicle_id"], row["ped_id"]))
+    return [plain(TRAFFIC_ENCOUNTERS, {**row, "traffic_encounter_id": n}) for n, row in enumerate(made, 1)]
+
+
+def _rows(case: Case, is_ego: bool, classes: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    origin = Origin(case.run.meta)
+    measured: dict[str, Any] = {}
+    for metric in _metrics():
+        measured.update(measure(metric, case)[0])
+    for index, one in enumerate(case.encounters):
+        if _counts(one, case):
+            listed = ListedTraffic(origin, case, index, is_ego, classes.get(one.ego.name, ""))
+            yield {
+                **row_of(_DESCRIPTION, listed),
+                **{name: values[index] for name, values in measured.items()},
+            }
+
+
+def _counts(one: Encounter, case: Case) -> bool:
+    """Return whether the vehicle passed the pedestrian's way soon before or after, or their crossing."""
+    soon = one.area is not None and one.area.time_between <= case.thresholds.traffic_pairing_s
+    return soon or one.traversal is not None

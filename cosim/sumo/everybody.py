@@ -1,0 +1,175 @@
+"""Everybody near a crossing, egos or not: read by a subscription of each road user."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.step.world import PersonsTruth, Traffic, VehiclesTruth
+from cosim.sumo.network import Network
+from cosim.sumo.present import Present, forget_absent
+from cosim.sumo.road_users import CarReader, Cars, KnownState, PersonReader, Persons, sumo_constant
+from cosim.sumo.surroundings import PEDESTRIAN_RADIUS
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+PERSON_RANGE, VEHICLE_RANGE = 20.0, 60.0
+"""Pedestrians and vehicles farther from every crossing are left out [m]."""
+CELL = 4.0
+"""What is near a crossing is known to this [m]."""
+
+
+class Everybody:
+    """Reads all road users near crossings.
+
+    Parameters
+    ----------
+    sumo : module or connection
+    network
+    step : length of a step [s]
+    """
+
+    def __init__(self, sumo: Any, network: Network, step: float) -> None:
+        self._sumo = sumo
+        self._people = PersonReader(sumo, network, step)
+        self._cars = CarReader(sumo, step)
+        self._allowed = sumo_constant(sumo, "VAR_ALLOWED_SPEED")
+        self._classes: dict[str, str] = {}
+        axes = [crossing.axis for crossing in network.crossings.values()]
+        self._person_places = Places(axes, PERSON_RANGE)
+        self._vehicle_places = Places(axes, VEHICLE_RANGE)
+
+    def follow_departed(self, present: Present) -> None:
+        """Begin to read those who departed in the last step and are still there, after every step."""
+        sumo = self._sumo
+        for name in present.vehicles.intersection(sumo.simulation.getDepartedIDList()):
+            sumo.vehicle.subscribe(name, (*self._cars.variables, self._allowed))
+        for name in present.persons.intersection(sumo.simulation.getDepartedPersonIDList()):
+            sumo.person.subscribe(name, self._people.variables)
+
+    def leave(self, name: str) -> None:
+        """Stop reading a vehicle that is about to be removed: a step would fail otherwise."""
+        self._sumo.vehicle.unsubscribe(name)
+
+    def read(self, known: Mapping[str, KnownState], present: Present) -> Traffic:
+        """Return who is near a crossing after the last step.
+
+        Parameters
+        ----------
+        known : states of egos, to be believed instead of SUMO's, by name
+        present : who is there; others that SUMO still names do not exist
+        """
+        sumo = self._sumo
+        people = {
+            name: values
+            for name, values in sumo.person.getAllSubscriptionResults().items()
+            if name in present.persons and self._people.is_there(values)
+        }
+        cars = {
+            name: values
+            for name, values in sumo.vehicle.getAllSubscriptionResults().items()
+            if name in present.vehicles and self._cars.is_there(values)
+        }
+        self._people.forget_absent(present)
+        self._cars.forget_absent(present)
+        forget_absent(self._classes, present.vehicles)
+        persons = self._people.read(tuple(people), tuple(people.values()))
+        vehicles = self._cars.read(tuple(cars), tuple(cars.values()), known)
+        limits = np.array([values[self._allowed] for values in cars.values()], dtype=np.float64)
+        near = np.flatnonzero(self._vehicle_places.hold(vehicles.front))
+        names = tuple(vehicles.names[row] for row in near)
+        return Traffic(
+            persons=persons_truth(persons, np.flatnonzero(self._person_places.hold(persons.position))),
+            vehicles=vehicles_truth(vehicles, near),
+            acceleration=vehicles.acceleration[near],
+            speed_limit=limits[near],
+            vehicle_class=tuple(map(self._class_of, names)),
+            is_ego=tuple(name in known for name in names),
+        )
+
+    def _class_of(self, name: str) -> str:
+        found = self._classes.get(name)
+        if found is None:
+            found = self._classes[name] = self._sumo.vehicle.getVehicleClass(name)
+        return found
+
+
+class Places:
+    """The ground within a distance of some lines, known by cells.
+
+    Parameters
+    ----------
+    lines : each (n, 2) [m]
+    reach : the distance [m]
+
+    Examples
+    --------
+    >>> places = Places([np.array([[0.0, 0.0], [10.0, 0.0]])], 20.0)
+    >>> places.hold(np.array([[5.0, 19.0], [5.0, 30.0], [-40.0, 0.0]])).tolist()
+    [True, False, False]
+    """
+
+    def __init__(self, lines: Iterable[FloatArray], reach: float) -> None:
+        offsets = np.arange(-np.ceil(reach / CELL), np.ceil(reach / CELL) + 1.0)
+        dx, dy = np.meshgrid(offsets, offsets)
+        disc = np.column_stack((dx.ravel(), dy.ravel()))[np.hypot(dx, dy).ravel() * CELL <= reach + CELL]
+        points = np.unique(np.round(np.concatenate([np.zeros((0, 2)), *map(_densely, lines)]) / CELL), axis=0)
+        self._cells = np.unique(_codes((points[:, None] + disc).reshape(-1, 2)))
+
+    def hold(self, positions: FloatArray) -> NDArray[np.bool_]:
+        """Return which positions are near, shape (n,); up to two cells farther ones may be as well."""
+        codes = _codes(np.round(positions / CELL))
+        at = np.minimum(np.searchsorted(self._cells, codes), max(len(self._cells) - 1, 0))
+        return self._cells[at] == codes if len(self._cells) else np.zeros(len(codes), dtype=np.bool_)
+
+
+def _densely(line: FloatArray) -> FloatArray:
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+    at = np.linspace(0.0, way[-1], int(way[-1] / CELL) + 2)
+    return np.column_stack([np.interp(at, way, line[:, axis]) for axis in (0, 1)])
+
+
+def _codes(cells: FloatArray) -> IntArray:
+    """Return one number for each cell."""
+    whole = cells.astype(np.int64)
+    return np.asarray(whole[:, 0] * 2**31 + whole[:, 1])
+
+
+def persons_truth(persons: Persons, rows: IntArray | None = None) -> PersonsTruth:
+    """Return pedestrians, all or those in some rows, as they really are."""
+    chosen = np.arange(len(persons.names)) if rows is None else rows
+    return PersonsTruth(
+        names=_of(persons.names, chosen),
+        x=persons.position[chosen, 0],
+        y=persons.position[chosen, 1],
+        x_speed=persons.velocity[chosen, 0],
+        y_speed=persons.velocity[chosen, 1],
+        radius=np.full(len(chosen), PEDESTRIAN_RADIUS),
+        place=_of(persons.edge, chosen),
+        crossing=tuple(persons.crossing[row] or None for row in chosen),
+        phase=_of(persons.phase, chosen),
+        kind=_of(persons.kind, chosen),
+    )
+
+
+def vehicles_truth(cars: Cars, rows: IntArray) -> VehiclesTruth:
+    """Return the vehicles in some rows as they really are."""
+    return VehiclesTruth(
+        names=_of(cars.names, rows),
+        x=cars.front[rows, 0],
+        y=cars.front[rows, 1],
+        heading=cars.heading[rows],
+        speed=cars.speed[rows],
+        length=cars.length[rows],
+        width=cars.width[rows],
+        place=_of(cars.lane, rows),
+        kind=_of(cars.kind, rows),
+    )
+
+
+def _of(values: tuple[str, ...], rows: IntArray) -> tuple[str, ...]:
+    return tuple(values[row] for row in rows)
