@@ -17,6 +17,7 @@ from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.rows import encounter_and_run_rows, overlap_rows
 from analysis.results.run_tables import ENCOUNTERS, RUN_TABLES, RUNS
+from analysis.sealing import seal
 from analysis.tables.cells import Row, cells
 from analysis.tables.column import Table
 from analysis.tables.datapackage import describe
@@ -62,6 +63,7 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
     files.append(write_json(folder / "config.json", _config(case)))
     files.append(write_json(folder / "datapackage.json", describe(RUN_TABLES, "one recorded run")))
+    seal(folder, files)
     return RunReport(folder, run, encounters, overlaps, files)
 
 

@@ -1,0 +1,158 @@
+"""The hashes of a run's files, so that a file that was altered or lost since is not read as a result.
+
+``files.json`` in a run's folder says of every file that the tool has written there how long it is, its
+SHA-256 and, of a table, how many rows it has. It is written last, and it holds its own hash. What reads a
+file of a run reads it through `read_verified`. A folder of before, without hashes, is read as it is.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from analysis.errors import DamageError
+
+MANIFEST = "files.json"
+CLAIM = "hashes"
+"""Key of ``run.json`` that names the manifest: a manifest that is lost is not taken for one never made."""
+RECORDED = ("run.json", "job.json", "map.json", "*.parquet")
+"""What no analysis can make again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file as it was written."""
+
+    bytes: int
+    rows: int | None
+    """Of a table; ``None`` for other files."""
+    sha256: str
+
+
+def read_manifest(folder: Path) -> dict[str, Entry] | None:
+    """Return the files of a run by name; ``None`` for a folder without hashes.
+
+    Raises
+    ------
+    DamageError
+        When the manifest is lost or damaged.
+    """
+    path = folder / MANIFEST
+    try:
+        content = json.loads(path.read_bytes())
+        files = content["files"]
+        if content["sha256"] != digest_of(files):
+            raise ValueError("it does not fit its own hash")
+        return {str(name): Entry(**entry) for name, entry in files.items()}
+    except FileNotFoundError:
+        if _claims(folder):
+            raise DamageError(f"{path}: is missing; {_make_again(folder)}") from None
+        return None
+    except OSError as error:
+        raise DamageError(f"{path}: cannot be read ({error.strerror})") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise DamageError(f"{path}: is damaged ({error!s:.80}); {_make_again(folder)}") from None
+
+
+def digest_of(files: Mapping[str, Any]) -> str:
+    """Return the hash that a manifest holds of itself."""
+    return hashlib.sha256(json.dumps(files, sort_keys=True).encode()).hexdigest()
+
+
+def read_verified(path: Path) -> bytes:
+    """Return the content of a file; if it belongs to a run that has hashes, it is as it was written.
+
+    Raises
+    ------
+    DamageError
+        When it was altered or lost; says what can be done.
+    OSError
+        When it cannot be read.
+    """
+    entries = read_manifest(path.parent)
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        if entries is not None and path.name in entries:
+            raise lost(path, entries) from None
+        raise
+    if entries is not None:
+        entry = entries.get(path.name)
+        if entry is None:
+            raise DamageError(f"{path}: the run has not written it; {remedy(path, entries)}")
+        if entry.bytes != len(content) or entry.sha256 != hashlib.sha256(content).hexdigest():
+            raise altered(path, entries, content)
+    return content
+
+
+def lost(path: Path, entries: Mapping[str, Entry]) -> DamageError:
+    """Return the error of a file that is gone."""
+    return DamageError(f"{path}: is missing; {remedy(path, entries)}")
+
+
+def altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageError:
+    """Return the error of a file with another content than it was written with."""
+    entry = entries[path.name]
+    said = "has another content than the run wrote"
+    rows = count_rows(path.name, content)
+    if len(content) < entry.bytes:
+        said = f"was cut short or altered: {len(content)} bytes, the run wrote {entry.bytes}"
+    if rows != entry.rows:
+        said = f"was altered: {'no readable table' if rows is None else f'{rows} rows'}, the run wrote "
+        said += f"{entry.rows} rows"
+    return DamageError(f"{path}: {said}; {remedy(path, entries)}")
+
+
+def remedy(path: Path, entries: Mapping[str, Entry]) -> str:
+    """Return what brings a file back."""
+    recorded = any(path.match(pattern) for pattern in RECORDED)
+    if not recorded and any(name.endswith(".parquet") for name in entries):
+        return f"cosim analyse {path.parent} makes it again"
+    return _make_again(path.parent)
+
+
+def count_rows(name: str, content: bytes) -> int | None:
+    """Return the number of rows of a table; ``None`` if it cannot be read, and for other files."""
+    if name.endswith(".csv"):
+        text = io.StringIO(content.decode("utf-8", errors="replace"), newline="")
+        try:
+            return max(0, sum(1 for _ in csv.reader(text)) - 1)
+        except csv.Error:
+            return None
+    if name.endswith(".parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        try:
+            return int(pq.read_metadata(pa.BufferReader(content)).num_rows)
+        except (pa.ArrowException, OSError):
+            return None
+    return None
+
+
+def entry_of(name: str, content: bytes) -> Entry:
+    """Return what a manifest says of a file."""
+    return Entry(len(content), count_rows(name, content), hashlib.sha256(content).hexdigest())
+
+
+def content_of(entries: Mapping[str, Entry]) -> dict[str, Any]:
+    """Return the content of a manifest."""
+    files = {name: asdict(entries[name]) for name in sorted(entries)}
+    return {"files": files, "sha256": digest_of(files)}
+
+
+def _claims(folder: Path) -> bool:
+    try:
+        return bool(json.loads((folder / "run.json").read_bytes()).get(CLAIM))
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+def _make_again(folder: Path) -> str:
+    return f"remove the folder {folder} and make the run again"

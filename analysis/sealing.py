@@ -1,0 +1,75 @@
+"""Takes down the hashes of a run's files, and checks all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from analysis.errors import DamageError
+from analysis.files import write_json
+from analysis.manifest import (
+    MANIFEST,
+    RECORDED,
+    Entry,
+    content_of,
+    entry_of,
+    read_manifest,
+    read_verified,
+)
+
+
+def seal_recording(folder: Path) -> None:
+    """Take down what was recorded of a run that has just ended."""
+    _write(folder, _entries(_recorded(folder)))
+
+
+def seal(folder: Path, written: Iterable[Path], removed: Iterable[Path] = ()) -> None:
+    """Take down files that were just written, last of all, and forget those that were just removed.
+
+    The others stay as they were taken down; in a folder without hashes they are taken as they are now.
+
+    Raises
+    ------
+    DamageError
+        When the manifest of before is damaged.
+    """
+    before = read_manifest(folder)
+    entries = _entries(_recorded(folder)) if before is None else before
+    entries |= _entries(written)
+    for path in removed:
+        entries.pop(path.name, None)
+    _write(folder, entries)
+
+
+def has_hashes(folder: Path) -> bool:
+    """Return whether the files of a run can be verified."""
+    return (folder / MANIFEST).is_file()
+
+
+def damages(folder: Path) -> list[str]:
+    """Check every file of a run, and return a line for each that was altered or lost."""
+    try:
+        entries = read_manifest(folder)
+    except DamageError as error:
+        return [str(error)]
+    found = []
+    for name in entries or ():
+        try:
+            read_verified(folder / name)
+        except DamageError as error:
+            found.append(str(error))
+        except OSError as error:
+            found.append(f"{folder / name}: cannot be read ({error.strerror})")
+    return found
+
+
+def _recorded(folder: Path) -> list[Path]:
+    return [path for pattern in RECORDED for path in folder.glob(pattern)]
+
+
+def _entries(paths: Iterable[Path]) -> dict[str, Entry]:
+    return {path.name: entry_of(path.name, path.read_bytes()) for path in paths}
+
+
+def _write(folder: Path, entries: dict[str, Entry]) -> None:
+    write_json(folder / MANIFEST, content_of(entries))
