@@ -19,7 +19,7 @@ from analysis.encounters.case import Case, prepare
 from analysis.errors import DamageError, RecordingError
 from analysis.files import read_json, write_text
 from analysis.geometry import FloatArray
-from analysis.manifest import read_verified
+from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, RecordedTable
 from analysis.recording.reading import read_run
@@ -45,8 +45,12 @@ RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timin
 
 
 def has_recording(folder: Path) -> bool:
-    """Return whether a run folder still has what a replay needs."""
-    return all((folder / name).is_file() for name in RECORDING_FILES)
+    """Return whether a run folder is to have what a replay needs."""
+    try:
+        known = read_manifest(folder) or {}
+    except DamageError:
+        return True  # what is wrong with it is told when it is read
+    return all((folder / name).is_file() or name in known for name in RECORDING_FILES)
 
 
 @dataclass(frozen=True, slots=True)
