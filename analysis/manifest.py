@@ -14,7 +14,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from analysis.errors import DamageError
 
@@ -45,11 +44,11 @@ def read_manifest(folder: Path) -> dict[str, Entry] | None:
     """
     path = folder / MANIFEST
     try:
-        content = json.loads(path.read_bytes())
-        files = content["files"]
-        if content["sha256"] != digest_of(files):
+        text = path.read_bytes()
+        entries = {name: Entry(**entry) for name, entry in json.loads(text)["files"].items()}
+        if text != text_of(entries).encode():
             raise ValueError("it does not fit its own hash")
-        return {str(name): Entry(**entry) for name, entry in files.items()}
+        return entries
     except FileNotFoundError:
         if _claims(folder):
             raise DamageError(f"{path}: is missing; {_make_again(folder)}") from None
@@ -60,9 +59,11 @@ def read_manifest(folder: Path) -> dict[str, Entry] | None:
         raise DamageError(f"{path}: is damaged ({error!s:.80}); {_make_again(folder)}") from None
 
 
-def digest_of(files: Mapping[str, Any]) -> str:
-    """Return the hash that a manifest holds of itself."""
-    return hashlib.sha256(json.dumps(files, sort_keys=True).encode()).hexdigest()
+def text_of(entries: Mapping[str, Entry]) -> str:
+    """Return the content of a manifest."""
+    files = {name: asdict(entries[name]) for name in sorted(entries)}
+    digest = hashlib.sha256(json.dumps(files).encode()).hexdigest()
+    return json.dumps({"files": files, "sha256": digest}, indent=1) + "\n"
 
 
 def read_verified(path: Path) -> bytes:
@@ -139,12 +140,6 @@ def count_rows(name: str, content: bytes) -> int | None:
 def entry_of(name: str, content: bytes) -> Entry:
     """Return what a manifest says of a file."""
     return Entry(len(content), count_rows(name, content), hashlib.sha256(content).hexdigest())
-
-
-def content_of(entries: Mapping[str, Entry]) -> dict[str, Any]:
-    """Return the content of a manifest."""
-    files = {name: asdict(entries[name]) for name in sorted(entries)}
-    return {"files": files, "sha256": digest_of(files)}
 
 
 def _claims(folder: Path) -> bool:

@@ -6,15 +6,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from analysis.errors import DamageError
-from analysis.files import write_json
+from analysis.files import write_text
 from analysis.manifest import (
     MANIFEST,
     RECORDED,
     Entry,
-    content_of,
     entry_of,
     read_manifest,
     read_verified,
+    text_of,
 )
 
 
@@ -80,4 +80,4 @@ def _entries(paths: Iterable[Path]) -> dict[str, Entry]:
 
 
 def _write(folder: Path, entries: dict[str, Entry]) -> None:
-    write_json(folder / MANIFEST, content_of(entries))
+    write_text(folder / MANIFEST, text_of(entries))

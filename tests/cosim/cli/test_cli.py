@@ -72,6 +72,23 @@ def test_an_unknown_scenario_is_answered_by_those_that_exist(capsys: pytest.Capt
     assert "midblock_zebra" in refused(capsys, "run", "midblock_zebro")
 
 
+@pytest.mark.parametrize("file", ["town.sumocfg", "people.rou.xml"])
+def test_an_entity_from_another_file_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], file: str
+) -> None:
+    network(tmp_path)
+    (tmp_path / "people.rou.xml").write_text("<routes><!-- nobody --></routes>")
+    path = configuration(tmp_path, extra='<route-files value="people.rou.xml"/>')
+    declared = '<!DOCTYPE any [<!ENTITY other SYSTEM "/etc/hostname">]>'
+    text = (tmp_path / file).read_text()
+    for kind, said in ((declared, "without external entities"), ('<!DOCTYPE any SYSTEM "a.dtd">', "&other;")):
+        (tmp_path / file).write_text(kind + text.replace("</", "&other;</", 1))
+        for words in (["run", str(path), "--ego-route", "e1 e2"], ["inspect", str(path)]):
+            line = refused(capsys, *words)
+            assert file in line
+            assert said in line
+
+
 def test_an_unknown_controller_is_answered_by_those_that_exist(capsys: pytest.CaptureFixture[str]) -> None:
     line = refused(capsys, "run", "midblock_zebra", "--controller", "vo_mcp")
     assert "vo_mcp" in line
