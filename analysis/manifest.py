@@ -61,9 +61,10 @@ def read_manifest(folder: Path) -> dict[str, Entry] | None:
 
 def text_of(entries: Mapping[str, Entry]) -> str:
     """Return the content of a manifest."""
-    files = {name: asdict(entries[name]) for name in sorted(entries)}
-    digest = hashlib.sha256(json.dumps(files).encode()).hexdigest()
-    return json.dumps({"files": files, "sha256": digest}, indent=1) + "\n"
+    lines = [f" {json.dumps(name)}: {json.dumps(asdict(entries[name]))}" for name in sorted(entries)]
+    files = "{\n" + ",\n".join(lines) + "\n}"
+    digest = hashlib.sha256(files.encode()).hexdigest()
+    return f'{{"files": {files},\n"sha256": "{digest}"}}\n'
 
 
 def read_verified(path: Path) -> bytes:
@@ -76,7 +77,11 @@ def read_verified(path: Path) -> bytes:
     OSError
         When it cannot be read.
     """
-    entries = read_manifest(path.parent)
+    return read_as_written(path, read_manifest(path.parent))
+
+
+def read_as_written(path: Path, entries: Mapping[str, Entry] | None) -> bytes:
+    """Return as `read_verified`, by a manifest that was read before; ``None``: there is none."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:

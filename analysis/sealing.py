@@ -12,8 +12,8 @@ from analysis.manifest import (
     RECORDED,
     Entry,
     entry_of,
+    read_as_written,
     read_manifest,
-    read_verified,
     text_of,
 )
 
@@ -59,11 +59,11 @@ def damages(folder: Path, recordings: bool = True) -> list[str]:
     except DamageError as error:
         return [str(error)]
     found = []
-    for name in entries or ():
+    for name in entries or {}:
         if name.endswith(".parquet") and not recordings:
             continue
         try:
-            read_verified(folder / name)
+            read_as_written(folder / name, entries)
         except DamageError as error:
             found.append(str(error))
         except OSError as error:
