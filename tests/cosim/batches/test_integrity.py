@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from analysis.manifest import MANIFEST
+from benchmarks.verification import measure
 from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import ended
@@ -199,3 +200,9 @@ def test_folders_of_before_are_read_with_a_line_that_says_so(study: Path) -> Non
         assert f"1 of 1 {said}" in ended(words[0], run, *words[1:], folder=study).stdout
     assert "1 runs verified, 0 files damaged" in ended("verify", run).stdout
     assert f"3 of 4 {said}" in ended(*compare, folder=study).stdout
+
+
+def test_taking_down_and_checking_hashes_takes_no_more_of_a_batch_than_its_bar(study: Path) -> None:
+    row = measure([study / "out" / "runs" / name for name in runs(study / "out")])
+    assert row["runs"] == 4
+    assert 0.0 < row["share of the batch [%]"] <= 2.0
