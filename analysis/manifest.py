@@ -2,7 +2,8 @@
 
 ``files.json`` in a run's folder says of every file that the tool has written there how long it is, its
 SHA-256 and, of a table, how many rows it has. It is written last, and it holds its own hash. What reads a
-file of a run reads it through `read_verified`. A folder of before, without hashes, is read as it is.
+file of a run reads it through `read_verified`. The tables of a study and of a check have such a file
+too. A folder of before, without hashes, is read as it is.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ CLAIM = "hashes"
 """Key of ``run.json`` that names the manifest: a manifest that is lost is not taken for one never made."""
 RECORDED = ("run.json", "job.json", "map.json", "*.parquet")
 """What no analysis can make again."""
+
+WRITTEN_AGAIN = "the batch or check, repeated, writes it again"
+"""What brings back the tables of a study or a check."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +95,7 @@ def read_as_written(path: Path, entries: Mapping[str, Entry] | None) -> bytes:
     if entries is not None:
         entry = entries.get(path.name)
         if entry is None:
-            raise DamageError(f"{path}: the run has not written it; {remedy(path, entries)}")
+            raise DamageError(f"{path}: was not written with the files beside it; {remedy(path, entries)}")
         if entry.bytes != len(content) or entry.sha256 != hashlib.sha256(content).hexdigest():
             raise altered(path, entries, content)
     return content
@@ -105,18 +109,20 @@ def lost(path: Path, entries: Mapping[str, Entry]) -> DamageError:
 def altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageError:
     """Return the error of a file with another content than it was written with."""
     entry = entries[path.name]
-    said = "has another content than the run wrote"
+    said = "has another content than it was written with"
     rows = count_rows(path.name, content)
     if len(content) < entry.bytes:
-        said = f"was cut short or altered: {len(content)} bytes, the run wrote {entry.bytes}"
+        said = f"was cut short or altered: {len(content)} bytes, {entry.bytes} were written"
     if rows != entry.rows:
-        said = f"was altered: {'no readable table' if rows is None else f'{rows} rows'}, the run wrote "
-        said += f"{entry.rows} rows"
+        said = f"was altered: {'no readable table' if rows is None else f'{rows} rows'}, "
+        said += f"{entry.rows} rows were written"
     return DamageError(f"{path}: {said}; {remedy(path, entries)}")
 
 
 def remedy(path: Path, entries: Mapping[str, Entry]) -> str:
     """Return what brings a file back."""
+    if "run.json" not in entries:
+        return WRITTEN_AGAIN
     recorded = any(path.match(pattern) for pattern in RECORDED)
     if not recorded and any(name.endswith(".parquet") for name in entries):
         return f"cosim analyse {path.parent} makes it again"
@@ -155,4 +161,6 @@ def _claims(folder: Path) -> bool:
 
 
 def _make_again(folder: Path) -> str:
+    if (folder / "configs.csv").exists() or (folder / "criteria.csv").exists():
+        return WRITTEN_AGAIN
     return f"remove the folder {folder} and make the run again"

@@ -1,4 +1,4 @@
-"""Takes down the hashes of a run's files, and checks all of them."""
+"""Takes down the hashes of the files of a run or a study, and checks all of them."""
 
 from __future__ import annotations
 
@@ -41,18 +41,23 @@ def seal(folder: Path, written: Iterable[Path], removed: Iterable[Path] = ()) ->
     _write(folder, entries)
 
 
+def seal_tables(folder: Path, written: Iterable[Path]) -> None:
+    """Take down the tables of a study or a check, which were just written; there are no others."""
+    _write(folder, _entries(written))
+
+
 def has_hashes(folder: Path) -> bool:
     """Return whether the files of a run can be verified."""
     return (folder / MANIFEST).is_file()
 
 
 def damages(folder: Path, recordings: bool = True) -> list[str]:
-    """Check the files of a run, and return a line for each that was altered or lost.
+    """Check the files of a run or the tables of a study, and return a line for each that was altered or lost.
 
     Parameters
     ----------
-    folder : of the run
-    recordings : whether its large tables are checked too
+    folder : of the run or the study
+    recordings : whether the large tables of a run are checked too
     """
     try:
         entries = read_manifest(folder)

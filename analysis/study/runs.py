@@ -58,13 +58,18 @@ def find_run_folders(root: Path) -> list[Path]:
     """
     found = []
     for place, folders, files in os.walk(root):
-        if "run.json" in files or MANIFEST in files:
+        if "run.json" in files or (MANIFEST in files and any(map(_is_of_a_run, files))):
             found.append(Path(place))
             folders.clear()
         folders[:] = [
             name for name in folders if not name.startswith(".") and not name.endswith((PART, ".tmp"))
         ]
     return sorted(found)
+
+
+def _is_of_a_run(name: str) -> bool:
+    """Return whether only folders of runs have such a file; those of studies have hashes too."""
+    return name == "job.json" or name.endswith(".parquet")
 
 
 def read_runs(folders: Iterable[Path]) -> list[StudyRun]:

@@ -8,7 +8,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from analysis.errors import StudyError
 from analysis.files import completing, json_text, read_json, write_csv
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study.comparison_rows import comparison_rows
@@ -116,7 +115,5 @@ def _package(out: Path) -> str:
 def _described(path: Path) -> list[dict[str, Any]]:
     try:
         return list(read_json(path)["resources"])
-    except FileNotFoundError:
-        return []
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise StudyError(f"{path}: not a data package ({error})") from None
+    except (OSError, ValueError, KeyError, TypeError):
+        return []  # there is none, or it was damaged: it is written anew

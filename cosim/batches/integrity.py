@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.manifest import MANIFEST
 from analysis.sealing import damages, has_hashes
 from analysis.study.runs import find_run_folders
 from cosim.batches.ledger import RUNS, STUDY, Ledger
@@ -41,6 +42,8 @@ def verify_folder(folder: Path) -> Verified:
     found = [told for run in sorted(of_batches) for told in run_damages(run)]
     found += [told for run in runs if run not in of_batches for told in damages(run)]
     found += [told for one in ledgers for told in one.damaged_failures().values()]
+    tables = sorted({path.parent for path in folder.rglob(MANIFEST)} - of_batches - set(runs))
+    found += [told for place in tables for told in damages(place)]
     if not runs and not found:
         raise InputError(
             f"{folder}: contains no runs; expected the folder of a run, a study or a check, "

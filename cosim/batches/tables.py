@@ -6,9 +6,12 @@ import importlib
 from collections.abc import Sequence
 from threading import Thread
 
-from cosim.batches.ledger import Ledger
+from analysis.sealing import seal_tables
+from cosim.batches.ledger import FAILURES, Ledger
 from cosim.errors import SimulationError
 
+TABLES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json", FAILURES)
+"""Files of a study that have hashes."""
 USUAL_BASELINE = "sumo"
 
 
@@ -37,6 +40,7 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> dict[str, str]:
     try:
         damaged = ledger.write_failures()
         unreadable = write_tables(ledger.folder, folders, baseline) if folders else {}
+        seal_tables(ledger.folder, [path for name in TABLES if (path := ledger.folder / name).is_file()])
         return damaged | {ledger.name_of(folder): told for folder, told in unreadable.items()}
     except (OSError, ValueError) as error:
         raise SimulationError(f"{ledger.folder}: the tables could not be written: {error}") from error

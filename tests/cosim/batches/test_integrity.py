@@ -117,7 +117,7 @@ def test_a_batch_goes_on_without_damaged_runs_and_names_them(study: Path) -> Non
     for path in (recording, encounters, note, failure):
         (line,) = (each for each in lines if str(path.relative_to(study)) in each)
         assert "make the run again" in line or "makes it again" in line or "makes the run again" in line
-    assert f"{count - 1} rows, the run wrote {count} rows" in done.stderr
+    assert f"{count - 1} rows, {count} rows were written" in done.stderr
     (row,) = (each for each in rows(study / "out" / "runs.csv") if each["valid"] == "1")
     assert (row["controller"], row["seed"]) == ("sumo", "2")
     (row,) = rows(study / "out" / "failed.csv")
@@ -134,6 +134,27 @@ def test_a_batch_goes_on_without_damaged_runs_and_names_them(study: Path) -> Non
     assert lasting(study / "out") == undisturbed
 
 
+def test_the_tables_of_a_study_are_verified_too(study: Path) -> None:
+    out = study / "out"
+    tables = sorted(path.name for path in out.glob("*.csv"))
+    assert tables == ["comparisons.csv", "configs.csv", "encounters.csv", "failed.csv", "runs.csv"]
+    undisturbed = {name: (out / name).read_bytes() for name in (*tables, "datapackage.json", MANIFEST)}
+    for name in undisturbed:
+        flip(out / name)
+        (line,) = told(ended("verify", "out", code=3, folder=study).stderr)
+        assert f"out/{name}: " in line
+        assert "the batch or check, repeated, writes it again" in line
+        (out / name).write_bytes(undisturbed[name])
+    flip(out / "configs.csv")
+    flip(out / "datapackage.json")
+    ended("report", "out", folder=study)  # from the runs
+    assert "configs.csv" in {path.name for path in (out / "report_data").glob("*.csv")}
+    flip(out / "failed.csv")
+    assert "out/failed.csv: has another content" in ended("report", "out", code=2, folder=study).stderr
+    batch(study / "study.toml", "--out", "out", folder=study)
+    assert {name: (out / name).read_bytes() for name in undisturbed} == undisturbed
+
+
 def test_compare_and_report_go_on_without_a_damaged_run_and_name_it(study: Path) -> None:
     for name in ("encounters.csv", "run.json"):
         run = run_of(study, "aeb", 1)
@@ -142,7 +163,7 @@ def test_compare_and_report_go_on_without_a_damaged_run_and_name_it(study: Path)
         for words in (["compare", "out", "--base", "sumo", "--alt", "aeb"], ["report", "out"]):
             done = ended(*words, code=3, folder=study)
             (line,) = told(done.stderr)
-            assert f"out/runs/{run.name}/{name}: has another content than the run wrote" in line
+            assert f"out/runs/{run.name}/{name}: has another content than it was written with" in line
         assert f"{run.name}/{name}: has another content" in (study / "out" / "report.html").read_text()
         (run / name).write_bytes(before)
     ended("compare", "out", "--base", "sumo", "--alt", "aeb", folder=study)
@@ -152,7 +173,7 @@ def test_a_report_names_a_recording_that_it_could_not_replay(study: Path) -> Non
     path = run_of(study, "aeb", 1) / "neighbours.parquet"
     flip(path)
     (line,) = told(ended("report", "out", code=3, folder=study).stderr)
-    assert f"{path.relative_to(study)}: has another content than the run wrote" in line
+    assert f"{path.relative_to(study)}: has another content than it was written with" in line
     path.unlink()
     (line,) = told(ended("report", "out", code=3, folder=study).stderr)
     assert f"{path.relative_to(study)}: is missing" in line
@@ -166,7 +187,7 @@ def test_commands_for_one_run_refuse_a_recording_that_was_altered(study: Path, w
     flip(run / "egos.parquet")
     before = {path.name: path.read_bytes() for path in run.iterdir()}
     (line,) = told(ended(words[0], run, *words[1:], code=2, folder=study).stderr)
-    assert f"{run}/egos.parquet: has another content than the run wrote; remove the folder" in line
+    assert f"{run}/egos.parquet: has another content than it was written with; remove the folder" in line
     assert {path.name: path.read_bytes() for path in run.iterdir()} == before
 
 
