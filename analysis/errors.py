@@ -15,7 +15,7 @@ class RecordingError(AnalysisError):
 
 
 class DamageError(RecordingError):
-    """A file of a run that is not as the run wrote it; names the file and what can be done."""
+    """A file of a run or a study that is not as it was written; names the file and what can be done."""
 
 
 class ThresholdError(AnalysisError):

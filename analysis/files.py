@@ -53,7 +53,7 @@ def read_json(path: Path) -> dict[str, Any]:
     Raises
     ------
     DamageError
-        When it is a file of a run and not as the run wrote it.
+        When it has a hash and is not as it was written.
     OSError
         When it cannot be read.
     ValueError
@@ -80,7 +80,7 @@ def read_csv(path: Path) -> list[dict[str, str]]:
     Raises
     ------
     DamageError
-        When it is a file of a run and not as the run wrote it.
+        When it has a hash and is not as it was written.
     OSError
         When it cannot be read.
     UnicodeDecodeError, csv.Error

@@ -23,7 +23,6 @@ CLAIM = "hashes"
 """Key of ``run.json`` that names the manifest: a manifest that is lost is not taken for one never made."""
 RECORDED = ("run.json", "job.json", "map.json", "*.parquet")
 """What no analysis can make again."""
-
 WRITTEN_AGAIN = "the batch or check, repeated, writes it again"
 """What brings back the tables of a study or a check."""
 
@@ -55,12 +54,12 @@ def read_manifest(folder: Path) -> dict[str, Entry] | None:
         return entries
     except FileNotFoundError:
         if _claims(folder):
-            raise DamageError(f"{path}: is missing; {_make_again(folder)}") from None
+            raise DamageError(f"{path}: is missing; {make_again(folder)}") from None
         return None
     except OSError as error:
         raise DamageError(f"{path}: cannot be read ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise DamageError(f"{path}: is damaged ({error!s:.80}); {_make_again(folder)}") from None
+        raise DamageError(f"{path}: is damaged ({error!s:.80}); {make_again(folder)}") from None
 
 
 def text_of(entries: Mapping[str, Entry]) -> str:
@@ -90,23 +89,23 @@ def read_as_written(path: Path, entries: Mapping[str, Entry] | None) -> bytes:
         content = path.read_bytes()
     except FileNotFoundError:
         if entries is not None and path.name in entries:
-            raise lost(path, entries) from None
+            raise _lost(path, entries) from None
         raise
     if entries is not None:
         entry = entries.get(path.name)
         if entry is None:
-            raise DamageError(f"{path}: was not written with the files beside it; {remedy(path, entries)}")
+            raise DamageError(f"{path}: was not written with the files beside it; {_remedy(path, entries)}")
         if entry.bytes != len(content) or entry.sha256 != hashlib.sha256(content).hexdigest():
-            raise altered(path, entries, content)
+            raise _altered(path, entries, content)
     return content
 
 
-def lost(path: Path, entries: Mapping[str, Entry]) -> DamageError:
+def _lost(path: Path, entries: Mapping[str, Entry]) -> DamageError:
     """Return the error of a file that is gone."""
-    return DamageError(f"{path}: is missing; {remedy(path, entries)}")
+    return DamageError(f"{path}: is missing; {_remedy(path, entries)}")
 
 
-def altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageError:
+def _altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageError:
     """Return the error of a file with another content than it was written with."""
     entry = entries[path.name]
     said = "has another content than it was written with"
@@ -116,17 +115,24 @@ def altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageE
     if rows != entry.rows:
         said = f"was altered: {'no readable table' if rows is None else f'{rows} rows'}, "
         said += f"{entry.rows} rows were written"
-    return DamageError(f"{path}: {said}; {remedy(path, entries)}")
+    return DamageError(f"{path}: {said}; {_remedy(path, entries)}")
 
 
-def remedy(path: Path, entries: Mapping[str, Entry]) -> str:
+def _remedy(path: Path, entries: Mapping[str, Entry]) -> str:
     """Return what brings a file back."""
     if "run.json" not in entries:
         return WRITTEN_AGAIN
     recorded = any(path.match(pattern) for pattern in RECORDED)
     if not recorded and any(name.endswith(".parquet") for name in entries):
         return f"cosim analyse {path.parent} makes it again"
-    return _make_again(path.parent)
+    return make_again(path.parent)
+
+
+def make_again(folder: Path) -> str:
+    """Return what is to be done where nothing else brings back the files of a folder."""
+    if (folder / "configs.csv").exists() or (folder / "criteria.csv").exists():
+        return WRITTEN_AGAIN
+    return f"remove the folder {folder} and make the run again"
 
 
 def count_rows(name: str, content: bytes) -> int | None:
@@ -158,9 +164,3 @@ def _claims(folder: Path) -> bool:
         return bool(json.loads((folder / "run.json").read_bytes()).get(CLAIM))
     except (OSError, ValueError, AttributeError):
         return False
-
-
-def _make_again(folder: Path) -> str:
-    if (folder / "configs.csv").exists() or (folder / "criteria.csv").exists():
-        return WRITTEN_AGAIN
-    return f"remove the folder {folder} and make the run again"

@@ -31,7 +31,7 @@ def read_cells(path: Path) -> tuple[str, ...]:
     except FileNotFoundError:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise StudyError(f"{path}: cannot be read ({error})") from None
+        raise StudyError(f"{path}: cannot be read ({error}); cosim analyse makes it again") from None
     if len(rows) != 2 or tuple(rows[0]) != RUNS.names() or len(rows[1]) != len(rows[0]):
         raise StudyError(
             f"{path}: expected one row with the columns of schema {SCHEMA_VERSION}; "
@@ -63,7 +63,7 @@ def encounters_text(folder: Path) -> str:
     try:
         text = read_verified(path).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"{path}: cannot be read ({error})") from None
+        raise StudyError(f"{path}: cannot be read ({error}); cosim analyse makes it again") from None
     if text.partition("\n")[0] != ",".join(ENCOUNTERS.names()):
         raise StudyError(
             f"{path}: expected the columns of schema {SCHEMA_VERSION}; cosim analyse makes it again"
@@ -86,7 +86,8 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
     try:
         table = pa_csv.read_csv(pa.BufferReader(text.encode()), convert_options=options)
     except (pa.ArrowException, KeyError) as error:
-        raise StudyError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
+        told = str(error).splitlines()[0]
+        raise StudyError(f"{path}: cannot be read ({told}); cosim analyse makes it again") from None
     values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
     drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
     met = (values["entered"] == 1.0) | (values["collision"] == 1.0)

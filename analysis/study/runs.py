@@ -12,7 +12,7 @@ from typing import Any
 
 from analysis.errors import AnalysisError, StudyError
 from analysis.files import PART, read_json
-from analysis.manifest import MANIFEST
+from analysis.manifest import MANIFEST, make_again
 from analysis.results.measures import is_wall_clock
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.sealing import damages
@@ -52,7 +52,7 @@ class StudyRun:
 
 
 def find_run_folders(root: Path) -> list[Path]:
-    """Return the folders at or below a folder that hold a ``run.json``, or have lost it, by the alphabet.
+    """Return the folders of runs at or below a folder, also of those that lost their ``run.json``, sorted.
 
     Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are skipped.
     """
@@ -113,7 +113,8 @@ def read_whole_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], dict[Path,
         except AnalysisError as error:
             unreadable[folder] = str(error)
         except (ValueError, TypeError, AttributeError, KeyError) as error:  # of a folder without hashes
-            unreadable[folder] = f"{folder}: a file in it is not what a run writes ({error!r})"
+            said = f"a file in it is not what a run writes ({error!r})"
+            unreadable[folder] = f"{folder}: {said}; {make_again(folder)}"
     runs.sort(key=lambda run: (run.scenario_id, run.config_id, run.seed, not run.valid, run.run_id))
     _check_thresholds(runs)
     return _once(runs), unreadable
@@ -126,12 +127,12 @@ def _read(folder: Path) -> StudyRun:
     try:
         meta = read_json(path)
     except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
+        raise StudyError(f"{path}: cannot be read ({error.strerror}); {make_again(folder)}") from None
     except ValueError as error:
-        raise StudyError(f"{path}: truncated or not JSON ({error})") from None
+        raise StudyError(f"{path}: truncated or not JSON ({error}); {make_again(folder)}") from None
     for key in _NEEDED:
         if meta.get(key) is None:
-            raise StudyError(f"{path}: no value for {key!r}")
+            raise StudyError(f"{path}: no value for {key!r}; {make_again(folder)}")
     cells = read_cells(folder / RUNS.file)
     if meta["valid"] and not cells:
         raise StudyError(f"{folder} was not analysed: no {RUNS.file}; cosim analyse makes it")

@@ -37,12 +37,12 @@ def verify_folder(folder: Path) -> Verified:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     runs = find_run_folders(folder)
-    ledgers = [Ledger(path.parent) for path in sorted(folder.rglob(STUDY)) if (path.parent / RUNS).is_dir()]
+    ledgers = [Ledger(place) for place in _folders_with(STUDY, folder) if (place / RUNS).is_dir()]
     of_batches = {one.run_folder(name) for one in ledgers for name in one.finished()}
     found = [told for run in sorted(of_batches) for told in run_damages(run)]
     found += [told for run in runs if run not in of_batches for told in damages(run)]
     found += [told for one in ledgers for told in one.damaged_failures().values()]
-    tables = sorted({path.parent for path in folder.rglob(MANIFEST)} - of_batches - set(runs))
+    tables = [place for place in _folders_with(MANIFEST, folder) if place not in of_batches.union(runs)]
     found += [told for place in tables for told in damages(place)]
     if not runs and not found:
         raise InputError(
@@ -50,3 +50,9 @@ def verify_folder(folder: Path) -> Verified:
             "or one of run folders"
         )
     return Verified(sum(map(has_hashes, runs)), found, unverified(runs))
+
+
+def _folders_with(name: str, root: Path) -> list[Path]:
+    """Return the folders with such a file, sorted; runs in flight are in hidden ones, which are left out."""
+    found = sorted(path.parent for path in root.rglob(name))
+    return [one for one in found if not any(part.startswith(".") for part in one.relative_to(root).parts)]

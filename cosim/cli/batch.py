@@ -103,6 +103,8 @@ def _show_plan(one: Batch) -> None:
         varied = " ".join(f"{key}={value}" for key, value in each.varied)
         done = seeds - missing[each]
         table.add_row(each.scenario_name, each.controller, varied, str(seeds), str(done))
+    for name, told in one.ledger.damaged.items():
+        typer.echo(f"cosim: damaged: {name}: {told}", err=True)
     console = terminal.console()
     console.print(table)
     if len(one.matrix.configurations) > MOST_ROWS:
