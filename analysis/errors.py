@@ -14,6 +14,10 @@ class RecordingError(AnalysisError):
     """A recorded run that cannot be analysed; names file, column and row where there is one."""
 
 
+class DamageError(RecordingError):
+    """A file of a run or a study that is not as it was written; names the file and what can be done."""
+
+
 class ThresholdError(AnalysisError):
     """A threshold that does not exist or whose value cannot be read."""
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from analysis.manifest import read_verified
 
 PART = ".part"
 """What the name of a file ends with until it is complete."""
@@ -45,8 +48,20 @@ def json_text(content: Mapping[str, Any]) -> str:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Return the object in a JSON file."""
-    content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    """Return the object in a JSON file.
+
+    Raises
+    ------
+    DamageError
+        When it has a hash and is not as it was written.
+    OSError
+        When it cannot be read.
+    ValueError
+        When it is truncated, not JSON, or no object.
+    """
+    content = json.loads(read_verified(path))
+    if not isinstance(content, dict):
+        raise ValueError(f"expected an object, found {type(content).__name__}")
     return content
 
 
@@ -60,6 +75,16 @@ def write_csv(path: Path, heads: Sequence[str], rows: Iterable[Sequence[object]]
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a table of comma-separated values."""
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    """Return the rows of a table of comma-separated values.
+
+    Raises
+    ------
+    DamageError
+        When it has a hash and is not as it was written.
+    OSError
+        When it cannot be read.
+    UnicodeDecodeError, csv.Error
+        When it is no such table.
+    """
+    text = read_verified(path).decode("utf-8")
+    return list(csv.DictReader(io.StringIO(text, newline="")))

@@ -26,7 +26,7 @@ def main(study: Path, out: Path) -> int:
         print(f"screenshots: no browser found: one of {', '.join(BROWSERS)} expected", file=sys.stderr)
         return 2
     try:
-        page, _ = write_page([study])
+        page, *_ = write_page([study])
     except CosimError as error:
         print(f"screenshots: {error}", file=sys.stderr)
         return 2

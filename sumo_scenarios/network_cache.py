@@ -15,6 +15,7 @@ import platformdirs
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.schema import NetworkTable
 from sumo_scenarios.sumo_installation import netconvert, sumo_home, sumo_version
+from sumo_scenarios.xml_files import sha256
 
 CACHE_VARIABLE = "COSIM_CACHE_DIR"
 # Mid-road nodes and dead ends would get U-turns otherwise.
@@ -40,7 +41,7 @@ def source_files(folder: Path, network: NetworkTable) -> dict[str, tuple[Path, .
 
 
 def build_network(folder: Path, network: NetworkTable) -> Path:
-    """Return the network file, from the cache if these sources were built before.
+    """Return the network file, from the cache if these sources were built before and it is as it was built.
 
     The comment in which netconvert writes date and paths is taken out: the same sources give the same
     bytes. The file appears under its final name only when it is complete, so that processes which build
@@ -53,8 +54,12 @@ def build_network(folder: Path, network: NetworkTable) -> Path:
     """
     sources = source_files(folder, network)
     target = cache_folder() / f"{folder.name}-{_key(sources, network.netconvert)}.net.xml"
-    if target.is_file():
-        return target
+    told = target.with_name(f"{target.name}.sha256")
+    try:
+        if told.read_text() == sha256(target):
+            return target
+    except (OSError, UnicodeDecodeError):
+        pass  # there is none, or it cannot be said what it was: it is built again
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".building-") as work:
@@ -62,7 +67,10 @@ def build_network(folder: Path, network: NetworkTable) -> Path:
             _run_netconvert(folder, sources, network.netconvert, raw)
             stripped = Path(work) / "stripped.net.xml"
             stripped.write_bytes(_COMMENT.sub(b"", raw.read_bytes()))
+            digest = Path(work) / "digest"
+            digest.write_text(sha256(stripped))
             os.replace(stripped, target)
+            os.replace(digest, told)
     except OSError as error:
         raise ScenarioError(
             f"{target.parent}: cannot write the network cache: {error.strerror}; "

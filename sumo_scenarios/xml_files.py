@@ -20,7 +20,8 @@ def check_xml(path: Path, asked_by: Path | None = None) -> str:
     Raises
     ------
     ScenarioError
-        If the file is missing, unreadable or not well-formed; ``asked_by`` is named as who wants it.
+        If the file is missing, unreadable or not well-formed, or if it refers to
+        entities in other files; ``asked_by`` is named as who wants it.
     """
     named = f", which {asked_by} names" if asked_by else ""
     root: list[str] = []
@@ -29,8 +30,17 @@ def check_xml(path: Path, asked_by: Path | None = None) -> str:
         if not root:
             root.append(name)
 
+    def declared(name: str, _parameter: bool, value: str | None, *_where: str | None) -> None:
+        if value is None:
+            raise ScenarioError(f"{path}: expected XML without external entities, found &{name};")
+
+    def skipped(name: str, _parameter: bool) -> None:
+        raise ScenarioError(f"{path}: not well-formed XML: the entity &{name}; is not declared")
+
     parser = expat.ParserCreate()
     parser.StartElementHandler = opened
+    parser.EntityDeclHandler = declared
+    parser.SkippedEntityHandler = skipped
     try:
         with _open(path) as file:
             while block := file.read(_BLOCK):

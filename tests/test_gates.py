@@ -80,8 +80,9 @@ CLEAN = (
         f"analysis/{room}/__init__.py"
         for room in ("page", "plots", "study", "criteria", "protocols", "statistics", "results", "encounters")
     ),
-    *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "markdown", "metrics_page")),
-    *(f"analysis/{name}.py" for name in ("polylines", "stretches", "tables", "thresholds")),
+    *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "manifest", "markdown")),
+    *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches")),
+    *(f"analysis/{name}.py" for name in ("tables", "thresholds")),
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",
 )

@@ -117,6 +117,14 @@ def failed_runs(root: Path | None) -> list[dict[str, str]]:
     return [row for path in sorted([root / FAILED, *root.glob(f"*/{FAILED}")]) for row in _rows(path)]
 
 
+def damaged_runs(study: Study, out: Path) -> list[dict[str, str]]:
+    """Return the runs that are left out because they cannot be read or are not as they were written."""
+    return [
+        {"run": relative(folder, out), "reason": told, "command": ""}
+        for folder, told in study.unreadable.items()
+    ]
+
+
 def criteria(root: Path | None) -> dict[str, Any] | None:
     """Return what a check has found, what decides against it first; ``None`` where there is no criteria.csv.
 

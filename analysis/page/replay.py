@@ -16,9 +16,10 @@ import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
 from analysis.encounters.case import Case, prepare
-from analysis.errors import RecordingError
+from analysis.errors import DamageError, RecordingError
 from analysis.files import read_json, write_text
 from analysis.geometry import FloatArray
+from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, RecordedTable
 from analysis.recording.reading import read_run
@@ -44,8 +45,12 @@ RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timin
 
 
 def has_recording(folder: Path) -> bool:
-    """Return whether a run folder still has what a replay needs."""
-    return all((folder / name).is_file() for name in RECORDING_FILES)
+    """Return whether a run folder is to have what a replay needs."""
+    try:
+        known = read_manifest(folder) or {}
+    except DamageError:
+        return True  # what is wrong with it is told when it is read
+    return all((folder / name).is_file() or name in known for name in RECORDING_FILES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,16 +78,23 @@ def read_recording(folder: Path) -> Recording:
 def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
     path = folder / table.file
     try:
-        return pd.DataFrame(pq.read_table(path, schema=table.schema).to_pandas())
+        content = pa.BufferReader(read_verified(path))
+        read = pq.read_table(content, schema=table.schema, page_checksum_verification=True)
+        return pd.DataFrame(read.to_pandas())
     except (OSError, pa.ArrowException) as error:
         raise RecordingError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
 
 
 def _thresholds(folder: Path) -> Thresholds:
+    path = folder / "config.json"
     try:
-        stored = read_json(folder / "config.json").get("thresholds") or {}
-    except (OSError, ValueError):
+        stored = read_json(path).get("thresholds") or {}
+    except FileNotFoundError:
         stored = {}
+    except DamageError:
+        raise
+    except (OSError, ValueError) as error:
+        raise RecordingError(f"{path}: cannot be read ({error})") from None
     known = set(names())
     return Thresholds(**{name: float(value) for name, value in stored.items() if name in known})
 

@@ -19,7 +19,7 @@ from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_e
 from analysis.page.replay import has_recording, read_recording, write_replays
 from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
-from analysis.study.runs import find_run_folders
+from analysis.study.runs import StudyRun, find_run_folders
 
 PAGE = "report.html"
 DATA = "report_data"
@@ -40,6 +40,10 @@ class Written:
     listed: int
     not_recorded: int
     """Listed encounters without a recording."""
+    runs: Sequence[StudyRun]
+    unreadable: Mapping[Path, str]
+    """Runs that are left out or have no replay because a file was altered or lost: which, and what can be
+    done."""
 
 
 def write_report(
@@ -87,7 +91,7 @@ def write_report(
     found = read_encounters(study)
     order = worst_first(found)
     listed = [found.at(row) for row in pick(order, found, study, rows, OF_EACH)]
-    replayed, problems = _replays(listed, data / REPLAYS, replays)
+    replayed, problems, damaged = _replays(listed, data / REPLAYS, replays)
     lines = origin.run_lines(study, out)
     page = _environment().get_template("page.html.jinja")
     content = page.render(
@@ -96,7 +100,7 @@ def write_report(
         answers=_answers(study, made, say, found),
         facts=_facts(study, found, root),
         criteria=origin.criteria(root),
-        failed=origin.failed_runs(root),
+        failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
         runs=lines,
         blocks=tables.configuration_blocks(made.configs),
         comparisons=tables.comparison_blocks(made.comparisons),
@@ -112,7 +116,7 @@ def write_report(
     )
     path = write_text(out / PAGE, content)
     missing = sum(not has_recording(one.run.folder) for one in listed)
-    return Written(path, len(replayed), len(listed), missing)
+    return Written(path, len(replayed), len(listed), missing, study.runs, {**study.unreadable, **damaged})
 
 
 def _environment() -> Environment:
@@ -203,14 +207,20 @@ def _preventable(found: Encounters) -> int:
     return int(np.count_nonzero(hit & (found.numbers["preventable_r157"] != 0.0)))
 
 
-def _replays(listed: Sequence[Found], folder: Path, most: int) -> tuple[set[str], dict[str, str]]:
-    """Write the replays of the worst encounters that have a recording; return keys, and what went wrong."""
+def _replays(
+    listed: Sequence[Found], folder: Path, most: int
+) -> tuple[set[str], dict[str, str], dict[Path, str]]:
+    """Write the replays of the worst encounters that have a recording.
+
+    Return their keys, and what went wrong by key and by run.
+    """
     for old in folder.glob("*.js") if folder.is_dir() else ():
         old.unlink()
     recorded = {path: has_recording(path) for path in {one.run.folder for one in listed}}
     chosen = [one for one in listed if recorded[one.run.folder]][:most]
     done: set[str] = set()
     problems: dict[str, str] = {}
+    damaged: dict[Path, str] = {}
     for place, group in groupby(
         sorted(chosen, key=lambda one: str(one.run.folder)), lambda one: one.run.folder
     ):
@@ -220,7 +230,8 @@ def _replays(listed: Sequence[Found], folder: Path, most: int) -> tuple[set[str]
             done |= {one.key for one in mine}
         except RecordingError as error:
             problems |= {one.key: str(error) for one in mine}
-    return done, problems
+            damaged[place] = str(error)
+    return done, problems, damaged
 
 
 def _line(

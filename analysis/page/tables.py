@@ -12,6 +12,7 @@ from analysis.errors import StudyError
 from analysis.files import read_csv
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import RUNS
+from analysis.sealing import damages
 from analysis.study.design import Study
 from analysis.study.tables import COMPARISONS, CONFIGS
 from analysis.study.writing import write_tables
@@ -73,7 +74,7 @@ def study_tables(
 
 def _is_current(root: Path, study: Study) -> bool:
     files = [root / table.file for table in (RUNS, CONFIGS, COMPARISONS)]
-    if not all(path.is_file() for path in files):
+    if not all(path.is_file() for path in files) or damages(root, recordings=False):
         return False
     with files[0].open(encoding="utf-8", newline="") as file:
         lines = [tuple(row) for row in csv.reader(file)]

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
-from analysis.errors import RecordingError
 from analysis.geometry import FloatArray
+from analysis.recording.opening import opened_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +29,8 @@ def read_plans(folder: Path, ego: str) -> list[PlannedPath]:
     RecordingError
         If plans.parquet is missing or cannot be read.
     """
-    path = folder / "plans.parquet"
-    try:
-        table = pq.read_table(path, columns=["time_s", "ego_id", "x_m", "y_m"])
-    except FileNotFoundError:
-        raise RecordingError(f"{path}: no such file") from None
-    except (pa.ArrowException, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise RecordingError(f"{path}: truncated or not Parquet ({reason})") from None
+    with opened_table(folder / "plans.parquet") as file:
+        table = file.read(columns=["time_s", "ego_id", "x_m", "y_m"])
     return [
         PlannedPath(row["time_s"], np.column_stack([row["x_m"], row["y_m"]]))
         for row in table.to_pylist()

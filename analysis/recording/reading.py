@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from analysis.errors import RecordingError
-from analysis.files import PART
+from analysis.errors import DamageError, RecordingError
+from analysis.files import read_json
 from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.columns import (
     EGOS,
@@ -25,6 +24,7 @@ from analysis.recording.columns import (
     TIMING,
     RecordedTable,
 )
+from analysis.recording.opening import opened_table
 
 IntArray = NDArray[np.int64]
 
@@ -137,7 +137,9 @@ def read_run(folder: Path) -> RecordedRun:
 
 def _read_json(path: Path) -> dict[str, Any]:
     try:
-        content = json.loads(path.read_text("utf-8"))
+        return read_json(path)
+    except DamageError:
+        raise
     except FileNotFoundError:
         raise RecordingError(f"{path}: no such file") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -146,9 +148,8 @@ def _read_json(path: Path) -> dict[str, Any]:
         raise RecordingError(
             f"{path}: truncated or not JSON (line {error.lineno}, column {error.colno}: {error.msg})"
         ) from None
-    if not isinstance(content, dict):
-        raise RecordingError(f"{path}: expected an object, found {type(content).__name__}")
-    return content
+    except ValueError as error:
+        raise RecordingError(f"{path}: {error}") from None
 
 
 def read_table(folder: Path, declared: RecordedTable) -> Columns:
@@ -178,27 +179,17 @@ def read_table(folder: Path, declared: RecordedTable) -> Columns:
 
 
 def _load(path: Path, declared: RecordedTable) -> pa.Table:
-    if not path.is_file():
-        cut = path.with_name(path.name + PART)
-        hint = f" (the run was cut off: {cut.name} is there)" if cut.exists() else ""
-        raise RecordingError(f"{path}: no such file{hint}")
-    try:
-        with pq.ParquetFile(path) as file:
-            present = file.schema_arrow
-            for column in declared.columns:
-                if column.name not in present.names:
-                    if column.added:
-                        continue
-                    raise RecordingError(f"{path}: no column {column.name!r}")
-                found = present.field(column.name).type
-                if found != column.dtype:
-                    raise RecordingError(
-                        f"{path}: column {column.name!r} is {found}, expected {column.dtype}"
-                    )
-            table = file.read()
-    except (pa.ArrowException, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise RecordingError(f"{path}: truncated or not Parquet ({reason})") from None
+    with opened_table(path) as file:
+        present = file.schema_arrow
+        for column in declared.columns:
+            if column.name not in present.names:
+                if column.added:
+                    continue
+                raise RecordingError(f"{path}: no column {column.name!r}")
+            found = present.field(column.name).type
+            if found != column.dtype:
+                raise RecordingError(f"{path}: column {column.name!r} is {found}, expected {column.dtype}")
+        table = file.read()
     for column in declared.columns:
         if column.name not in table.column_names:
             table = table.append_column(column.name, pa.nulls(len(table), column.dtype))

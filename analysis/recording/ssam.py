@@ -18,6 +18,7 @@ from analysis.errors import AnalysisError
 from analysis.files import completing, write_csv
 from analysis.geometry import FloatArray
 from analysis.recording.reading import Columns, RecordedRun, read_run
+from analysis.sealing import seal
 
 TRAJECTORY_FILE = "run.trj"
 ID_FILE = "ssam_id_map.csv"
@@ -79,7 +80,9 @@ def export_ssam(folder: Path) -> tuple[Path, Path]:
     with completing(trajectories) as part, part.open("wb") as file:
         file.writelines(_records(run, tables, numbers))
     rows = [(number, name, kind) for (name, kind), number in numbers.items()]
-    return trajectories, write_csv(ids, ("ssam_id", "sumo_id", "type"), rows)
+    write_csv(ids, ("ssam_id", "sumo_id", "type"), rows)
+    seal(folder, (trajectories, ids))
+    return trajectories, ids
 
 
 def read_trajectories(path: Path) -> Iterator[tuple[float, list[SsamBody]]]:

@@ -19,6 +19,7 @@ from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.rows import encounter_and_run_rows, overlap_rows
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS, traffic_rows
+from analysis.sealing import seal
 from analysis.tables.cells import Row, cells
 from analysis.tables.column import Table
 from analysis.tables.datapackage import describe
@@ -68,9 +69,9 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
         tables.append((TRAFFIC_ENCOUNTERS, traffic_rows(case, others, traffic.classes)))
     files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
     files.append(write_json(folder / "config.json", _config(case)))
-    files.append(
-        write_json(folder / "datapackage.json", describe([table for table, _ in tables], "one recorded run"))
-    )
+    written = [table for table, _ in tables]
+    files.append(write_json(folder / "datapackage.json", describe(written, "one recorded run")))
+    seal(folder, files)
     return RunReport(folder, run, encounters, overlaps, files)
 
 

@@ -8,10 +8,11 @@ scenario, demand, egos, step, files. Runs are paired by condition and seed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis.study.runs import StudyRun, read_runs
+from analysis.errors import StudyError
+from analysis.study.runs import StudyRun, read_whole_runs
 
 REFERENCE = "sumo"
 """The baseline where none is named and there is one: SUMO's own driver."""
@@ -35,6 +36,9 @@ class Study:
     conditions: tuple[Condition, ...]
     labels: Mapping[str, str]
     """config_id to label."""
+    unreadable: Mapping[Path, str] = field(default_factory=dict)
+    """Folders of runs that are left out because they cannot be read or are not as they were written, each
+    with one line that names the file and what can be done."""
 
     def label(self, run: StudyRun) -> str:
         """Return the label of a run's controller."""
@@ -73,15 +77,17 @@ class Study:
 
 
 def read_study(folders: Iterable[Path]) -> Study:
-    """Read run folders, in any order.
+    """Read run folders, in any order; those that cannot be read are left out and named.
 
     Raises
     ------
     StudyError
-        As :func:`analysis.study.runs.read_runs`.
+        As :func:`analysis.study.runs.read_whole_runs`, and when no run can be read.
     """
-    runs = read_runs(folders)
-    return Study(tuple(runs), _conditions(runs), _labels(runs))
+    runs, unreadable = read_whole_runs(folders)
+    if unreadable and not runs:
+        raise StudyError(min(unreadable.values()))
+    return Study(tuple(runs), _conditions(runs), _labels(runs), unreadable)
 
 
 def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import os
@@ -11,22 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pyarrow as pa
-import pyarrow.csv as pa_csv
-
-from analysis.errors import StudyError
+from analysis.errors import AnalysisError, StudyError
 from analysis.files import PART, read_json
-from analysis.results.measures import encounter_measures, is_wall_clock
-from analysis.results.origin import SCHEMA_VERSION
+from analysis.manifest import MANIFEST, make_again
+from analysis.results.measures import is_wall_clock
 from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.sealing import damages
 from analysis.statistics.intervals import FloatArray
-from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
+from analysis.study.run_numbers import encounters_text, numbers_in, read_cells, tallies_and_samples
 
 _NEEDED = ("run_id", "config_id", "scenario_id", "controller", "seed", "valid")
-_DRAC_BEYOND = ("unbounded", "collision")
-_CONFLICTS = ("serious", "severe", "collision")
-_DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,19 +52,24 @@ class StudyRun:
 
 
 def find_run_folders(root: Path) -> list[Path]:
-    """Return the folders at or below a folder that hold a ``run.json``, in alphabetical order.
+    """Return the folders of runs at or below a folder, also of those that lost their ``run.json``, sorted.
 
     Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are skipped.
     """
     found = []
     for place, folders, files in os.walk(root):
-        if "run.json" in files:
+        if "run.json" in files or (MANIFEST in files and any(map(_is_of_a_run, files))):
             found.append(Path(place))
             folders.clear()
         folders[:] = [
             name for name in folders if not name.startswith(".") and not name.endswith((PART, ".tmp"))
         ]
     return sorted(found)
+
+
+def _is_of_a_run(name: str) -> bool:
+    """Return whether only folders of runs have such a file; those of studies have hashes too."""
+    return name == "job.json" or name.endswith(".parquet")
 
 
 def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
@@ -85,29 +83,63 @@ def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
         For a folder that cannot be read, was not analysed or by another version, for two runs of one
         configuration and seed that are not the same, and for runs analysed with different thresholds.
     """
-    runs = [_read(folder) for folder in sorted(folders)]
+    runs, unreadable = read_whole_runs(folders)
+    if unreadable:
+        raise StudyError(min(unreadable.values()))
+    return runs
+
+
+def read_whole_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], dict[Path, str]]:
+    """Read run folders as `read_runs`, and go on where one cannot be read.
+
+    Returns
+    -------
+    list
+        The runs that can be read.
+    dict
+        The folders of the others, each with one line that names the file and what can be done.
+
+    Raises
+    ------
+    StudyError
+        For two runs of one configuration and seed that are not the same, and for runs analysed with
+        different thresholds.
+    """
+    runs: list[StudyRun] = []
+    unreadable: dict[Path, str] = {}
+    for folder in sorted(folders):
+        try:
+            runs.append(_read(folder))
+        except AnalysisError as error:
+            unreadable[folder] = str(error)
+        except (ValueError, TypeError, AttributeError, KeyError) as error:  # of a folder without hashes
+            said = f"a file in it is not what a run writes ({error!r})"
+            unreadable[folder] = f"{folder}: {said}; {make_again(folder)}"
     runs.sort(key=lambda run: (run.scenario_id, run.config_id, run.seed, not run.valid, run.run_id))
     _check_thresholds(runs)
-    return _once(runs)
+    return _once(runs), unreadable
 
 
 def _read(folder: Path) -> StudyRun:
+    if damaged := damages(folder, recordings=False):
+        raise StudyError(damaged[0])
     path = folder / "run.json"
     try:
         meta = read_json(path)
     except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror})") from None
+        raise StudyError(f"{path}: cannot be read ({error.strerror}); {make_again(folder)}") from None
     except ValueError as error:
-        raise StudyError(f"{path}: truncated or not JSON ({error})") from None
+        raise StudyError(f"{path}: truncated or not JSON ({error}); {make_again(folder)}") from None
     for key in _NEEDED:
-        if not isinstance(meta, dict) or meta.get(key) is None:
-            raise StudyError(f"{path}: no value for {key!r}")
-    cells = _cells(folder / RUNS.file)
+        if meta.get(key) is None:
+            raise StudyError(f"{path}: no value for {key!r}; {make_again(folder)}")
+    cells = read_cells(folder / RUNS.file)
     if meta["valid"] and not cells:
         raise StudyError(f"{folder} was not analysed: no {RUNS.file}; cosim analyse makes it")
-    numbers, samples = _numbers(cells), dict[str, FloatArray]()
+    numbers, samples = numbers_in(cells), dict[str, FloatArray]()
+    encounters = encounters_text(folder) if cells else ""
     if meta["valid"]:
-        tallies, samples = _read_encounters(folder / ENCOUNTERS.file)
+        tallies, samples = tallies_and_samples(folder / ENCOUNTERS.file, encounters)
         numbers |= tallies
     setting = _setting(meta)
     return StudyRun(
@@ -153,65 +185,6 @@ def _texts(values: Mapping[str, Any]) -> dict[str, str]:
         key: value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
         for key, value in sorted(values.items())
     }
-
-
-def _cells(path: Path) -> tuple[str, ...]:
-    """Return the only row of a run's runs.csv; nothing when there is no such file."""
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.reader(file))
-    except FileNotFoundError:
-        return ()
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise StudyError(f"{path}: cannot be read ({error})") from None
-    if len(rows) != 2 or tuple(rows[0]) != RUNS.names() or len(rows[1]) != len(rows[0]):
-        raise StudyError(
-            f"{path}: expected one row with the columns of schema {SCHEMA_VERSION}; "
-            "cosim analyse makes it again"
-        )
-    return tuple(rows[1])
-
-
-def _numbers(cells: Sequence[str]) -> dict[str, float]:
-    if not cells:
-        return {}
-    return {
-        column.name: float(cell)
-        for column, cell in zip(RUNS.columns, cells, strict=True)
-        if column.kind in ("integer", "number") and cell
-    }
-
-
-def _read_encounters(path: Path) -> tuple[dict[str, float], dict[str, FloatArray]]:
-    """Return the tallies of a run's encounters and the defined values of the encounter measures."""
-    names = [measure.name for measure in encounter_measures()]
-    options = pa_csv.ConvertOptions(
-        include_columns=[*_DESCRIPTIVE, *names],
-        column_types={
-            **dict.fromkeys(names, pa.float64()),
-            **dict.fromkeys(("entered", "collision"), pa.float64()),
-            **dict.fromkeys(("drac_status", "severity"), pa.string()),
-        },
-        null_values=[""],
-    )
-    try:
-        table = pa_csv.read_csv(path, convert_options=options)
-    except (OSError, pa.ArrowException, KeyError) as error:
-        raise StudyError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
-    values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
-    drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
-    met = (values["entered"] == 1.0) | (values["collision"] == 1.0)
-    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
-    tallies = {
-        "met": met,
-        "met_collision": met & (values["collision"] == 1.0),
-        "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
-        "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),
-        "met_drac_gt_3p4": met & beyond,
-        "met_conflict": met & np.isin(severity, _CONFLICTS),
-    }
-    samples = {name: values[name][np.isfinite(values[name])] for name in names}
-    return {name: float(flags.sum()) for name, flags in tallies.items()}, samples
 
 
 def _thresholds(path: Path) -> str:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from analysis.errors import StudyError
 from analysis.files import completing, json_text, read_json, write_csv
-from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study.comparison_rows import comparison_rows
 from analysis.study.configuration_rows import configuration_rows
 from analysis.study.design import read_study
+from analysis.study.run_numbers import encounters_text
 from analysis.study.runs import StudyRun
 from analysis.study.tables import COMPARISONS, CONFIGS, STUDY_TABLES
 from analysis.tables.cells import Row, cells
@@ -24,7 +23,7 @@ from analysis.tables.datapackage import describe
 PACKAGE = "datapackage.json"
 
 
-def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> None:
+def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Mapping[Path, str]:
     """Write the tables of a study; the same runs give the same bytes, in whatever order they come.
 
     All files are complete before the first of them takes its name.
@@ -40,10 +39,15 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> No
         from its variants (``vo_mpc horizon=20``), or a config_id. ``None``: ``sumo``, or else the first
         in the alphabet. One without any run leaves comparisons.csv without rows.
 
+    Returns
+    -------
+    Mapping
+        As :attr:`analysis.study.design.Study.unreadable`.
+
     Raises
     ------
     StudyError
-        When runs cannot be read or do not belong together; nothing is written then.
+        When no run can be read or runs do not belong together; nothing is written then.
     OSError
         When the files cannot be written; those of before are still there.
     """
@@ -61,6 +65,7 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> No
             part = stack.enter_context(completing(out / name))
             with part.open("w", encoding="utf-8", newline="") as file:
                 file.writelines(texts)
+    return study.unreadable
 
 
 def write_comparison(path: Path, rows: Sequence[Row]) -> None:
@@ -95,15 +100,8 @@ def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
     header = ",".join(ENCOUNTERS.names()) + "\n"
     yield header
     for run in runs:
-        path = run.folder / ENCOUNTERS.file
-        if not run.cells:
-            continue
-        with path.open(encoding="utf-8", newline="") as file:
-            if file.readline() != header:
-                raise StudyError(
-                    f"{path}: expected the columns of schema {SCHEMA_VERSION}; cosim analyse makes it again"
-                )
-            yield from file
+        if run.cells:
+            yield encounters_text(run.folder).removeprefix(header)
 
 
 def _package(out: Path) -> str:
@@ -117,7 +115,5 @@ def _package(out: Path) -> str:
 def _described(path: Path) -> list[dict[str, Any]]:
     try:
         return list(read_json(path)["resources"])
-    except FileNotFoundError:
-        return []
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise StudyError(f"{path}: not a data package ({error})") from None
+    except (OSError, ValueError, KeyError, TypeError):
+        return []  # there is none, or it was damaged: it is written anew

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -78,11 +78,13 @@ class Result:
     """Why it ended early; empty if it did not."""
     not_valid: dict[str, str]
     """Finished runs that are not valid, and why."""
+    damaged: dict[str, str]
+    """Runs left out of the tables because a file was altered or lost: which, and what can be done."""
 
     @property
     def good(self) -> bool:
         """Whether every run is finished and valid."""
-        return not (self.stopped or self.tally.failed or self.not_valid)
+        return not (self.stopped or self.tally.failed or self.not_valid or self.damaged)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,7 @@ class Batch:
         stopped = ""
         with self._crew() as crew, self.ledger.opened(self.request.study, self._text()):
             missing = self.ledger.missing(self.jobs)  # another batch may just have ended
-            tally = Tally(len(self.jobs), done=len(self.jobs) - len(missing))
+            tally = Tally(len(self.jobs), done=self._done(missing))
             tables.get_ready()
             try:
                 with shown as show:
@@ -115,15 +117,23 @@ class Batch:
             except KeyboardInterrupt:
                 stopped = "interrupted"
                 # It may have come between a run that was put away and its being counted.
-                tally.done = len(self.jobs) - len(self.ledger.missing(self.jobs))
+                tally.done = self._done(self.ledger.missing(self.jobs))
             except SimulationError as error:
                 stopped = str(error)
             crew.close()  # before the files of unfinished runs are removed
+            damaged: dict[str, str] = {}
             try:
-                tables.write(self.ledger, self.study.controllers)
+                damaged = tables.write(self.ledger, self.study.controllers)
             except SimulationError as error:
                 stopped = stopped or str(error)
-        return Result(tally, stopped, self._not_valid())
+            finished = self.ledger.finished()
+            self.ledger.damaged |= {name: told for name, told in damaged.items() if name in finished}
+            tally.done = self._done(self.ledger.missing(self.jobs))
+        return Result(tally, stopped, self._not_valid(), damaged | self.ledger.damaged)
+
+    def _done(self, missing: Sequence[Job]) -> int:
+        """Return how many runs are finished and whole."""
+        return len(self.jobs) - len(missing) - len(self.ledger.damaged)
 
     def _text(self) -> str | None:
         return None if self.request.table is None else study_text(self.request.table)
@@ -138,7 +148,7 @@ class Batch:
         return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
 
     def _not_valid(self) -> dict[str, str]:
-        described = ((name, self.ledger.description(name)) for name in self.ledger.finished())
+        described = ((name, self.ledger.description(name)) for name in self.ledger.whole())
         return {name: str(one["invalid_reason"]) for name, one in described if not one["valid"]}
 
 

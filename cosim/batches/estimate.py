@@ -41,7 +41,7 @@ def estimate(
     waiting = set(missing)
     known: dict[tuple[str, str], list[float]] = {}
     for job in jobs:
-        if job in waiting:
+        if job in waiting or job.name in ledger.damaged:
             continue
         wall_s, simulated_s = ledger.description(job.name)["wall_total_s"], _simulated(job, checked)
         known.setdefault(_kind(job.configuration), []).append(wall_s / simulated_s)

@@ -13,10 +13,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from analysis.files import PART, read_json, write_csv, write_json, write_text
+from analysis.files import PART, write_csv, write_json, write_text
 from cosim.batches.identity import Identity, differences
 from cosim.batches.job import Job
-from cosim.batches.outcome import NOTE, RUN, Outcome
+from cosim.batches.outcome import RUN, Outcome
+from cosim.batches.stored import DAMAGED, FAILURE, read_failure, read_made, run_damages
 from cosim.errors import InputError
 
 STUDY = "study.toml"
@@ -26,9 +27,7 @@ FAILED = "failed"
 WORK = ".work"
 """Runs in flight; emptied when a batch begins and ends. Who looks for runs skips hidden folders."""
 LOCK = ".lock"
-FAILURE = "failure.json"
 FAILURES = "failed.csv"
-ESSENTIAL = ("run.json", NOTE, "runs.csv", "encounters.csv")
 
 _COLUMNS = ("run", "scenario", "controller", "seed", "attempts", "reason", "command")
 
@@ -49,6 +48,8 @@ class Ledger:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.damaged: dict[str, str] = {}
+        """Finished runs that are not as they were written, by name: which file, and what can be done."""
         try:
             if folder.is_dir():
                 foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())
@@ -101,14 +102,22 @@ class Ledger:
             return []
         return sorted(path.name for path in folder.iterdir() if path.is_dir())
 
+    def name_of(self, folder: Path) -> str:
+        """Return the name of the run that one of the `recorded` folders is of."""
+        return folder.name if folder.parent.name == RUNS else folder.parent.name
+
     def run_folder(self, name: str) -> Path:
         """Return where a finished run is."""
         return self.folder / RUNS / name
 
+    def whole(self) -> list[str]:
+        """Return the names of the finished runs that are not known to be damaged, sorted."""
+        return [name for name in self.finished() if name not in self.damaged]
+
     def recorded(self) -> list[Path]:
-        """Return the folders of finished runs, and those that failed runs have left."""
+        """Return the folders of whole finished runs, and those that failed runs have left."""
         failed = (path.parent for path in (self.folder / FAILED).glob(f"*/{RUN}/run.json"))
-        return [*(self.run_folder(name) for name in self.finished()), *sorted(failed)]
+        return [*(self.run_folder(name) for name in self.whole()), *sorted(failed)]
 
     def work_folder(self, job: Job, attempt: int) -> Path:
         """Return where an attempt at a run is made."""
@@ -137,7 +146,9 @@ class Ledger:
         return missing
 
     def verify(self, jobs: Sequence[Job], identity: Callable[[Job], Identity]) -> None:
-        """Check that the finished ones among the runs were made from what is there now.
+        """Check that the finished ones among the runs are whole, and made from what is there now.
+
+        Those whose files were altered or lost since are in `damaged` then.
 
         Parameters
         ----------
@@ -150,10 +161,11 @@ class Ledger:
         InputError
             Names the first run that was made from something else, and what differs.
         """
-        finished = set(self.finished())
+        self._find_damage()
+        whole = set(self.whole())
         stale: list[tuple[str, list[str]]] = []
         for job in jobs:
-            if job.name in finished and (told := self._changes(job.name, identity(job))):
+            if job.name in whole and (told := self._changes(job.name, identity(job))):
                 stale.append((job.name, told))
         if stale:
             name, told = stale[0]
@@ -172,7 +184,7 @@ class Ledger:
             If the disk does not take it.
         """
         made = outcome.folder / RUN
-        description, source = _read(made)
+        description, source = read_made(made)
         told = differences(identity, description, source)
         if told:
             return f"the inputs changed while the batch was running: {_short(told)}"
@@ -210,38 +222,38 @@ class Ledger:
         write_json(target / FAILURE, content)
 
     def failures(self) -> list[dict[str, Any]]:
-        """Return the failed runs, sorted by name."""
-        paths = sorted((self.folder / FAILED).glob(f"*/{FAILURE}"))
-        return [read_json(path) for path in paths]
+        """Return the failed runs, sorted by name; one whose file is damaged has that as its reason."""
+        paths = sorted((self.folder / FAILED).glob("*"))
+        return [read_failure(path) for path in paths if path.is_dir()]
 
-    def write_failures(self) -> None:
-        """Write ``failed.csv``, one row for each failed run."""
+    def write_failures(self) -> dict[str, str]:
+        """Write ``failed.csv``, one row for each failed run; return as `damaged_failures`."""
         rows = [[one.get(column, "") for column in _COLUMNS] for one in self.failures()]
         write_csv(self.folder / FAILURES, _COLUMNS, rows)
+        return self.damaged_failures()
+
+    def damaged_failures(self) -> dict[str, str]:
+        """Return what is wrong with the failed runs that cannot be read, by name."""
+        return {one["run"]: one["reason"] for one in self.failures() if one.get(DAMAGED)}
 
     def description(self, name: str) -> dict[str, Any]:
         """Return the content of a finished run's ``run.json``."""
-        return _read(self.run_folder(name))[0]
+        return read_made(self.run_folder(name))[0]
+
+    def _find_damage(self) -> None:
+        for name in self.finished():
+            if told := run_damages(self.run_folder(name)):
+                self.damaged[name] = _first(told)
 
     def _changes(self, name: str, identity: Identity) -> list[str]:
-        folder = self.run_folder(name)
-        for essential in ESSENTIAL:
-            if not (folder / essential).is_file():
-                raise InputError(f"{folder}: {essential} is missing; remove the folder to have it made again")
-        return differences(identity, *_read(folder))
+        return differences(identity, *read_made(self.run_folder(name)))
 
     def _clear(self) -> None:
         shutil.rmtree(self.folder / WORK, ignore_errors=True)
 
 
-def _read(folder: Path) -> tuple[dict[str, Any], str]:
-    """Return a run's description, and the hash of the code that made it."""
-    try:
-        description = read_json(folder / "run.json")
-        note = read_json(folder / NOTE)
-        return description, str(note["source"])
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"{folder}: cannot be read ({error}); remove it to have it made again") from error
+def _first(told: Sequence[str]) -> str:
+    return told[0] + (f" (and {len(told) - 1} further files)" if len(told) > 1 else "")
 
 
 def _short(told: Sequence[str]) -> str:

@@ -6,9 +6,12 @@ import importlib
 from collections.abc import Sequence
 from threading import Thread
 
-from cosim.batches.ledger import Ledger
+from analysis.sealing import seal_tables
+from cosim.batches.ledger import FAILURES, Ledger
 from cosim.errors import SimulationError
 
+TABLES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json", FAILURES)
+"""Files of a study that have hashes."""
 USUAL_BASELINE = "sumo"
 
 
@@ -17,8 +20,13 @@ def get_ready() -> None:
     Thread(target=importlib.import_module, args=("analysis.study.writing",), daemon=True).start()
 
 
-def write(ledger: Ledger, controllers: Sequence[str]) -> None:
+def write(ledger: Ledger, controllers: Sequence[str]) -> dict[str, str]:
     """Write ``runs.csv``, ``encounters.csv``, ``configs.csv``, ``comparisons.csv`` and ``failed.csv``.
+
+    Returns
+    -------
+    dict
+        Runs that are left out because they cannot be read, by name: which file, and what can be done.
 
     Raises
     ------
@@ -30,8 +38,9 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> None:
     baseline = USUAL_BASELINE if USUAL_BASELINE in controllers else controllers[0]
     folders = ledger.recorded()
     try:
-        ledger.write_failures()
-        if folders:
-            write_tables(ledger.folder, folders, baseline)
+        damaged = ledger.write_failures()
+        unreadable = write_tables(ledger.folder, folders, baseline) if folders else {}
+        seal_tables(ledger.folder, [path for name in TABLES if (path := ledger.folder / name).is_file()])
+        return damaged | {ledger.name_of(folder): told for folder, told in unreadable.items()}
     except (OSError, ValueError) as error:
         raise SimulationError(f"{ledger.folder}: the tables could not be written: {error}") from error

@@ -116,6 +116,7 @@ def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
 
 def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
     from analysis.files import write_json
+    from analysis.sealing import seal
     from cosim.running.execution import execute
     from cosim.running.simulation import TELEPORTED
 
@@ -135,13 +136,14 @@ def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
         "command": job.command(),
         "source": source,
     }
-    write_json(folder / NOTE, note)
+    note_file = write_json(folder / NOTE, note)
+    dropped = []
     if handling.drop_recordings:
-        for pattern in RECORDINGS:
-            for path in folder.glob(pattern):
-                path.unlink()
+        dropped = [path for pattern in RECORDINGS for path in folder.glob(pattern)]
+        for path in dropped:
+            path.unlink()
     description = {**outcome.description, "wall_total_s": round(time.monotonic() - started, 3)}
-    write_json(folder / "run.json", description)
+    seal(folder, (note_file, write_json(folder / "run.json", description)), dropped)
 
 
 def _heartbeat() -> Callable[[float, float | None], None]:

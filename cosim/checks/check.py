@@ -11,6 +11,8 @@ from pathlib import Path
 from analysis.criteria.reading import EXAMPLE
 from analysis.criteria.table import CRITERIA
 from analysis.files import write_csv, write_json
+from analysis.manifest import MANIFEST
+from analysis.sealing import seal_tables
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
 from cosim.batches import batch as batches
@@ -107,8 +109,11 @@ class Check:
         try:
             rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
             self.folder.mkdir(parents=True, exist_ok=True)
-            write_csv(self.folder / CRITERIA.file, CRITERIA.names(), rows)
-            write_json(self.folder / PACKAGE, describe([CRITERIA], "a check"))
+            files = (
+                write_csv(self.folder / CRITERIA.file, CRITERIA.names(), rows),
+                write_json(self.folder / PACKAGE, describe([CRITERIA], "a check")),
+            )
+            seal_tables(self.folder, files)
             if self.request.junit is not None:
                 write_junit(self.request.junit, findings)
             append_step_summary(findings)
@@ -185,7 +190,7 @@ def _check_folder(folder: Path, out: Path | None) -> None:
         if not folder.is_dir():
             raise InputError(f"--out {out}: expected a folder, this is a file")
         for path in folder.iterdir():
-            ours = path.name in (CRITERIA.file, PACKAGE, "junit.xml") or path.suffix == ".xml"
+            ours = path.name in (CRITERIA.file, PACKAGE, MANIFEST, "junit.xml") or path.suffix == ".xml"
             if not ours and not (path / STUDY).is_file() and not (path / LOCK).is_file():
                 raise InputError(
                     f"--out {out}: expected an empty or new folder, or the one of this check; "

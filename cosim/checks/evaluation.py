@@ -166,6 +166,9 @@ class Evaluation:
         return {str(one["run"]): str(one["reason"]) for one in self._batch.ledger.failures()}
 
     def _made(self, job: Job) -> Made:
+        damaged = self._batch.ledger.damaged
+        if job.name in damaged:
+            return Made(job, None, "", f"damaged: {damaged[job.name]}", {})
         if job.name in self._finished:
             description = self._batch.ledger.description(job.name)
             reason = "" if description["valid"] else str(description["invalid_reason"])

@@ -38,6 +38,7 @@ def analyse(
     from analysis.results.analyse import analyse_run
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
+    from cosim.presentation.notes import unverified
     from cosim.presentation.numbers import read_row, run_table
     from cosim.running.request import parse_settings
 
@@ -47,6 +48,8 @@ def analyse(
         raise InputError(f"--set {error}") from error
     console = terminal.console()
     failed: list[Path] = []
+    for note in unverified(folder for folder in folders if (folder / "run.json").is_file()):
+        console.print(note, soft_wrap=True)
     for folder in folders:
         try:
             analyse_run(folder, thresholds)

@@ -68,8 +68,8 @@ def batch(
       pedestrians_per_hour = [200, 600]
 
     \b
-    Exit codes: 0 all runs are valid, 2 bad input (nothing is run), 3 a run failed or is invalid, or the
-    batch was interrupted.
+    Exit codes: 0 all runs are valid, 2 bad input (nothing is run), 3 a run failed, is invalid or damaged,
+    or the batch was interrupted.
     """
     from cosim.batches.batch import BatchRequest, prepared
     from cosim.batches.progress import shown_checks, shown_tally
@@ -103,6 +103,8 @@ def _show_plan(one: Batch) -> None:
         varied = " ".join(f"{key}={value}" for key, value in each.varied)
         done = seeds - missing[each]
         table.add_row(each.scenario_name, each.controller, varied, str(seeds), str(done))
+    for name, told in one.ledger.damaged.items():
+        typer.echo(f"cosim: damaged: {name}: {told}", err=True)
     console = terminal.console()
     console.print(table)
     if len(one.matrix.configurations) > MOST_ROWS:
@@ -119,17 +121,27 @@ def _show_plan(one: Batch) -> None:
 
 def _show_result(one: Batch, result: Result) -> int:
     """Print how the batch ended and return the exit code."""
+    from cosim.presentation.notes import unverified
+
     tally, folder = result.tally, one.ledger.folder
-    typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed; tables: {folder}/*.csv")
+    damaged = f", {len(result.damaged)} damaged" if result.damaged else ""
+    typer.echo(
+        f"{tally.done} of {tally.total} runs finished, {tally.failed} failed{damaged}; tables: {folder}/*.csv"
+    )
+    for note in unverified(one.ledger.run_folder(name) for name in one.ledger.whole()):
+        typer.echo(note)
+    for name, told in result.damaged.items():
+        typer.echo(f"cosim: damaged: {name}: {told}", err=True)
     for name, reason in result.not_valid.items():
         typer.echo(f"cosim: invalid: {name}: {reason}", err=True)
     if tally.failed:
         typer.echo(f"cosim: {tally.failed} runs failed; for the reasons see {folder}/failed.csv", err=True)
     if result.stopped:
-        left = tally.total - tally.done
+        left = tally.total - tally.done - len(one.ledger.damaged)
+        purpose = f"to run the other {left}" if left else "to write the tables"
         typer.echo(
-            f"cosim: {result.stopped}; {tally.done} of {tally.total} runs are finished; "
-            f"to run the other {left}, repeat: {one.request.command()}",
+            f"cosim: {result.stopped}; {tally.done} of {tally.total} runs are finished{damaged}; "
+            f"{purpose}, repeat: {one.request.command()}",
             err=True,
         )
     return 0 if result.good else 3

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
+from analysis.errors import DamageError
 from cosim.cli import analyse, compare, conformance, listing, papers
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
@@ -22,6 +23,7 @@ from cosim.cli import plot as plot_command
 from cosim.cli import replay as replay_command
 from cosim.cli import report as report_command
 from cosim.cli import run as run_command
+from cosim.cli import verify as verify_command
 from cosim.cli.apart import OWN_PROCESS
 from cosim.errors import InputError, SimulationError
 
@@ -42,6 +44,7 @@ app.command("check")(check_command.check)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("report")(report_command.report)
+app.command("verify")(verify_command.verify)
 app.command("conformance")(conformance.conformance)
 app.command("inspect")(inspect_command.inspect)
 app.command("plot")(plot_command.plot)
@@ -85,6 +88,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _tell(str(error), 3, arguments)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", 130, arguments)
+    except DamageError as error:
+        return _tell(str(error), 3, arguments)
     except Exception as error:  # noqa: BLE001  last resort: one line instead of a traceback
         what = f"internal error, {type(error).__name__}: {error} (use --debug for the traceback)"
         return _tell(what, 3, arguments)

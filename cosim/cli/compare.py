@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cosim.cli import terminal
+from cosim.cli.damage import damaged_runs
 from cosim.cli.options import Debug
 
 
@@ -49,9 +50,11 @@ def compare(
       cosim compare results/study --alt "vo_mpc horizon=20" --each --write
 
     \b
-    Exit codes: 0 success, 2 no such folder, controller, measure or scenario, or no seed in common.
+    Exit codes: 0 success, 2 no such folder, controller, measure or scenario, or no seed in common, 3 a run
+    is damaged (the others are compared).
     """
     from cosim.presentation.comparison import CompareRequest, compare_runs
+    from cosim.presentation.notes import unverified
     from cosim.presentation.wording import notes, sentence, table
 
     found = compare_runs(CompareRequest(folder, alt, base, tuple(metrics or ()), scenario, each))
@@ -67,4 +70,6 @@ def compare(
         console.print(f"Left out, because no seed in common has valid runs: {names}.", soft_wrap=True)
     if write:
         console.print(f"file: {found.write()}", soft_wrap=True)
-    return 0
+    for note in unverified(run.folder for run in found.study.runs if run.valid):
+        console.print(note, soft_wrap=True)
+    return damaged_runs(found.study.unreadable)

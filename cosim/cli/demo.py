@@ -44,7 +44,7 @@ def main(seed: int = 1) -> int:
         if outcome.invalid_reason:
             print(f"cosim: {name}: the run is invalid: {outcome.invalid_reason}", file=sys.stderr)
     try:
-        page, _ = write_page([outcome.folder for outcome in outcomes.values()])
+        page, *_ = write_page([outcome.folder for outcome in outcomes.values()])
     except CosimError as error:
         print(f"cosim: no report: {error}", file=sys.stderr)
     else:

@@ -40,7 +40,10 @@ def plot(
     Exit codes: 0 success, 2 bad input.
     """
     from cosim.presentation.figures import write_figures
+    from cosim.presentation.notes import unverified
 
+    for note in unverified([folder] if folder.is_dir() else []):
+        terminal.console().print(note, soft_wrap=True)
     for file in write_figures(folder, ego, encounter, out, kind):
         terminal.console().print(str(file), soft_wrap=True)
     return 0

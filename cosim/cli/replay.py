@@ -30,7 +30,10 @@ def replay(
     Exit codes: 0 success, 2 bad input.
     """
     from cosim.presentation.figures import write_replay
+    from cosim.presentation.notes import unverified
 
+    for note in unverified([folder] if folder.is_dir() else []):
+        terminal.console().print(note, soft_wrap=True)
     count = write_replay(folder, encounter, out)
     terminal.console().print(f"{out}: {count} frames", soft_wrap=True)
     return 0

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cosim.cli import terminal
+from cosim.cli.damage import damaged_runs
 from cosim.cli.options import Debug
 
 
@@ -51,7 +52,8 @@ def report(
       cosim report results/study --base aeb --replays 500
 
     \b
-    Exit codes: 0 success, 2 no such folder, no run in it, or runs that do not belong together.
+    Exit codes: 0 success, 2 no such folder, no run in it, or runs that do not belong together, 3 a run is
+    damaged (the others are in the report).
     """
     from cosim.errors import InputError
     from cosim.presentation.page import write_page
@@ -59,9 +61,9 @@ def report(
     for folder in folders:
         if not folder.is_dir():
             raise InputError(f"{folder}: no such folder")
-    path, notes = write_page(folders, out, base, rows, replays)
+    path, notes, damaged = write_page(folders, out, base, rows, replays)
     console = terminal.console()
     for note in notes:
         console.print(note, soft_wrap=True)
     console.print(f"{path}", soft_wrap=True)
-    return 0
+    return damaged_runs(damaged)

@@ -56,6 +56,7 @@ class Comparison:
     tables: Sequence[Compared]
     left_out: Sequence[Condition]
     """Those without a seed in common that has valid runs."""
+    study: Study
 
     def write(self) -> Path:
         """Write the rows of all tables, and return the file.
@@ -101,7 +102,9 @@ def compare_runs(request: CompareRequest) -> Comparison:
         tables.append(Compared(rows, pairs))
     if not tables:
         raise InputError(_nothing_in_common(study, folder, base, alt))
-    return Comparison(folder, base, alt, {measure.name: measure for measure in chosen}, tables, left_out)
+    return Comparison(
+        folder, base, alt, {measure.name: measure for measure in chosen}, tables, left_out, study
+    )
 
 
 def _study_in(folder: Path) -> Study:

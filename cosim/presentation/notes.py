@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
+
+from analysis.files import read_json
+from analysis.sealing import has_hashes
 
 BESIDE_THE_LANE = 2.0
 """An ego farther from its lane's centre line is reported [m]."""
@@ -16,6 +20,24 @@ def run_notes(description: Mapping[str, Any]) -> list[str]:
     step_s = float(description["step_s"])
     coarse = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
     return ([coarse] if step_s > COARSE_STEP_S else []) + _mishaps(description)
+
+
+def unverified(folders: Iterable[Path]) -> list[str]:
+    """Return the note on finished runs whose files have no hashes, so that nothing can be said about them."""
+    listed = list(folders)
+    without = [folder for folder in listed if not has_hashes(folder) and _ended(folder)]
+    if not without:
+        return []
+    text = f"{len(without)} of {len(listed)} runs were made without hashes of their files; not verified"
+    return [_with_first(text, [str(folder) for folder in without])]
+
+
+def _ended(folder: Path) -> bool:
+    """Return whether a run was not cut off; what cannot be read is told where it is read."""
+    try:
+        return read_json(folder / "run.json").get("wall_s") is not None
+    except (OSError, ValueError):
+        return False
 
 
 def _mishaps(description: Mapping[str, Any]) -> list[str]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from analysis.errors import AnalysisError
 from cosim.errors import InputError
+from cosim.presentation.notes import unverified
 from cosim.presentation.wording import sentence
 from cosim.recording.folders import create_named
 
@@ -16,8 +18,8 @@ def write_page(
     base: str | None = None,
     rows: int = 200,
     replays: int = 100,
-) -> tuple[Path, list[str]]:
-    """Write the page; return its path and notes to print.
+) -> tuple[Path, list[str], Mapping[Path, str]]:
+    """Write the page; return its path, notes to print, and the damaged runs with what is wrong.
 
     Raises
     ------
@@ -43,7 +45,8 @@ def write_page(
             f"{written.not_recorded} of them have no recording to replay; "
             "the page gives the command that records each"
         )
-    return written.page, notes
+    notes += unverified(run.folder for run in written.runs if run.valid)
+    return written.page, notes, written.unreadable
 
 
 def _unavailable(error: ModuleNotFoundError) -> Exception:

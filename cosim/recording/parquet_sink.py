@@ -16,6 +16,8 @@ Column = Sequence[Any] | NDArray[np.float64]
 
 PART = ".part"
 """A table that is not complete yet: a stream of record batches, readable wherever it breaks off."""
+NEW = ".new"
+"""The Parquet file until it is complete."""
 AT_RISK = 32
 """The rows of this part of a chunk are lost at most where the process ends without a word."""
 ROWS_PER_CHUNK = 8192
@@ -79,7 +81,7 @@ class ParquetSink:
         finally:
             self._stream.close()
             self._file.close()
-            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk)
+            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk, self._batches)
 
     def _check_width(self, width: int) -> None:
         if width != len(self._schema):
@@ -118,11 +120,20 @@ def recover(part: Path) -> None:
     Parameters
     ----------
     part : its ``<path>.part``
+
+    Raises
+    ------
+    ArrowInvalid
+        When not even its beginning was written.
+    OSError
+        When the file cannot be written; what was written of the table is still there.
     """
     _convert(part, part.with_name(part.name.removesuffix(PART)), (), ROWS_PER_CHUNK)
 
 
-def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int) -> None:
+def _convert(
+    part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int, batches: int | None = None
+) -> None:
     """Make a Parquet file of a stream of record batches, and remove the stream.
 
     Parameters
@@ -130,29 +141,51 @@ def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: 
     part, path : from and to
     chunk_ends : number of the batches before each end of a chunk; after the last of them every chunk ends
         with ``rows_per_chunk`` rows or more
+    batches : so many are to be in the stream; ``None``: as many as are whole
+
+    Raises
+    ------
+    OSError
+        When the file is not complete; it has not its name then, and the stream is still there.
     """
-    unfinished = path.with_name(path.name + ".new")
-    ends = set(chunk_ends)
+    unfinished = path.with_name(path.name + NEW)
+    try:
+        _copy(part, unfinished, set(chunk_ends), rows_per_chunk, batches)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    part.unlink()
+
+
+def _copy(part: Path, to: Path, ends: set[int], rows_per_chunk: int, batches: int | None) -> None:
+    """Write the batches of a stream as a Parquet file, and make sure that it holds all of them."""
+    rows = count = 0
     with pa.OSFile(str(part), "rb") as file:
         stream = pa.ipc.open_stream(file)
         with pq.ParquetWriter(
-            unfinished,
+            to,
             stream.schema,
             version="2.6",
             compression="zstd",
             compression_level=3,
             use_dictionary=True,
+            write_page_checksum=True,
         ) as writer:
             waiting: list[pa.RecordBatch] = []
-            for number, batch in enumerate(_whole(stream), start=1):
+            for count, batch in enumerate(_whole(stream), start=1):
                 waiting.append(batch)
-                if number in ends or sum(one.num_rows for one in waiting) >= rows_per_chunk:
+                rows += batch.num_rows
+                if count in ends or sum(one.num_rows for one in waiting) >= rows_per_chunk:
                     writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
                     waiting = []
             if sum(one.num_rows for one in waiting):
                 writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
-    unfinished.replace(path)
-    part.unlink()
+    try:
+        complete = pq.read_metadata(to).num_rows == rows and count >= (batches or 0)
+    except pa.ArrowInvalid:
+        complete = False
+    if not complete:
+        raise OSError(f"{to.name} is not complete")
 
 
 def _whole(stream: Any) -> Iterator[pa.RecordBatch]:

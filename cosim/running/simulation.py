@@ -12,7 +12,9 @@ from typing import Any
 from pyarrow import ArrowInvalid
 
 from analysis.files import read_json, write_json
+from analysis.manifest import CLAIM, MANIFEST
 from analysis.recording.columns import SCHEMA_VERSION
+from analysis.sealing import seal_recording
 from cosim.errors import CosimError, InputError, SimulationError
 from cosim.recording import folders, provenance
 from cosim.recording.parquet_sink import PART, recover
@@ -127,10 +129,12 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
     for part in sorted(folder.glob(f"*{PART}")):
         try:
             recover(part)
-        except (OSError, ArrowInvalid):
+        except ArrowInvalid:
             part.unlink(missing_ok=True)  # not even its beginning was written
+        except OSError as error:
+            reason += f"; {part} could not be made a table: {error.strerror or error}"
     description = read_json(folder / "run.json")
-    description.update(valid=False, invalid_reason=reason)
+    description.update({"valid": False, "invalid_reason": reason, CLAIM: MANIFEST})
     _write_description(folder, description)
     return description
 
@@ -172,10 +176,13 @@ def _finish(
         valid=reason is None,
         invalid_reason=reason,
     )
+    description[CLAIM] = MANIFEST
 
 
 def _write_description(folder: Path, description: dict[str, Any]) -> None:
+    """Write ``run.json`` and, last of all, the hashes of what was recorded."""
     try:
         write_json(folder / "run.json", description)
+        seal_recording(folder)
     except OSError as error:
-        raise SimulationError(f"{folder / 'run.json'} could not be written: {error.strerror}") from error
+        raise SimulationError(f"the last files of {folder} could not be written: {error.strerror}") from error

@@ -8,6 +8,7 @@ decelerations and jerks the largest.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.files import read_json
+from analysis.manifest import read_verified
 from analysis.statistics.intervals import mean_interval, share_upper_bound
 from analysis.thresholds import LOW_TTC_S
 
@@ -34,7 +36,7 @@ def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
         description = read_json(folder / "run.json")
         demand = description["parameters"]["scenario"]
         for name, rows in (("runs.csv", runs), ("encounters.csv", encounters)):
-            frame = pd.read_csv(folder / name)
+            frame = pd.read_csv(BytesIO(read_verified(folder / name)))
             if frame.empty:
                 continue
             rows.append(

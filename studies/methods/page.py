@@ -69,7 +69,10 @@ def write_page(folder: Path, page: Path) -> None:
     folders = find_run_folders(folder)
     if not folders:
         raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    write_below(page, TABLES, markdown(read_study(folders)), _INTRODUCTION)
+    study = read_study(folders)
+    for told in study.unreadable.values():
+        raise SystemExit(told)
+    write_below(page, TABLES, markdown(study), _INTRODUCTION)
 
 
 def _block(condition: Condition, found: Sequence[Row]) -> str:

@@ -7,11 +7,13 @@ is printed as Markdown, for docs/performance.md.
 from __future__ import annotations
 
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import pandas as pd
 
 from analysis.files import read_json
+from analysis.manifest import read_verified
 from analysis.markdown import table_of
 
 
@@ -28,7 +30,7 @@ def read(folder: Path) -> pd.DataFrame:
         about = read_json(path)
         if not about["valid"]:
             continue
-        run = pd.read_csv(path.with_name("runs.csv")).iloc[0]
+        run = pd.read_csv(BytesIO(read_verified(path.with_name("runs.csv")))).iloc[0]
         # Which solver ran is what the run counted, not what was asked for.
         (solver, solves), *others = about["solvers"].items()
         assert not others, f"{path}: several solvers ran"

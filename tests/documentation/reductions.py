@@ -44,6 +44,7 @@ SLOW: Sequence[Words] = (
     ("cosim", "batch"),
     ("cosim", "compare", "results/"),
     ("cosim", "report", "results/"),
+    ("cosim", "verify", "results/"),
     ("cosim", "check", "crossings.toml"),
     ("cosim", "check", "midblock_"),
     ("cosim", "check", "suite:fmvss127", "--filter"),

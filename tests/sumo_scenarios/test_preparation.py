@@ -75,7 +75,19 @@ def test_a_network_is_built_once_and_has_neither_date_nor_path(
     again = prepare(load("decision_rules"), 1, tmp_path).net_file
     assert again != net_file
     assert again.read_bytes() == content
-    assert [path.name for path in again.parent.iterdir()] == [again.name]
+    assert {path.name for path in again.parent.iterdir()} == {again.name, f"{again.name}.sha256"}
+
+
+def test_a_network_in_the_cache_that_was_altered_is_built_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COSIM_CACHE_DIR", str(tmp_path / "networks"))
+    net_file = prepare(load("decision_rules"), 1, tmp_path).net_file
+    content = net_file.read_bytes()
+    for damaged in (content[:-100], content.replace(b'speed="13', b'speed="33')):
+        assert damaged != content
+        net_file.write_bytes(damaged)
+        assert prepare(load("decision_rules"), 1, tmp_path).net_file.read_bytes() == content
 
 
 @pytest.mark.parametrize(("name", "priority"), [("midblock_zebra", True), ("midblock_unmarked", False)])

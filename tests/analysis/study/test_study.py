@@ -467,14 +467,23 @@ def test_what_goes_wrong_while_writing_leaves_the_files_of_before(
     out = tmp_path / "out"
     write_tables(out, folders, None)
     before = {name: (out / name).read_bytes() for name in FILES}
-    (folders[0] / "encounters.csv").unlink()
-    with pytest.raises(StudyError, match=r"encounters\.csv"):
-        write_tables(out, folders, None)
     (out / "comparisons.csv.part").mkdir()  # a name that cannot be written to
-    shutil.copy(folders[1] / "encounters.csv", folders[0] / "encounters.csv")
     with pytest.raises(OSError, match="comparisons"):
         write_tables(out, folders, None)
     assert {name: (out / name).read_bytes() for name in FILES} == before
+
+
+def test_a_run_that_cannot_be_read_is_left_out_and_named(folders: list[Path], tmp_path: Path) -> None:
+    write_tables(tmp_path / "without", folders[1:], None)
+    for damage in ("[]", '{"seed": "one"}', "{"):
+        (folders[0] / "run.json").write_text(damage)
+        unreadable = write_tables(tmp_path / "out", folders, None)
+        assert list(unreadable) == [folders[0]]
+        assert str(folders[0] / "run.json") in unreadable[folders[0]]
+        for name in FILES:
+            assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "without" / name).read_bytes()
+    with pytest.raises(StudyError, match=r"run\.json"):
+        write_tables(tmp_path / "out", folders[:1], None)
 
 
 # what is refused
@@ -528,11 +537,11 @@ def test_a_valid_run_without_numbers_has_to_be_analysed(tmp_path: Path) -> None:
     [
         ("run.json", "{", "not JSON"),
         ("run.json", "{}", "no value for 'run_id'"),
-        ("run.json", "[]", "no value for 'run_id'"),
+        ("run.json", "[]", "expected an object, found list"),
         ("runs.csv", "run_id\n1\n", "one row with the columns of schema"),
         ("runs.csv", "", "one row with the columns of schema"),
-        ("encounters.csv", "run_id\n1\n", "cannot be read"),
-        ("encounters.csv", "", "cannot be read"),
+        ("encounters.csv", "run_id\n1\n", "expected the columns of schema"),
+        ("encounters.csv", "", "expected the columns of schema"),
         ("config.json", "{", "cannot be read"),
     ],
 )

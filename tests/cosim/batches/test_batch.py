@@ -48,7 +48,7 @@ def test_a_run_of_a_batch_is_the_run_that_its_command_makes(tmp_path: Path) -> N
     line = shlex.split(json.loads((made / "job.json").read_text())["command"])
     assert main([*line[1:], "--out", str(tmp_path / "single")]) == 0
     for path in (tmp_path / "single").iterdir():
-        if path.name not in ("run.json", "timing.parquet", "runs.csv"):
+        if path.name not in ("run.json", "timing.parquet", "runs.csv", "files.json"):
             assert path.read_bytes() == (made / path.name).read_bytes(), path.name
     first, second = (json.loads((one / "run.json").read_text()) for one in (tmp_path / "single", made))
     assert first["run_id"] == second["run_id"]
@@ -92,7 +92,15 @@ def test_recordings_are_dropped_on_request_and_the_numbers_are_the_same(tmp_path
     batch(study, "--out", "numbers", "--drop-recordings", folder=tmp_path)
     (name,) = runs(tmp_path / "numbers")
     assert sorted(path.name for path in (tmp_path / "numbers" / "runs" / name).iterdir()) == [
-        *("config.json", "encounters.csv", "job.json", "run.json", "runs.csv", "vehicle_overlaps.csv"),
+        *(
+            "config.json",
+            "encounters.csv",
+            "files.json",
+            "job.json",
+            "run.json",
+            "runs.csv",
+            "vehicle_overlaps.csv",
+        ),
     ]
     assert lasting(tmp_path / "whole") == lasting(tmp_path / "numbers")
 

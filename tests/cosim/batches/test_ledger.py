@@ -120,15 +120,24 @@ def test_a_study_may_grow(ledger: Ledger, identity: Identity) -> None:
 def test_a_run_that_has_lost_a_file_is_named(ledger: Ledger, identity: Identity, name: str) -> None:
     ledger.keep(attempt(ledger, identity), identity)
     (ledger.run_folder(JOB.name) / name).unlink()
-    with pytest.raises(InputError, match=f"{JOB.name}: {name} is missing"):
-        ledger.verify([JOB], lambda job: identity)
+    ledger.verify([JOB], lambda job: identity)
+    assert f"{JOB.name}/{name}: is missing; remove the folder" in ledger.damaged[JOB.name]
+    assert ledger.finished() == [JOB.name]
+    assert ledger.whole() == []
 
 
 def test_a_run_whose_description_was_cut_short_is_named(ledger: Ledger, identity: Identity) -> None:
     ledger.keep(attempt(ledger, identity), identity)
     (ledger.run_folder(JOB.name) / "run.json").write_text('{"run_id": ')
-    with pytest.raises(InputError, match=f"{JOB.name}: cannot be read"):
-        ledger.verify([JOB], lambda job: identity)
+    ledger.verify([JOB], lambda job: identity)
+    assert f"{JOB.name}: cannot be read" in ledger.damaged[JOB.name]
+
+
+def test_a_note_that_is_no_object_is_named(ledger: Ledger, identity: Identity) -> None:
+    ledger.keep(attempt(ledger, identity), identity)
+    (ledger.run_folder(JOB.name) / "job.json").write_text("[]")
+    ledger.verify([JOB], lambda job: identity)
+    assert f"{JOB.name}: cannot be read (expected an object, found list)" in ledger.damaged[JOB.name]
 
 
 def test_a_folder_with_other_files_and_a_file_are_refused_untouched(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ def content(folder: Path) -> dict[str, object]:
             with path.open(encoding="utf-8", newline="") as file:
                 (row,) = csv.DictReader(file)
             found[path.name] = {key: row[key] for key in row if not key.startswith(("wall_", "compute_"))}
-        elif path.name not in ("run.json", "timing.parquet"):
+        elif path.name not in ("run.json", "timing.parquet", "files.json"):
             found[path.name] = path.read_bytes()
     return found
 

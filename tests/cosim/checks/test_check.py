@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 import frictionless
 import pytest
 
+from analysis.files import write_json
+from analysis.sealing import seal
 from cosim.cli import main
 from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import write_study
@@ -134,11 +136,12 @@ def test_a_teleported_ego_makes_a_run_invalid() -> None:
     arguments = ["midblock_zebra", *SHORT, "--controller", "sumo", "--out", "out"]
     check(*arguments, code=0)
     (path,) = Path("out/midblock_zebra/runs").glob("*/run.json")
+    reason = "SUMO teleported 1 egos"
     # What a run leaves behind when SUMO teleports an ego, whose occurrence cannot be ordered.
     description = json.loads(path.read_text())
-    path.write_text(json.dumps({**description, "valid": False, "invalid_reason": "SUMO teleported 1 egos"}))
+    seal(path.parent, [write_json(path, {**description, "valid": False, "invalid_reason": reason})])
     done = check(*arguments, code=3)
-    assert "SUMO teleported 1 egos" in done.stderr
+    assert reason in done.stderr
     assert {row["status"] for row in rows(Path("out"))} == {"invalid"}
 
 
@@ -203,6 +206,7 @@ def test_a_baseline_of_another_road_or_study_is_refused(
     assert "at least 2 seeds in common" in told(*arguments[:-1], "2-3")
     for path in Path("then").rglob("run.json"):
         description = json.loads(path.read_text())
-        path.write_text(json.dumps({**description, "inputs": {**description["inputs"], "network": "0"}}))
+        changed = {**description, "inputs": {**description["inputs"], "network": "0"}}
+        seal(path.parent, [write_json(path, changed)])
     assert "the input network had another content" in told(*arguments)
     assert not Path("now").exists()

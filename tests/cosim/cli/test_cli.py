@@ -13,12 +13,15 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
+from analysis.manifest import MANIFEST, read_manifest
 from cosim.cli import main
 from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.cosim.cli.commands import command, ended, source_environment
 
 SOME_ROWS_BYTES = 50_000
 """A recording of this size has more than the names of its columns."""
+OF_THE_WALL_CLOCK = ("timing.parquet", "run.json", "runs.csv")
+"""Files of a run that hold times of this machine; the hashes in files.json follow."""
 EDGE = '<edge id="{0}" from="{1}" to="{2}" numLanes="1" speed="13.9" {3}/>'
 
 
@@ -70,6 +73,23 @@ def configuration(folder: Path, step: str = "0.1", net: str = "n.net.xml", extra
 
 def test_an_unknown_scenario_is_answered_by_those_that_exist(capsys: pytest.CaptureFixture[str]) -> None:
     assert "midblock_zebra" in refused(capsys, "run", "midblock_zebro")
+
+
+@pytest.mark.parametrize("file", ["town.sumocfg", "people.rou.xml"])
+def test_an_entity_from_another_file_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], file: str
+) -> None:
+    network(tmp_path)
+    (tmp_path / "people.rou.xml").write_text("<routes><!-- nobody --></routes>")
+    path = configuration(tmp_path, extra='<route-files value="people.rou.xml"/>')
+    declared = '<!DOCTYPE any [<!ENTITY other SYSTEM "/etc/hostname">]>'
+    text = (tmp_path / file).read_text()
+    for kind, said in ((declared, "without external entities"), ('<!DOCTYPE any SYSTEM "a.dtd">', "&other;")):
+        (tmp_path / file).write_text(kind + text.replace("</", "&other;</", 1))
+        for words in (["run", str(path), "--ego-route", "e1 e2"], ["inspect", str(path)]):
+            line = refused(capsys, *words)
+            assert file in line
+            assert said in line
 
 
 def test_an_unknown_controller_is_answered_by_those_that_exist(capsys: pytest.CaptureFixture[str]) -> None:
@@ -238,8 +258,11 @@ def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
     assert {"egos.parquet", "neighbours.parquet", "plans.parquet", "map.json", "runs.csv"} <= set(names)
     for name in names:
         first, second = ((tmp_path / folder / name).read_bytes() for folder in ("first", "second"))
-        if name not in ("timing.parquet", "run.json", "runs.csv"):
+        if name not in (*OF_THE_WALL_CLOCK, MANIFEST):
             assert first == second, f"{name} differs"
+    sealed = [read_manifest(tmp_path / folder) or {} for folder in ("first", "second")]
+    differing = [name for name in names if name != MANIFEST and sealed[0][name] != sealed[1][name]]
+    assert set(differing) <= set(OF_THE_WALL_CLOCK)
     assert lasting(tmp_path / "first" / "runs.csv") == lasting(tmp_path / "second" / "runs.csv")
     runs = [json.loads((tmp_path / folder / "run.json").read_text()) for folder in ("first", "second")]
     assert runs[0]["run_id"] == runs[1]["run_id"]

@@ -16,6 +16,7 @@ from analysis.plots import animation
 from analysis.plots.animation import Film, frame_indices
 from analysis.plots.scene import choose
 from analysis.recording.reading import read_run
+from analysis.sealing import seal_recording
 from cosim.cli import main
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 from tests.cosim.cli.test_cli import refused
@@ -29,13 +30,15 @@ def in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def recorded(tmp_path: Path) -> Path:
     """A short run with one encounter."""
-    return write_run(
+    folder = write_run(
         tmp_path / "run",
         [Ego(line(0.0, 0.0, 5.0, 0.0))],
         [Person(line(32.5, -5.0, 0.0, 0.9))],
         [Vehicle(line(20.0, 3.0, 5.0, 0.0))],
         duration=2.0,
     )
+    seal_recording(folder)
+    return folder
 
 
 def test_figures_go_into_the_run_s_folder_or_a_new_one(

@@ -9,10 +9,13 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from analysis.errors import RecordingError
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TIMING, RecordedColumn, RecordedTable
+from analysis.recording.opening import opened_table
 from cosim.errors import SimulationError
 from cosim.recording.parquet_sink import ParquetSink
 from cosim.recording.recorder import Recorder
+from cosim.running.simulation import keep_recorded
 from cosim.step import loop
 from tests.cosim.step.tiny_world import BODY, SteadyDriver, TinyWorld, without_planning
 
@@ -127,6 +130,55 @@ def test_a_sink_writes_in_chunks_and_keeps_the_last_rows(tmp_path: Path) -> None
     written = pq.ParquetFile(tmp_path / "timing.parquet")
     assert written.metadata.num_rows == 10
     assert written.metadata.num_row_groups == 3
+
+
+def full_sink(folder: Path) -> ParquetSink:
+    sink = ParquetSink(folder / "timing.parquet", TIMING.schema, rows_per_chunk=64)
+    for index in range(100):
+        sink.add_row((float(index), "ego", 1.0))
+    return sink
+
+
+def test_a_table_that_lost_rows_on_its_way_is_not_given_its_name(tmp_path: Path) -> None:
+    sink = full_sink(tmp_path)
+    part = tmp_path / "timing.parquet.part"
+    with part.open("rb+") as file:
+        file.truncate(part.stat().st_size // 2)
+    with pytest.raises(OSError, match="not complete"):
+        sink.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["timing.parquet.part"]
+
+
+def test_what_was_recorded_stays_where_no_file_can_be_made_of_it(tmp_path: Path) -> None:
+    full_sink(tmp_path)
+    part, blocked = tmp_path / "timing.parquet.part", tmp_path / "timing.parquet.new"
+    before = part.read_bytes()
+    blocked.mkdir()  # a name that cannot be written to
+    (tmp_path / "run.json").write_text('{"seed": 1}')
+    description = keep_recorded(tmp_path, "killed")
+    assert part.read_bytes() == before
+    assert f"killed; {part} could not be made a table" in description["invalid_reason"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        *("files.json", "run.json", "timing.parquet.new", "timing.parquet.part"),
+    ]
+
+
+def test_every_page_of_a_table_has_a_checksum(tmp_path: Path) -> None:
+    """In a folder without hashes: what was altered is refused, or nothing but a description of pages."""
+    full_sink(tmp_path).close()
+    path = tmp_path / "timing.parquet"
+    content = path.read_bytes()
+    true, refused = pq.read_table(path), 0
+    for place in range(4, pq.read_metadata(path).row_group(0).total_byte_size + 4):
+        altered = bytearray(content)
+        altered[place] ^= 1
+        path.write_bytes(altered)
+        try:
+            with opened_table(path) as file:
+                assert file.read().equals(true), f"byte {place} was read as other data"
+        except RecordingError:
+            refused += 1
+    assert refused > 100
 
 
 def test_a_sink_refuses_rows_of_another_shape(tmp_path: Path) -> None:

@@ -1,0 +1,104 @@
+"""Reads the numbers of one run that are summed up over runs, from its CSV files."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as pa_csv
+
+from analysis.errors import StudyError
+from analysis.manifest import read_verified
+from analysis.results.measures import encounter_measures
+from analysis.results.origin import SCHEMA_VERSION
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.statistics.intervals import FloatArray
+from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
+
+_DRAC_BEYOND = ("unbounded", "collision")
+_CONFLICTS = ("serious", "severe", "collision")
+_DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
+
+
+def read_cells(path: Path) -> tuple[str, ...]:
+    """Return the only row of a run's runs.csv; nothing when there is no such file."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+    except FileNotFoundError:
+        return ()
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise StudyError(f"{path}: cannot be read ({error}); cosim analyse makes it again") from None
+    if len(rows) != 2 or tuple(rows[0]) != RUNS.names() or len(rows[1]) != len(rows[0]):
+        raise StudyError(
+            f"{path}: expected one row with the columns of schema {SCHEMA_VERSION}; "
+            "cosim analyse makes it again"
+        )
+    return tuple(rows[1])
+
+
+def numbers_in(cells: Sequence[str]) -> dict[str, float]:
+    """Return the numbers in a row of runs.csv; what is undefined is missing."""
+    if not cells:
+        return {}
+    return {
+        column.name: float(cell)
+        for column, cell in zip(RUNS.columns, cells, strict=True)
+        if column.kind in ("integer", "number") and cell
+    }
+
+
+def encounters_text(folder: Path) -> str:
+    """Return the content of a run's encounters.csv.
+
+    Raises
+    ------
+    AnalysisError
+        When it cannot be read, is not as the run wrote it, or has other columns.
+    """
+    path = folder / ENCOUNTERS.file
+    try:
+        text = read_verified(path).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: cannot be read ({error}); cosim analyse makes it again") from None
+    if text.partition("\n")[0] != ",".join(ENCOUNTERS.names()):
+        raise StudyError(
+            f"{path}: expected the columns of schema {SCHEMA_VERSION}; cosim analyse makes it again"
+        )
+    return text
+
+
+def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Return the tallies of a run's encounters and the defined values of the encounter measures."""
+    names = [measure.name for measure in encounter_measures()]
+    options = pa_csv.ConvertOptions(
+        include_columns=[*_DESCRIPTIVE, *names],
+        column_types={
+            **dict.fromkeys(names, pa.float64()),
+            **dict.fromkeys(("entered", "collision"), pa.float64()),
+            **dict.fromkeys(("drac_status", "severity"), pa.string()),
+        },
+        null_values=[""],
+    )
+    try:
+        table = pa_csv.read_csv(pa.BufferReader(text.encode()), convert_options=options)
+    except (pa.ArrowException, KeyError) as error:
+        told = str(error).splitlines()[0]
+        raise StudyError(f"{path}: cannot be read ({told}); cosim analyse makes it again") from None
+    values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
+    drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
+    met = (values["entered"] == 1.0) | (values["collision"] == 1.0)
+    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
+    tallies = {
+        "met": met,
+        "met_collision": met & (values["collision"] == 1.0),
+        "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
+        "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),
+        "met_drac_gt_3p4": met & beyond,
+        "met_conflict": met & np.isin(severity, _CONFLICTS),
+    }
+    samples = {name: values[name][np.isfinite(values[name])] for name in names}
+    return {name: float(flags.sum()) for name, flags in tallies.items()}, samples
