@@ -21,6 +21,7 @@ from cosim.batches.preflight import Checked
 from cosim.batches.study import StudyTable, read_study, study_text
 from cosim.batches.worker import Handling
 from cosim.errors import SimulationError
+from cosim.presentation.notes import outputs_notes
 from cosim.recording.folders import DEFAULT_PARENT
 
 if TYPE_CHECKING:
@@ -78,6 +79,8 @@ class Result:
     """Why it ended early; empty if it did not."""
     not_valid: dict[str, str]
     """Finished runs that are not valid, and why."""
+    notes: list[str]
+    """What is to be said once of all finished runs."""
 
     @property
     def good(self) -> bool:
@@ -123,7 +126,9 @@ class Batch:
                 tables.write(self.ledger, self.study.controllers)
             except SimulationError as error:
                 stopped = stopped or str(error)
-        return Result(tally, stopped, self._not_valid())
+        described = {name: self.ledger.description(name) for name in self.ledger.finished()}
+        not_valid = {name: str(one["invalid_reason"]) for name, one in described.items() if not one["valid"]}
+        return Result(tally, stopped, not_valid, outputs_notes(described.values()))
 
     def _text(self) -> str | None:
         return None if self.request.table is None else study_text(self.request.table)
@@ -136,10 +141,6 @@ class Batch:
         self.pool.close()
         handling = _handling(self.request, self.study)
         return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
-
-    def _not_valid(self) -> dict[str, str]:
-        described = ((name, self.ledger.description(name)) for name in self.ledger.finished())
-        return {name: str(one["invalid_reason"]) for name, one in described if not one["valid"]}
 
 
 @contextmanager

@@ -121,6 +121,8 @@ def _show_result(one: Batch, result: Result) -> int:
     """Print how the batch ended and return the exit code."""
     tally, folder = result.tally, one.ledger.folder
     typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed; tables: {folder}/*.csv")
+    for note in result.notes:
+        typer.echo(f"cosim: note: {note}", err=True)
     for name, reason in result.not_valid.items():
         typer.echo(f"cosim: invalid: {name}: {reason}", err=True)
     if tally.failed:

@@ -38,6 +38,8 @@ class Composition:
     _work_dir: TemporaryDirectory[str]
     window: Record | None = None
     """Shows egos and plans in SUMO's window, where there is one."""
+    outputs_left_out: tuple[str, ...] = ()
+    """Outputs of SUMO that the inputs name and that are not written."""
 
     def close(self) -> None:
         """End the simulation and remove the files it was started from."""
@@ -68,9 +70,8 @@ def compose(request: RunRequest) -> Composition:
     given = tried.controller
     drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
     inputs = _inputs(request, tried, prepared)
-    return Composition(
-        world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir, world.window()
-    )
+    end_time = prepared.begin_s + scenario.duration_s
+    return Composition(world, drivers, inputs, end_time, work_dir, world.window(), prepared.left_out)
 
 
 def inputs_of(request: RunRequest) -> Inputs:

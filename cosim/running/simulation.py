@@ -85,6 +85,7 @@ def run(
 
 def _simulate(composition: Composition, folder: Path, progress: Progress) -> RunResult:
     description = provenance.describe(composition.inputs, SCHEMA_VERSION)
+    description["outputs_left_out"] = list(composition.outputs_left_out)
     write_json(folder / "run.json", description)
     times = LoopTimes()
     started = perf_counter()
