@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.csv as pa_csv
 
 from analysis.errors import StudyError
-from analysis.files import PART, read_json
+from analysis.files import PART, read_csv_rows, read_json
 from analysis.results.measures import encounter_measures, is_wall_clock
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
@@ -158,8 +158,7 @@ def _texts(values: Mapping[str, Any]) -> dict[str, str]:
 def _cells(path: Path) -> tuple[str, ...]:
     """Return the only row of a run's runs.csv; nothing when there is no such file."""
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.reader(file))
+        rows = read_csv_rows(path)
     except FileNotFoundError:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
