@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from threading import Thread
 
 from cosim.batches.ledger import Ledger
-from cosim.errors import SimulationError
+from cosim.errors import SimulationError, reason_of
 
 USUAL_BASELINE = "sumo"
 
@@ -34,4 +34,6 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> None:
         if folders:
             write_tables(ledger.folder, folders, baseline)
     except (OSError, ValueError) as error:
-        raise SimulationError(f"{ledger.folder}: the tables could not be written: {error}") from error
+        raise SimulationError(
+            f"{ledger.folder}: the tables could not be written: {reason_of(error)}"
+        ) from error

@@ -22,7 +22,7 @@ from cosim.checks.finding import Finding, exit_code
 from cosim.checks.junit import write_junit
 from cosim.checks.summary import append_step_summary
 from cosim.checks.target import Target, Wishes, read_target
-from cosim.errors import InputError, SimulationError
+from cosim.errors import InputError, SimulationError, reason_of
 from cosim.recording import folders
 
 PACKAGE = "datapackage.json"
@@ -113,7 +113,9 @@ class Check:
                 write_junit(self.request.junit, findings)
             append_step_summary(findings)
         except OSError as error:
-            raise SimulationError(f"the files of the check could not be written: {error}") from error
+            raise SimulationError(
+                f"the files of the check could not be written: {reason_of(error)}"
+            ) from error
 
 
 @contextmanager

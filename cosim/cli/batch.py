@@ -119,14 +119,19 @@ def _show_plan(one: Batch) -> None:
 
 def _show_result(one: Batch, result: Result) -> int:
     """Print how the batch ended and return the exit code."""
+    from cosim.batches.ledger import FAILURES
+
     tally, folder = result.tally, one.ledger.folder
-    typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed; tables: {folder}/*.csv")
+    tables = f"; tables: {folder}/*.csv" if any(folder.glob("*.csv")) else ""
+    typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed{tables}")
     for note in result.notes:
         typer.echo(f"cosim: note: {note}", err=True)
     for name, reason in result.not_valid.items():
         typer.echo(f"cosim: invalid: {name}: {reason}", err=True)
     if tally.failed:
-        typer.echo(f"cosim: {tally.failed} runs failed; for the reasons see {folder}/failed.csv", err=True)
+        where = folder / FAILURES
+        reasons = f"; for the reasons see {where}" if where.is_file() else ""
+        typer.echo(f"cosim: {tally.failed} runs failed{reasons}", err=True)
     if result.stopped:
         left = tally.total - tally.done
         typer.echo(

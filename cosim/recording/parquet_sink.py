@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,8 @@ class ParquetSink:
     """One table on its way to disk.
 
     Rows go to ``<path>.part``; ``close`` makes the file of them, so that a file with its final name is
-    always complete. The bytes depend on the rows alone. What a process that crashed has left behind is made
-    a file by `recover`.
+    always complete: where rows could not be written, the part stays a part. The bytes depend on the rows
+    alone. What a process that crashed has left behind is made a file by `recover`.
     """
 
     def __init__(self, path: Path, schema: pa.Schema, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
@@ -43,10 +44,15 @@ class ParquetSink:
         """How many batches are written when a chunk of the file ends."""
         self._file = pa.OSFile(str(self._part), "wb")
         self._stream = pa.ipc.new_stream(self._file, schema)
-        # The schema is written with the first batch: an empty table is a table too.
-        nothing = [pa.array([], type=field.type) for field in schema]
-        self._stream.write_batch(pa.RecordBatch.from_arrays(nothing, schema=schema))
         self._open = True
+        self._whole = True
+        """Whether all rows so far are written."""
+        # The schema is written with the first batch: an empty table is a table too.
+        try:
+            self._write([pa.array([], type=field.type) for field in schema])
+        except OSError:
+            self.close()
+            raise
 
     def add_row(self, row: Sequence[Any]) -> None:
         """Add one row, its values in the order of the schema."""
@@ -70,16 +76,24 @@ class ParquetSink:
         self._count(count)
 
     def close(self) -> None:
-        """Write what is left and make the file; a second call does nothing."""
+        """Write what is left and make the file; a second call does nothing.
+
+        Raises
+        ------
+        OSError
+            If there is no room, for the rows or for the file.
+        """
         if not self._open:
             return
         self._open = False
         try:
-            self._flush()
+            if self._whole:
+                self._flush()
         finally:
-            self._stream.close()
-            self._file.close()
-            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk)
+            with closing(self._file):
+                self._stream.close()
+        if self._whole:
+            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk, self._batches)
 
     def _check_width(self, width: int) -> None:
         if width != len(self._schema):
@@ -107,9 +121,13 @@ class ParquetSink:
         self._add_pieces()
         pieces, self._pieces = self._pieces, [[] for _ in self._schema]
         self._waiting = 0
-        arrays = [_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)]
-        self._stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
+        self._write([_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)])
         self._batches += 1
+
+    def _write(self, arrays: Sequence[pa.Array]) -> None:
+        self._whole = False
+        self._stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
+        self._whole = True
 
 
 def recover(part: Path) -> None:
@@ -122,7 +140,9 @@ def recover(part: Path) -> None:
     _convert(part, part.with_name(part.name.removesuffix(PART)), (), ROWS_PER_CHUNK)
 
 
-def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int) -> None:
+def _convert(
+    part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int, batches: int | None = None
+) -> None:
     """Make a Parquet file of a stream of record batches, and remove the stream.
 
     Parameters
@@ -130,13 +150,33 @@ def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: 
     part, path : from and to
     chunk_ends : number of the batches before each end of a chunk; after the last of them every chunk ends
         with ``rows_per_chunk`` rows or more
+    batches : how many there are; not given: as many as are whole
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written, or batches are missing; the stream is still there then.
     """
     unfinished = path.with_name(path.name + ".new")
+    try:
+        found = _write_file(part, unfinished, chunk_ends, rows_per_chunk)
+        if batches is not None and found != batches:
+            raise OSError(f"{part} was cut short: {found} of {batches} pieces are left")
+    except BaseException:
+        unfinished.unlink(missing_ok=True)
+        raise
+    unfinished.replace(path)
+    part.unlink()
+
+
+def _write_file(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: int) -> int:
+    """Write the batches of a stream to a Parquet file, and return how many there were."""
     ends = set(chunk_ends)
+    number = 0
     with pa.OSFile(str(part), "rb") as file:
         stream = pa.ipc.open_stream(file)
         with pq.ParquetWriter(
-            unfinished,
+            path,
             stream.schema,
             version="2.6",
             compression="zstd",
@@ -151,8 +191,7 @@ def _convert(part: Path, path: Path, chunk_ends: Sequence[int], rows_per_chunk: 
                     waiting = []
             if sum(one.num_rows for one in waiting):
                 writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
-    unfinished.replace(path)
-    part.unlink()
+    return number
 
 
 def _whole(stream: Any) -> Iterator[pa.RecordBatch]:

@@ -197,3 +197,5 @@ def _as_input_errors() -> Iterator[None]:
         yield
     except (library.ScenarioError, catalog.CatalogError) as error:
         raise InputError(str(error)) from error
+    except OSError as error:
+        raise InputError(f"the run's input cannot be prepared: {error}") from error
