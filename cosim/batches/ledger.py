@@ -18,6 +18,7 @@ from cosim.batches.identity import Identity, differences
 from cosim.batches.job import Job
 from cosim.batches.outcome import NOTE, RUN, Outcome
 from cosim.errors import InputError
+from cosim.recording import folders
 
 STUDY = "study.toml"
 """Copy of the study file; marks the folder of a study."""
@@ -49,6 +50,7 @@ class Ledger:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        folders.check_links(folder)
         try:
             if folder.is_dir():
                 foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())

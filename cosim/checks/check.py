@@ -136,6 +136,7 @@ def prepared(
     if request.drop_recordings and any(target.cases for target in targets):
         raise InputError("--drop-recordings: the verdicts of suites are made from the recordings")
     folder = request.out or _free_folder(targets)
+    folders.check_links(folder)
     _check_folder(folder, request.out)
     _check_junit(request.junit)
     baseline = None if request.baseline is None else read_baseline(request.baseline)
