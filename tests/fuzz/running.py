@@ -6,6 +6,7 @@ import gc
 import importlib
 import os
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -60,5 +61,6 @@ def run_cases(folder: Path, count: int, number: int, keep: Path | None = None) -
                 (place / case.file).write_bytes(case.content)
                 (place / "what.txt").write_text(f"{case.command}\n{what}\n{told}\n")
 
-    run()
+    with suppress(KeyboardInterrupt):  # the figures of what has been run are worth telling
+        run()
     return found
