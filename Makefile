@@ -8,6 +8,7 @@
 # make protocols        every controller through the test protocols
 # make study-roadside   the effect of a roadside unit where a bus hides pedestrians
 # make study-solvers    the same drives with four solvers
+# make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
 # make zoo              networks that nobody tuned for (hours); SEED=7: other networks; QUICK=1: a few, in minutes
 # make golden           every controller in every scenario, briefly, to find out what a code change changed
 # make screenshots      the pictures of a report and a replay in docs/images
@@ -25,7 +26,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -122,6 +123,10 @@ protocols: $(VENV)/installed-papers
 SEED ?= 1
 zoo: $(VENV)/installed-zoo
 	$(BIN)/python -m studies.zoo all $(SEED) --jobs $(JOBS) $(if $(QUICK),--quick,--page docs/zoo.md) $(if $(OUT),--out $(OUT))
+
+CASES ?= 5000
+fuzz: $(VENV)/installed-dev
+	$(BIN)/python -m tests.fuzz --cases $(CASES) --seed $(SEED)
 
 # 3: a run in which SUMO teleports a car is not valid, and compared all the same.
 golden: $(VENV)/installed

@@ -7,6 +7,8 @@ CosimError
 
 from __future__ import annotations
 
+import os
+
 
 class CosimError(Exception):
     """Anything this project raises on purpose; its text is one line for the user."""
@@ -18,3 +20,12 @@ class InputError(CosimError):
 
 class SimulationError(CosimError):
     """A run that began and could not go on."""
+
+
+def reason_of(error: Exception) -> str:
+    """Return why something failed, without the names of files that were not yet there.
+
+    >>> reason_of(OSError(28, "No space left on device", "egos.parquet.part"))
+    'No space left on device'
+    """
+    return os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)

@@ -7,17 +7,18 @@ time, and another one in the place of each whose run has failed.
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, get_context
 from multiprocessing.context import BaseContext
-from threading import Lock
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas")
 """What runs need; pandas is what pyarrow loads as soon as it makes an array."""
 
-_starting = Lock()
+_starting = threading.Lock()
 
 
 def context() -> BaseContext:
@@ -32,6 +33,21 @@ def context() -> BaseContext:
     with _starting, _same_import_path():
         forkserver.ensure_running()
     return found
+
+
+def hold_back(number: signal.Signals) -> Callable[[], None]:
+    """Let a signal wait, of which started processes are to know nothing; what is returned lets it come."""
+    if threading.current_thread() is not threading.main_thread():
+        return lambda: None
+    held: list[int] = []
+    before = signal.signal(number, lambda came, frame: held.append(came))
+
+    def let_come() -> None:
+        signal.signal(number, before)
+        if held:
+            signal.raise_signal(number)
+
+    return let_come
 
 
 @contextmanager

@@ -13,8 +13,9 @@ from sumo_scenarios.demand import fill, placeholders
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.network_cache import build_network, source_files
+from sumo_scenarios.outputs import NOWHERE, SilentCopies, included_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
-from sumo_scenarios.private_copy import included_files, private_configuration
+from sumo_scenarios.private_copy import private_configuration
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -30,6 +31,8 @@ class Prepared:
     """Simulated time of the first step [s]."""
     inputs: dict[str, str]
     """SHA-256 of every input file, by a name that is the same on every machine."""
+    left_out: tuple[str, ...] = ()
+    """Outputs of SUMO that are named in the inputs and are not written."""
 
 
 def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
@@ -55,14 +58,19 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
                 raise ScenarioError(f"{scenario.name}: two demand files are called {target.name}")
             fill(scenario.folder / name, values, target)
             filled[kind].append(target)
-    options = ["--net-file", str(net_file), "--route-files", ",".join(map(str, filled["routes"]))]
-    if filled["additional"]:
-        options += ["--additional-files", ",".join(map(str, filled["additional"]))]
+    included = [file for path in (*filled["routes"], *filled["additional"]) for file in included_files(path)]
+    copies = SilentCopies(work_dir)
+    silent = {kind: ",".join(str(copies.of(path)) for path in paths) for kind, paths in filled.items()}
+    options = ["--net-file", str(net_file), "--route-files", silent["routes"]]
+    if silent["additional"]:
+        options += ["--additional-files", silent["additional"]]
     sources = [path for paths in source_files(scenario.folder, table.network).values() for path in paths]
     inputs = _hashes(scenario.folder, sources)
     inputs["network"] = sha256(net_file)
-    inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"]]) | _pedestrians(scenario)
-    return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs)
+    inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"], *included])
+    inputs |= _pedestrians(scenario)
+    left_out = tuple(dict.fromkeys(copies.left_out))
+    return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs, left_out)
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
@@ -70,10 +78,12 @@ def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_di
     demand = (*configuration.route_files, *configuration.additional_files)
     included = [file for path in demand for file in included_files(path)]
     files = (sumocfg, configuration.net_file, *demand, *included)
-    copy = private_configuration(configuration, work_dir)
+    copies = SilentCopies(work_dir)
+    copy, left_out = private_configuration(configuration, work_dir, copies)
     options = ("--configuration-file", str(copy), *_run_options(scenario, seed))
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
-    return Prepared(options, configuration.net_file, scenario.begin_s, inputs)
+    left_out += dict.fromkeys(copies.left_out)
+    return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out))
 
 
 def _hashes(folder: Path, files: Iterable[Path]) -> dict[str, str]:
@@ -114,6 +124,8 @@ def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
         *("--no-warnings", "true"),
         *("--duration-log.disable", "true"),
         *("--xml-validation", "never"),
+        # Without a name, a file per vehicle is written into the current folder.
+        *("--device.ssm.file", NOWHERE),
     ]
     if scenario.lateral_resolution_m is not None:
         # SUMO accepts only one of the two lane-change models.

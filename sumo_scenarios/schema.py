@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.netconvert_options import check_options
 
 SHORTEST_STEP_S = 0.05
 LONGEST_STEP_S = 1.0
@@ -37,6 +38,13 @@ class NetworkTable(Table):
     types: str = ""
     connections: list[str] = []
     netconvert: list[str] = []
+
+    @field_validator("netconvert")
+    @classmethod
+    def only_allowed(cls, words: list[str]) -> list[str]:
+        """Check that netconvert is asked for nothing but how the network is built."""
+        check_options(words)
+        return words
 
 
 class RateTable(Table):

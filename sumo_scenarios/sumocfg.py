@@ -9,19 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.sumo_options import long_name
 from sumo_scenarios.xml_files import check_xml
-
-# SUMO accepts several names for one option.
-_NAMES = {
-    "n": "net-file",
-    "net": "net-file",
-    "r": "route-files",
-    "routes": "route-files",
-    "a": "additional-files",
-    "additional": "additional-files",
-    "b": "begin",
-    "e": "end",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +71,7 @@ def _options(path: Path) -> dict[str, str]:
     for element in ElementTree.parse(path).getroot().iter():
         value = element.get("value", element.get("v"))
         if value is not None:
-            options[_NAMES.get(element.tag, element.tag)] = value
+            options[long_name(element.tag)] = value
     return options
 
 

@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.csv as pa_csv
 
 from analysis.errors import StudyError
+from analysis.files import as_given
 from analysis.geometry import FloatArray
 from analysis.results.run_tables import ENCOUNTERS
 from analysis.study.design import Study
@@ -112,7 +113,7 @@ def read_encounters(study: Study) -> Encounters:
         runs,
         owner.astype(np.int64),
         {name: whole.column(name).to_numpy() for name in _NUMBERS},
-        {name: [text or "" for text in whole.column(name).to_pylist()] for name in _TEXTS},
+        {name: [as_given(text or "") for text in whole.column(name).to_pylist()] for name in _TEXTS},
     )
 
 

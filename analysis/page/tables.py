@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import StudyError
-from analysis.files import read_csv
+from analysis.files import read_csv, read_csv_rows
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import RUNS
 from analysis.sealing import damages
@@ -76,8 +76,7 @@ def _is_current(root: Path, study: Study) -> bool:
     files = [root / table.file for table in (RUNS, CONFIGS, COMPARISONS)]
     if not all(path.is_file() for path in files) or damages(root, recordings=False):
         return False
-    with files[0].open(encoding="utf-8", newline="") as file:
-        lines = [tuple(row) for row in csv.reader(file)]
+    lines = [tuple(row) for row in read_csv_rows(files[0])]
     return sorted(lines[1:]) == sorted(run.cells for run in study.runs if run.cells)
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.errors import AnalysisError
-from analysis.files import write_csv
+from analysis.files import read_csv_rows, write_csv
 from analysis.protocols.verdict import Verdict
 
 FILE = "protocol.csv"
@@ -74,14 +73,12 @@ def read(path: Path) -> list[dict[str, str]]:
         If it cannot be read, or has other columns.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            rows = list(reader)
+        heads, *rows = read_csv_rows(path) or [[]]
     except OSError as error:
         raise AnalysisError(f"{path}: cannot be read: {error.strerror}") from error
-    if tuple(reader.fieldnames or ()) != COLUMNS:
+    if tuple(heads) != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
         raise AnalysisError(f"{path}: other columns than {', '.join(COLUMNS)}")
-    return rows
+    return [dict(zip(COLUMNS, row, strict=True)) for row in rows]
 
 
 def score(shares: Sequence[float], most: float) -> float:

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.csv as pa_csv
 
 from analysis.errors import StudyError
+from analysis.files import read_csv_rows
 from analysis.manifest import read_verified
 from analysis.results.measures import encounter_measures
 from analysis.results.origin import SCHEMA_VERSION
@@ -26,8 +27,7 @@ _DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
 def read_cells(path: Path) -> tuple[str, ...]:
     """Return the only row of a run's runs.csv; nothing when there is no such file."""
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.reader(file))
+        rows = read_csv_rows(path)
     except FileNotFoundError:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from analysis.files import completing, json_text, read_json, write_csv
+from analysis.files import completing, csv_lines, json_text, read_json, write_csv
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.study.comparison_rows import comparison_rows
 from analysis.study.configuration_rows import configuration_rows
@@ -54,7 +53,7 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Ma
     study = read_study(folders)
     out.mkdir(parents=True, exist_ok=True)
     content = {
-        RUNS.file: _table(RUNS.names(), (run.cells for run in study.runs if run.cells)),
+        RUNS.file: csv_lines([RUNS.names(), *(run.cells for run in study.runs if run.cells)]),
         ENCOUNTERS.file: _encounters(study.runs),
         CONFIGS.file: _rows(CONFIGS, configuration_rows(study)),
         COMPARISONS.file: _rows(COMPARISONS, comparison_rows(study, baseline)),
@@ -73,20 +72,8 @@ def write_comparison(path: Path, rows: Sequence[Row]) -> None:
     write_csv(path, COMPARISONS.names(), _cells(COMPARISONS, rows))
 
 
-class _Line:
-    """Takes the place of a file for :mod:`csv`, and gives the line back."""
-
-    def write(self, text: str) -> str:
-        return text
-
-
-def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    writer = csv.writer(_Line(), lineterminator="\n")
-    yield from (str(writer.writerow(row)) for row in (names, *rows))
-
-
 def _rows(table: Table, rows: Iterable[Row]) -> Iterator[str]:
-    yield from _table(table.names(), _cells(table, rows))
+    return csv_lines([table.names(), *_cells(table, rows)])
 
 
 def _cells(table: Table, rows: Iterable[Row]) -> Iterable[Sequence[str]]:

@@ -13,6 +13,8 @@ def describe(tables: Sequence[Table], title: str) -> dict[str, Any]:
     return {
         "name": "sumo-cosim-report",
         "title": f"Safety report of {title}",
+        "description": "Texts that a spreadsheet would take for a formula begin with an apostrophe; "
+        "so do those that begin with one already, with a second one.",
         "profile": "tabular-data-package",
         "resources": [_resource(table, tables) for table in tables],
     }

@@ -21,6 +21,7 @@ from cosim.batches.preflight import Checked
 from cosim.batches.study import StudyTable, read_study, study_text
 from cosim.batches.worker import Handling
 from cosim.errors import SimulationError
+from cosim.presentation.notes import outputs_notes
 from cosim.recording.folders import DEFAULT_PARENT
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ class Result:
     """Finished runs that are not valid, and why."""
     damaged: dict[str, str]
     """Runs left out of the tables because a file was altered or lost: which, and what can be done."""
+    notes: list[str]
+    """What is to be said once of all finished runs."""
 
     @property
     def good(self) -> bool:
@@ -129,7 +132,10 @@ class Batch:
             finished = self.ledger.finished()
             self.ledger.damaged |= {name: told for name, told in damaged.items() if name in finished}
             tally.done = self._done(self.ledger.missing(self.jobs))
-        return Result(tally, stopped, self._not_valid(), damaged | self.ledger.damaged)
+        described = {name: self.ledger.description(name) for name in self.ledger.whole()}
+        not_valid = {name: str(one["invalid_reason"]) for name, one in described.items() if not one["valid"]}
+        notes = outputs_notes(described.values())
+        return Result(tally, stopped, not_valid, damaged | self.ledger.damaged, notes)
 
     def _done(self, missing: Sequence[Job]) -> int:
         """Return how many runs are finished and whole."""
@@ -146,10 +152,6 @@ class Batch:
         self.pool.close()
         handling = _handling(self.request, self.study)
         return Cluster(self.request.scheduler, self.ledger.folder, self.matrix.configurations, handling)
-
-    def _not_valid(self) -> dict[str, str]:
-        described = ((name, self.ledger.description(name)) for name in self.ledger.whole())
-        return {name: str(one["invalid_reason"]) for name, one in described if not one["valid"]}
 
 
 @contextmanager

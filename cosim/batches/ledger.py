@@ -19,6 +19,7 @@ from cosim.batches.job import Job
 from cosim.batches.outcome import RUN, Outcome
 from cosim.batches.stored import DAMAGED, FAILURE, read_failure, read_made, run_damages
 from cosim.errors import InputError
+from cosim.recording import folders
 
 STUDY = "study.toml"
 """Copy of the study file; marks the folder of a study."""
@@ -50,6 +51,7 @@ class Ledger:
         self.folder = folder
         self.damaged: dict[str, str] = {}
         """Finished runs that are not as they were written, by name: which file, and what can be done."""
+        folders.check_links(folder)
         try:
             if folder.is_dir():
                 foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())

@@ -107,6 +107,8 @@ class Pool:
         # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The pool's threads
         # inherit what is blocked here, and the processes that they start.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        # A process on its way would outlive this one, of whose end it would complain.
+        termination = processes.hold_back(signal.SIGTERM)
         try:
             if self._pool is not None and not self._pool.active:
                 self.close()
@@ -122,6 +124,7 @@ class Pool:
             return self._pool
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            termination()
 
 
 def _outcome(done: Future[None], job: Job, folder: Path, timeout_s: float) -> Outcome:

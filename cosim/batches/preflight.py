@@ -12,7 +12,7 @@ from cosim.batches.identity import Identity, identity_of
 from cosim.batches.job import Configuration, Job
 from cosim.batches.matrix import Matrix
 from cosim.batches.pool import Pool
-from cosim.errors import InputError
+from cosim.errors import InputError, SimulationError
 from cosim.recording.provenance import Inputs
 
 Progress = Callable[[int, int], None]
@@ -42,7 +42,16 @@ def check(matrix: Matrix, pool: Pool, file: Path, progress: Progress = lambda do
     ------
     InputError
         For the first configuration that cannot be run.
+    SimulationError
+        If it is interrupted.
     """
+    try:
+        return _checked(matrix, pool, file, progress)
+    except KeyboardInterrupt:
+        raise SimulationError(f"interrupted while {file} was checked; nothing was run") from None
+
+
+def _checked(matrix: Matrix, pool: Pool, file: Path, progress: Progress) -> Checked:
     started: set[object] = set()
     waiting: deque[tuple[Configuration, Future[tuple[Inputs, str] | str]]] = deque()
     found: dict[Configuration, tuple[Inputs, str]] = {}

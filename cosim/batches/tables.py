@@ -8,7 +8,7 @@ from threading import Thread
 
 from analysis.sealing import seal_tables
 from cosim.batches.ledger import FAILURES, Ledger
-from cosim.errors import SimulationError
+from cosim.errors import SimulationError, reason_of
 
 TABLES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json", FAILURES)
 """Files of a study that have hashes."""
@@ -43,4 +43,6 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> dict[str, str]:
         seal_tables(ledger.folder, [path for name in TABLES if (path := ledger.folder / name).is_file()])
         return damaged | {ledger.name_of(folder): told for folder, told in unreadable.items()}
     except (OSError, ValueError) as error:
-        raise SimulationError(f"{ledger.folder}: the tables could not be written: {error}") from error
+        raise SimulationError(
+            f"{ledger.folder}: the tables could not be written: {reason_of(error)}"
+        ) from error

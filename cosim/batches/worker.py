@@ -161,6 +161,7 @@ def _heartbeat() -> Callable[[float, float | None], None]:
 def _fail(folder: Path, error: BaseException, started: float) -> NoReturn:
     """Leave the reason behind and end the process."""
     text = str(error) if isinstance(error, CosimError) else f"{type(error).__name__}: {error}"
+    text = text.replace(str(folder / RUN), "the run")  # what is told outlasts the folder
     code = FAILED
     try:
         traceback.print_exception(error)

@@ -24,7 +24,7 @@ from cosim.checks.finding import Finding, exit_code
 from cosim.checks.junit import write_junit
 from cosim.checks.summary import append_step_summary
 from cosim.checks.target import Target, Wishes, read_target
-from cosim.errors import InputError, SimulationError
+from cosim.errors import InputError, SimulationError, reason_of
 from cosim.recording import folders
 
 PACKAGE = "datapackage.json"
@@ -118,7 +118,9 @@ class Check:
                 write_junit(self.request.junit, findings)
             append_step_summary(findings)
         except OSError as error:
-            raise SimulationError(f"the files of the check could not be written: {error}") from error
+            raise SimulationError(
+                f"the files of the check could not be written: {reason_of(error)}"
+            ) from error
 
 
 @contextmanager
@@ -139,6 +141,7 @@ def prepared(
     if request.drop_recordings and any(target.cases for target in targets):
         raise InputError("--drop-recordings: the verdicts of suites are made from the recordings")
     folder = request.out or _free_folder(targets)
+    folders.check_links(folder)
     _check_folder(folder, request.out)
     _check_junit(request.junit)
     baseline = None if request.baseline is None else read_baseline(request.baseline)

@@ -121,21 +121,25 @@ def _show_plan(one: Batch) -> None:
 
 def _show_result(one: Batch, result: Result) -> int:
     """Print how the batch ended and return the exit code."""
+    from cosim.batches.ledger import FAILURES
     from cosim.presentation.notes import unverified
 
     tally, folder = result.tally, one.ledger.folder
     damaged = f", {len(result.damaged)} damaged" if result.damaged else ""
-    typer.echo(
-        f"{tally.done} of {tally.total} runs finished, {tally.failed} failed{damaged}; tables: {folder}/*.csv"
-    )
+    tables = f"; tables: {folder}/*.csv" if any(folder.glob("*.csv")) else ""
+    typer.echo(f"{tally.done} of {tally.total} runs finished, {tally.failed} failed{damaged}{tables}")
     for note in unverified(one.ledger.run_folder(name) for name in one.ledger.whole()):
         typer.echo(note)
+    for note in result.notes:
+        typer.echo(f"cosim: note: {note}", err=True)
     for name, told in result.damaged.items():
         typer.echo(f"cosim: damaged: {name}: {told}", err=True)
     for name, reason in result.not_valid.items():
         typer.echo(f"cosim: invalid: {name}: {reason}", err=True)
     if tally.failed:
-        typer.echo(f"cosim: {tally.failed} runs failed; for the reasons see {folder}/failed.csv", err=True)
+        where = folder / FAILURES
+        reasons = f"; for the reasons see {where}" if where.is_file() else ""
+        typer.echo(f"cosim: {tally.failed} runs failed{reasons}", err=True)
     if result.stopped:
         left = tally.total - tally.done - len(one.ledger.damaged)
         purpose = f"to run the other {left}" if left else "to write the tables"

@@ -10,6 +10,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import nullcontext
 from typing import Annotated, Any
 
 import typer
@@ -25,8 +26,11 @@ from cosim.cli import report as report_command
 from cosim.cli import run as run_command
 from cosim.cli import verify as verify_command
 from cosim.cli.apart import OWN_PROCESS
+from cosim.cli.interruption import termination_interrupts
 from cosim.errors import InputError, SimulationError
 
+INTERRUPTED = 130
+"""Exit code that typer makes of an interruption, without a word."""
 # The base class of typer's usage errors, which has no public name.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
 
@@ -78,8 +82,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     try:
-        code = app(arguments, prog_name="cosim", standalone_mode=False, obj=owner)
-        return int(code or 0)
+        with termination_interrupts() if owner else nullcontext():
+            code = int(app(arguments, prog_name="cosim", standalone_mode=False, obj=owner) or 0)
+        return _tell("interrupted", INTERRUPTED, arguments) if code == INTERRUPTED else code
     except UsageProblem as error:
         return _tell(error.format_message(), 2, arguments)
     except InputError as error:
@@ -87,7 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SimulationError as error:
         return _tell(str(error), 3, arguments)
     except (KeyboardInterrupt, typer.Abort):
-        return _tell("interrupted", 130, arguments)
+        return _tell("interrupted", INTERRUPTED, arguments)
     except DamageError as error:
         return _tell(str(error), 3, arguments)
     except Exception as error:  # noqa: BLE001  last resort: one line instead of a traceback

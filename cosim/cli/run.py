@@ -112,7 +112,9 @@ def run(
     if context.obj is OWN_PROCESS and not gui:
         ended = apart.begin()
         if isinstance(ended, apart.Ended):
-            return _tell_of_crash(ended) if ended.signal else ended.code
+            if ended.signal:
+                return _tell_of_crash(ended)
+            raise SystemExit(ended.code)  # everything was said there
         return _run(request, ended.tell)
     return _run(request, lambda folder: None)
 

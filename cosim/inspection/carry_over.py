@@ -13,7 +13,7 @@ from cosim.inspection.carry_places import Places
 from cosim.inspection.lane_shift import LaneShift
 from cosim.inspection.xml_elements import elements
 from cosim.sumo.network import Network
-from sumo_scenarios.private_copy import DETECTORS
+from sumo_scenarios.outputs import is_output
 
 Element = ElementTree.Element
 
@@ -119,7 +119,7 @@ class CarryOver:
         for part in element.iter():
             for key in _INPUTS:
                 path = folder / part.get(key, "")
-                if part.tag in DETECTORS or not path.is_file():
+                if is_output(part.tag, key) or not path.is_file():
                     continue
                 if part.tag in _IN_PARTS:
                     part.extend(one for _, one in elements(path))

@@ -18,7 +18,7 @@ from cosim.inspection.demand import CAR, names_files
 from cosim.inspection.inspection import Inspection
 from cosim.inspection.mending import mend
 from cosim.inspection.walks import Walk, walks_over
-from sumo_scenarios.private_copy import kept_options
+from sumo_scenarios.sumo_options import kept_options
 
 CONFIGURATION = "scenario.sumocfg"
 WARMUP_S = 60.0

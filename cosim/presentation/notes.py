@@ -19,7 +19,14 @@ def run_notes(description: Mapping[str, Any]) -> list[str]:
     """Return the notes on a run that is described by its ``run.json``."""
     step_s = float(description["step_s"])
     coarse = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
-    return ([coarse] if step_s > COARSE_STEP_S else []) + _mishaps(description)
+    return ([coarse] if step_s > COARSE_STEP_S else []) + outputs_notes([description]) + _mishaps(description)
+
+
+def outputs_notes(descriptions: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return one line on the outputs that runs did not let SUMO write; none where there are none."""
+    names = list(dict.fromkeys(name for one in descriptions for name in one.get("outputs_left_out", ())))
+    text = f"{len(names)} outputs of SUMO that the inputs ask for were not written"
+    return [_with_first(text, names)] if names else []
 
 
 def unverified(folders: Iterable[Path]) -> list[str]:

@@ -9,7 +9,7 @@ from analysis.errors import AnalysisError
 from cosim.errors import InputError
 from cosim.presentation.notes import unverified
 from cosim.presentation.wording import sentence
-from cosim.recording.folders import create_named
+from cosim.recording.folders import check_links, create_named
 
 
 def write_page(
@@ -32,6 +32,7 @@ def write_page(
         raise _unavailable(error) from error
     if out is None:
         out = folders[0] if len(folders) == 1 else create_named(None, "report")
+    check_links(out)
     title = out.resolve().name if len(folders) == 1 else ", ".join(folder.name for folder in folders)
     try:
         written = write_report(folders, out, sentence, title=title, baseline=base, rows=rows, replays=replays)

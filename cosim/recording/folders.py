@@ -19,6 +19,7 @@ def check(out: Path | None, flag: str = "--out") -> None:
     """
     if out is None:
         return
+    check_links(out, flag)
     try:
         if out.is_dir():
             if any(out.iterdir()):
@@ -27,6 +28,22 @@ def check(out: Path | None, flag: str = "--out") -> None:
             raise InputError(f"{flag} {out}: expected a folder, this is a file")
     except OSError as error:
         raise InputError(f"{flag} {out}: {error.strerror}") from error
+
+
+def check_links(out: Path, flag: str = "--out") -> None:
+    """Refuse a folder that is, or is below, a link to something that is not there.
+
+    Raises
+    ------
+    InputError
+        With the link and where it leads.
+    """
+    for place in (out, *out.parents):
+        if place.is_symlink() and not place.exists():
+            what = "this" if place == out else str(place)
+            raise InputError(
+                f"{flag} {out}: expected a folder, {what} is a link to {place.readlink()}, which is not there"
+            )
 
 
 def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:

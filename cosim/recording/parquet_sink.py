@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -27,8 +28,8 @@ class ParquetSink:
     """One table on its way to disk.
 
     Rows go to ``<path>.part``; ``close`` makes the file of them, so that a file with its final name is
-    always complete. The bytes depend on the rows alone. What a process that crashed has left behind is made
-    a file by `recover`.
+    always complete: where rows could not be written, the part stays a part. The bytes depend on the rows
+    alone. What a process that crashed has left behind is made a file by `recover`.
     """
 
     def __init__(self, path: Path, schema: pa.Schema, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
@@ -45,10 +46,15 @@ class ParquetSink:
         """How many batches are written when a chunk of the file ends."""
         self._file = pa.OSFile(str(self._part), "wb")
         self._stream = pa.ipc.new_stream(self._file, schema)
-        # The schema is written with the first batch: an empty table is a table too.
-        nothing = [pa.array([], type=field.type) for field in schema]
-        self._stream.write_batch(pa.RecordBatch.from_arrays(nothing, schema=schema))
         self._open = True
+        self._whole = True
+        """Whether all rows so far are written."""
+        # The schema is written with the first batch: an empty table is a table too.
+        try:
+            self._write([pa.array([], type=field.type) for field in schema])
+        except OSError:
+            self.close()
+            raise
 
     def add_row(self, row: Sequence[Any]) -> None:
         """Add one row, its values in the order of the schema."""
@@ -72,15 +78,23 @@ class ParquetSink:
         self._count(count)
 
     def close(self) -> None:
-        """Write what is left and make the file; a second call does nothing."""
+        """Write what is left and make the file; a second call does nothing.
+
+        Raises
+        ------
+        OSError
+            If there is no room, for the rows or for the file.
+        """
         if not self._open:
             return
         self._open = False
         try:
-            self._flush()
+            if self._whole:
+                self._flush()
         finally:
-            self._stream.close()
-            self._file.close()
+            with closing(self._file):
+                self._stream.close()
+        if self._whole:
             _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk, self._batches)
 
     def _check_width(self, width: int) -> None:
@@ -109,9 +123,13 @@ class ParquetSink:
         self._add_pieces()
         pieces, self._pieces = self._pieces, [[] for _ in self._schema]
         self._waiting = 0
-        arrays = [_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)]
-        self._stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
+        self._write([_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)])
         self._batches += 1
+
+    def _write(self, arrays: Sequence[pa.Array]) -> None:
+        self._whole = False
+        self._stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self._schema))
+        self._whole = True
 
 
 def recover(part: Path) -> None:

@@ -105,6 +105,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         },
         "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),
+        "outputs_left_out": [],
         "n_teleports": 0,
         "n_routes_restored": 0,
         "n_steps_off_the_way": 0,

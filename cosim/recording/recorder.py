@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 from types import TracebackType
 
@@ -34,10 +35,12 @@ class Recorder:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._egos = TableWriter(folder, EGOS)
-        self._neighbours = TableWriter(folder, NEIGHBOURS)
-        self._plans = TableWriter(folder, PLANS, PLANS_PER_CHUNK)
-        self._timing = TableWriter(folder, TIMING)
+        with ExitStack() as stack:
+            self._egos = stack.enter_context(closing(TableWriter(folder, EGOS)))
+            self._neighbours = stack.enter_context(closing(TableWriter(folder, NEIGHBOURS)))
+            self._plans = stack.enter_context(closing(TableWriter(folder, PLANS, PLANS_PER_CHUNK)))
+            self._timing = stack.enter_context(closing(TableWriter(folder, TIMING)))
+            stack.pop_all()  # all are open; before, those that are would have been closed
         self._sensing: TableWriter | None = None
         self._traffic: TableWriter | None = None
         self._planned_now: dict[str, PlannedEgo] = {}

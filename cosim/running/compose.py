@@ -39,6 +39,8 @@ class Composition:
     _work_dir: TemporaryDirectory[str]
     window: Record | None = None
     """Shows egos and plans in SUMO's window, where there is one."""
+    outputs_left_out: tuple[str, ...] = ()
+    """Outputs of SUMO that the inputs name and that are not written."""
 
     def close(self) -> None:
         """End the simulation and remove the files it was started from."""
@@ -72,9 +74,8 @@ def compose(request: RunRequest) -> Composition:
     given = tried.controller
     drivers = Drivers(lambda seed: catalog.build(request.controller, seed=seed, **given), request.seed)
     inputs = _inputs(request, tried, prepared)
-    return Composition(
-        world, drivers, inputs, prepared.begin_s + scenario.duration_s, work_dir, world.window()
-    )
+    end_time = prepared.begin_s + scenario.duration_s
+    return Composition(world, drivers, inputs, end_time, work_dir, world.window(), prepared.left_out)
 
 
 def inputs_of(request: RunRequest) -> Inputs:
@@ -202,3 +203,5 @@ def _as_input_errors() -> Iterator[None]:
         yield
     except (library.ScenarioError, catalog.CatalogError) as error:
         raise InputError(str(error)) from error
+    except OSError as error:
+        raise InputError(f"the run's input cannot be prepared: {error}") from error

@@ -9,7 +9,7 @@ from typing import Any
 
 from analysis.errors import AnalysisError
 from analysis.results.analyse import analyse_run
-from cosim.errors import SimulationError
+from cosim.errors import SimulationError, reason_of
 from cosim.presentation.numbers import Row, read_row
 from cosim.running.request import RunRequest
 from cosim.running.simulation import Progress, RunResult, keep_recorded, run
@@ -63,6 +63,6 @@ def _analysed(result: RunResult) -> Outcome:
         row = read_row(result.folder)
     except (AnalysisError, OSError) as error:
         if result.valid:
-            raise SimulationError(f"{result.folder} could not be analysed: {error}") from error
+            raise SimulationError(f"{result.folder} could not be analysed: {reason_of(error)}") from error
         # An early end may leave nothing to analyse; what went wrong before is what the user is told.
     return Outcome(result.folder, result.description, row, result.invalid_reason)

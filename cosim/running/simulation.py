@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ from analysis.files import read_json, write_json
 from analysis.manifest import CLAIM, MANIFEST
 from analysis.recording.columns import SCHEMA_VERSION
 from analysis.sealing import seal_recording
-from cosim.errors import CosimError, InputError, SimulationError
+from cosim.errors import CosimError, InputError, SimulationError, reason_of
 from cosim.recording import folders, provenance
 from cosim.recording.parquet_sink import PART, recover
 from cosim.recording.recorder import Recorder
@@ -87,10 +87,10 @@ def run(
 
 def _simulate(composition: Composition, folder: Path, progress: Progress) -> RunResult:
     description = provenance.describe(composition.inputs, SCHEMA_VERSION)
-    write_json(folder / "run.json", description)
+    description["outputs_left_out"] = list(composition.outputs_left_out)
+    recorder = _begun(folder, description)
     times = LoopTimes()
     started = perf_counter()
-    recorder = Recorder(folder)
     reason: str | None = None
     defect: Exception | None = None
     try:
@@ -102,7 +102,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
             # Nothing was driven, so nothing was recorded: what was asked for is not possible.
             raise InputError(reason) from error
     except OSError as error:
-        reason = f"the recording could not be written: {error.strerror or error}"
+        reason = f"the recording could not be written: {reason_of(error)}"
     except KeyboardInterrupt:
         reason = "interrupted"
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
@@ -116,6 +116,16 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     if defect is not None:
         raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
     return RunResult(folder, description)
+
+
+def _begun(folder: Path, description: Mapping[str, Any]) -> Recorder:
+    """Write ``run.json`` and open the recording; where there is no room for them, nothing is left behind."""
+    try:
+        write_json(folder / "run.json", description)
+        return Recorder(folder)
+    except OSError as error:
+        folders.discard(folder)
+        raise SimulationError(f"the recording could not be written: {reason_of(error)}") from error
 
 
 def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
@@ -185,4 +195,5 @@ def _write_description(folder: Path, description: dict[str, Any]) -> None:
         write_json(folder / "run.json", description)
         seal_recording(folder)
     except OSError as error:
-        raise SimulationError(f"the last files of {folder} could not be written: {error.strerror}") from error
+        reason = reason_of(error)
+        raise SimulationError(f"the last files of {folder} could not be written: {reason}") from error

@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
 from typing import BinaryIO, cast
 from xml.etree import ElementTree
@@ -212,16 +213,17 @@ def read_network(path: Path) -> Network:
         with _opened(path) as source:
             for element in _elements(source):
                 reader.take(element)
+        found = reader.network()
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"cannot read the network {path}: {reason}") from error
     except (ElementTree.ParseError, zlib.error, EOFError) as error:
         raise InputError(f"{path} is not a SUMO network: {error}") from error
-    except (KeyError, ValueError) as error:
+    except (LookupError, ValueError) as error:
         raise InputError(f"{path} is not a complete SUMO network: {error!r}") from error
-    if not reader.edges:
+    if not found.edges:
         raise InputError(f"{path} has no edges; expected a SUMO network (.net.xml)")
-    return reader.network()
+    return found
 
 
 def _opened(path: Path) -> BinaryIO:
@@ -254,8 +256,17 @@ def _permissions(element: ElementTree.Element) -> Permissions:
     return Permissions(_classes(element.get("allow")), _classes(element.get("disallow")) or frozenset())
 
 
+def _number(text: str) -> float:
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(f"{text!r} is not finite")
+    return number
+
+
 def _shape(text: str) -> FloatArray:
-    points = np.array([[float(value) for value in point.split(",")[:2]] for point in text.split()])
+    points = np.array([[_number(value) for value in point.split(",")[:2]] for point in text.split()])
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"the shape {text!r} has no points of x and y")
     if len(points) < 2:
         return np.repeat(points, 2, axis=0)
     # Repeated points have no direction; one of them is enough.
@@ -294,6 +305,8 @@ class _Reader:
             return
         name = element.attrib["id"]
         lanes = [self._lane(name, lane) for lane in element.iter("lane")]
+        if not lanes:
+            raise ValueError(f"the edge {name!r} has no lanes")
         if function == "walkingarea":
             self.walking_areas[name] = WalkingArea(name, lanes[0].shape)
             return
@@ -309,9 +322,9 @@ class _Reader:
             element.attrib["id"],
             edge,
             int(element.attrib["index"]),
-            float(element.attrib["length"]),
-            float(element.get("width", DEFAULT_LANE_WIDTH)),
-            float(element.attrib["speed"]),
+            _number(element.attrib["length"]),
+            _number(element.get("width", str(DEFAULT_LANE_WIDTH))),
+            _number(element.attrib["speed"]),
             _shape(element.attrib["shape"]),
             _permissions(element),
         )
@@ -324,7 +337,10 @@ class _Reader:
             self.links[self._name(source, element.attrib["fromLane"])].append(element)
 
     def _name(self, edge: str, index: str) -> str:
-        return self.edges[edge][int(index)]
+        names = self.edges[edge]
+        if not 0 <= int(index) < len(names):
+            raise ValueError(f"a connection names lane {index} of {edge!r}, which has {len(names)}")
+        return names[int(index)]
 
     def _via(self, element: ElementTree.Element) -> tuple[str, ...]:
         """Return the chain of internal lanes: an internal lane may continue in a further one."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 from rich import box
 from rich.table import Table
 
-from analysis.files import write_csv
+from analysis.files import read_csv_rows, write_csv
 from cosim.errors import InputError
 from studies.papers.claim import Claim, Status
 
@@ -31,8 +30,7 @@ def read_claims(path: Path) -> list[Claim]:
         If it cannot be read, or is no such file.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            header, *rows = csv.reader(file)
+        header, *rows = read_csv_rows(path)
         if tuple(header) == COLUMNS:
             return [_claim(row) for row in rows]
     except (OSError, ValueError) as error:

@@ -136,6 +136,22 @@ def test_a_batch_that_is_killed_again_and_again_ends_with_the_same_tables(tmp_pa
     assert not (out / ".work").exists()
 
 
+def test_a_batch_that_is_told_to_end_before_its_first_run_says_so(tmp_path: Path) -> None:
+    study = write_study(tmp_path, vary={"vehicles_per_hour": list(range(100, 400))})
+    process = start(study, "--out", "out", "--jobs", 1, folder=tmp_path)
+    deadline = time.monotonic() + 60.0
+    while not psutil.Process(process.pid).children(recursive=True) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(1.0)  # the first configurations are being checked
+    process.send_signal(signal.SIGTERM)
+    stdout, stderr = process.communicate(timeout=30.0)
+    assert process.returncode == 3, stderr
+    assert stdout == ""
+    last = stderr.strip().splitlines()[-1]
+    assert last.endswith(f"cosim: interrupted while {study} was checked; nothing was run")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: signal.Signals) -> None:
     study = write_study(tmp_path, seeds="1-500")

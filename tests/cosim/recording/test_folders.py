@@ -8,6 +8,10 @@ import pytest
 
 from cosim.errors import InputError
 from cosim.recording import folders
+from tests.analysis.study.study_folders import write_study_run
+from tests.cosim.batches.studies import write_study
+from tests.cosim.cli.commands import ended
+from tests.cosim.inspection.towns import build
 
 
 @pytest.fixture(autouse=True)
@@ -33,6 +37,21 @@ def test_a_folder_below_a_file_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="file"):
         folders.create(tmp_path / "file" / "below", "zebra", "aeb", 1)
+
+
+@pytest.mark.parametrize("below", ["", "runs/1"])
+@pytest.mark.parametrize("command", ["run", "batch", "check", "report", "inspect"])
+def test_a_link_that_leads_nowhere_is_named_as_one(command: str, below: str, tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    town, study = build(tmp_path), write_study(tmp_path)
+    given = {"batch": study, "report": write_study_run(tmp_path / "a", "sumo", 1), "inspect": town}
+    flag = "--scaffold" if command == "inspect" else "--out"
+    out = tmp_path / "link" / below
+    done = ended(command, given.get(command, "midblock_zebra"), flag, out, code=2)
+    what = f"{tmp_path / 'link'}" if below else "this"
+    assert f"{flag} {out}: expected a folder, {what} is a link to {tmp_path / 'gone'}" in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "gone").exists()
 
 
 def test_a_discarded_folder_is_gone() -> None:

@@ -8,6 +8,11 @@ from controllers.interface import CrossingKind
 from cosim.errors import InputError
 from cosim.sumo.network import Network, read_network
 
+ROAD = (
+    '<net><edge id="e"><lane id="e_0" index="0" length="{length}" speed="1" shape="{shape}"/></edge>'
+    '<connection from="e" to="e" fromLane="{link}" toLane="0"/></net>'
+)
+
 
 def test_crossings_know_who_has_to_wait(town: Network, unmarked_file: Path) -> None:
     kinds = {name: crossing.kind for name, crossing in town.crossings.items()}
@@ -55,6 +60,18 @@ def test_the_measured_intersection_is_read(braunschweig: Network) -> None:
         ("<net><edge", "is not a SUMO network"),
         ("<net/>", "has no edges"),
         ('<net><edge id="e"><lane id="e_0"/></edge></net>', "is not a complete SUMO network"),
+        # Found by make fuzz.
+        ('<net><edge id="w" function="walkingarea"/></net>', "'w' has no lanes"),
+        (ROAD.format(length="1", shape="", link=0), "no points of x and y"),
+        (ROAD.format(length="1", shape="0,0 nan,1", link=0), "'nan' is not finite"),
+        (ROAD.format(length="inf", shape="0,0 1,1", link=0), "'inf' is not finite"),
+        (ROAD.format(length="1", shape="0,0 1,1", link=3), "lane 3 of 'e', which has 1"),
+        (ROAD.format(length="1", shape="0,0 1,1", link=-1), "lane -1 of 'e', which has 1"),
+        (
+            '<net><edge id=":c" function="crossing"><lane id="x" index="0" length="1" speed="1" shape="0,0 1,1"/>'
+            "</edge></net>",
+            "KeyError",
+        ),
     ],
 )
 def test_a_broken_file_is_told_in_one_line(tmp_path: Path, content: str, said: str) -> None:

@@ -1,0 +1,66 @@
+"""Cases of a seed, one after the other."""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import os
+from collections import Counter
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from tests.fuzz.cases import Case, cases, prepare
+from tests.fuzz.harness import judge
+
+LOADED = ("cosim.cli.command_line", "cosim.running.execution", "cosim.inspection.inspection", "libsumo")
+
+
+@dataclass
+class Fuzzed:
+    """How cases ended."""
+
+    endings: Counter[tuple[str, str]] = field(default_factory=Counter)
+    wrong: list[tuple[Case, str, str]] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        """Number of cases."""
+        return self.endings.total()
+
+
+def run_cases(folder: Path, count: int, number: int, keep: Path | None = None) -> Fuzzed:
+    """Run so many cases of a seed in ``folder``, and return how they ended."""
+    for name in (*LOADED, "cosim.batches.matrix", "cosim.checks.check", "pandas"):
+        importlib.import_module(name)
+    os.environ["COSIM_CACHE_DIR"] = str(folder / "networks")
+    prepare(folder)
+    found = Fuzzed()
+    gc.freeze()
+
+    @seed(number)
+    @settings(
+        max_examples=count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(cases(folder))
+    def run(case: Case) -> None:
+        ending, what = judge(case, folder)
+        found.endings[case.kind, ending] += 1
+        if what:
+            told = " ".join((folder / "stderr").read_text("utf-8", "replace").split())[-400:]
+            found.wrong.append((case, what, told))
+            if keep is not None:
+                place = keep / f"{len(found.wrong)}"
+                place.mkdir(parents=True, exist_ok=True)
+                (place / case.file).write_bytes(case.content)
+                (place / "what.txt").write_text(f"{case.command}\n{what}\n{told}\n")
+
+    with suppress(KeyboardInterrupt):  # the figures of what has been run are worth telling
+        run()
+    return found
