@@ -1,6 +1,6 @@
 """CPU time of taking down and checking the hashes of a batch's files, and which share of the batch that is.
 
-``python -m benchmarks.verification STUDY_DIR`` measures the finished runs of a batch in place: their hashes
+``python benchmarks/verification.py STUDY_DIR`` measures the finished runs of a batch in place: their hashes
 are taken anew, as at the end of a run, and checked twice, as by its analysis and by a batch that resumes.
 The bar is 2 % of the time that the runs took.
 """
