@@ -5,8 +5,8 @@ corners of the body on the true curve of the road. Pedestrians are discs at thei
 enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that
 stand count as well. A plan that would touch somebody is replaced by the least braking that does not, as late
 as that is possible. Where no braking keeps the margin, what stays farthest away from pedestrians even if they
-walk on is carried out: that may be the plan itself. It is a safety net: how seldom it is needed says how good
-the plans are.
+walk on is carried out: that may be the plan itself, or to get past somebody beside the ego and brake then. It
+is a safety net: how seldom it is needed says how good the plans are.
 """
 
 from __future__ import annotations
@@ -21,7 +21,18 @@ from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.forecast import Forecast
 from controllers.safety.pedestrian_discs import Discs, discs
-from controllers.safety.rollout import LAG, SPACING, Course, Motion, braked, course, planned, poses
+from controllers.safety.rollout import (
+    LAG,
+    PASSING_ACCELERATION,
+    SPACING,
+    Course,
+    Motion,
+    braked,
+    course,
+    passing_first,
+    planned,
+    poses,
+)
 from controllers.safety.vehicle_outlines import standing_vehicles
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
@@ -120,13 +131,18 @@ class LastCheck:
             enough = tried[-1] if touches.all() else tried[int(np.argmin(touches))]
             return _braking(plan, min(float(enough), limit))
         # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
+        # Nor is one that leaves the flank to somebody whom an ego that drove on would have passed.
         walking_on = discs(perception, near, np.full(len(told), True), None, times)
-        variants = Motion(*(np.concatenate(both, axis=1) for both in zip(motion, slower, strict=True)))
+        first = passing_first(perception, times)
+        all_of_them = zip(motion, first, slower, strict=True)
+        variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
         distances = _clearances(perception, _joined(others, walking_on), path, variants)
         least = _least(distances, variants)
         best = least.max()
-        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else len(tried)
-        return plan if chosen == 0 else _braking(plan, min(float(tried[chosen - 1]), limit))
+        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else len(tried) + 1
+        if chosen == 0:
+            return plan
+        return _passing_first(plan) if chosen == 1 else _braking(plan, min(float(tried[chosen - 2]), limit))
 
     def _margins(
         self, perception: Perception, now: FloatArray, walk: NDArray[np.bool_], starts: bool
@@ -183,6 +199,13 @@ def _least(clearance: FloatArray, motion: Motion) -> FloatArray:
     """Return the least distance to anybody of each variant of a motion while it moves, shape (m,) [m]."""
     nearest = clearance.min(axis=2, initial=np.inf)
     return np.asarray(np.where(motion.speed > STANDING, nearest, np.inf).min(axis=0))
+
+
+def _passing_first(plan: Plan) -> Plan:
+    """Return the plan with its accelerations replaced by one that gets the ego past somebody beside it."""
+    command = plan.command
+    onward = np.full(len(command.times), PASSING_ACCELERATION)
+    return replace(plan, command=Command(command.times, onward, command.steering), status=SHIELDED)
 
 
 def _braking(plan: Plan, braking: float) -> Plan:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ APART = 0.01
 """Between places of a course at least; a plan that stops has several instants at one place [m]."""
 STEERED_FROM = 0.5
 """Steering is planned as if the ego were at least so fast: standing wheels lead nowhere [m/s]."""
+PASSING_ACCELERATION, PASSED_AFTER, BRAKING_AFTER = 2.0, 0.7, 6.5
+"""How an ego gets past somebody who walks up to its flank, for so long, and brakes afterwards [m/s^2, s]."""
 
 
 class Course(NamedTuple):
@@ -127,6 +130,22 @@ def braked(perception: Perception, braking: FloatArray, times: FloatArray) -> Mo
     speed = np.where(np.minimum.accumulate(speed, axis=0) <= 0.0, 0.0, speed)
     before = np.concatenate((np.full((1, speed.shape[1]), ego.speed), speed[:-1]))
     return Motion(np.cumsum(step * 0.5 * (before + speed), axis=0), speed)
+
+
+def passing_first(perception: Perception, times: FloatArray) -> Motion:
+    """Return the motion, one variant, that speeds up a little to get past somebody, and brakes then."""
+    ego = perception.ego
+    acceleration, speed, along = ego.acceleration, ego.speed, 0.0
+    way = [(0.0, speed)]
+    for before, now in pairwise(times.tolist()):
+        wanted = PASSING_ACCELERATION if before < PASSED_AFTER else -BRAKING_AFTER
+        acceleration = wanted + (acceleration - wanted) * math.exp(-(now - before) / LAG)
+        reached = max(speed + acceleration * (now - before), 0.0)
+        along += 0.5 * (speed + reached) * (now - before)
+        speed = reached
+        way.append((along, speed))
+    places = np.array(way)
+    return Motion(places[:, :1], places[:, 1:])
 
 
 def poses(perception: Perception, path: Course, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -21,7 +21,14 @@ from controllers.interface import (
     Plan,
 )
 from controllers.safety.last_check import SHIELDED, LastCheck
-from controllers.safety.rollout import braked, course, planned, poses
+from controllers.safety.rollout import (
+    PASSING_ACCELERATION,
+    braked,
+    course,
+    passing_first,
+    planned,
+    poses,
+)
 from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
@@ -91,6 +98,27 @@ def test_no_hard_braking_that_ends_beside_somebody_whom_the_ego_would_have_passe
     assert passing.command.acceleration.min() > -3.5
     nearer = replace(towards_the_flank, across=-1.6)
     assert _checked(nearer, speed=9.0, enters=enters).command.acceleration.max() == -8.0
+
+
+def test_a_slowing_ego_gets_past_somebody_who_walks_up_to_its_flank() -> None:
+    """Neither the plan nor any braking would clear them; the ego that speeds up a little does."""
+    speed, slowing = 7.5, 2.3
+    keeping = keeps(speed)
+    slower = replace(
+        keeping,
+        along=speed * keeping.times - 0.5 * slowing * keeping.times**2,
+        speed=np.maximum(speed - slowing * keeping.times, 0.0),
+        command=replace(keeping.command, acceleration=np.full(len(keeping.command.times), -slowing)),
+    )
+    walker = Walker(BODY.front + 0.9, -2.3, 0.0, 1.4, waiting=True)
+    seen = perception(ego(speed=speed), straight_road(), [walker])
+    checked = LastCheck().checked(seen, slower, np.array([False]))
+    assert checked.status == SHIELDED
+    assert checked.command.acceleration.min() == PASSING_ACCELERATION
+    motion = passing_first(seen, TIMES)
+    rear = motion.along[:, 0] - BODY.rear_overhang
+    arrives = (2.3 - 0.5 * BODY.width - 0.25) / 1.4
+    assert np.interp(arrives, TIMES, rear) > BODY.front + 0.9 + 0.25, "it is past when they are there"
 
 
 @pytest.mark.parametrize("speed", [0.0, 3.0])
