@@ -113,6 +113,11 @@ def _connected(address: str) -> Any:
             # Other versions are told by us, as far as they change a number.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             return _new_client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
+    except TypeError as error:  # what Dask says of an encrypted address where it finds no certificates
+        raise InputError(
+            f"--scheduler {address}: no certificates for an encrypted connection; expected them in Dask's "
+            "configuration, for instance in DASK_DISTRIBUTED__COMM__TLS__CA_FILE and …__CLIENT__CERT"
+        ) from error
     except (OSError, ValueError) as error:
         raise InputError(
             f"--scheduler {address}: no Dask scheduler answers there; expected its address, "

@@ -59,17 +59,17 @@ def _said(process: subprocess.Popen[str], pattern: str) -> str:
 
 
 @contextmanager
-def cluster(folder: Path, environment: dict[str, str]) -> Iterator[_Cluster]:
+def cluster(folder: Path, environment: dict[str, str], protocol: str = "tcp") -> Iterator[_Cluster]:
     """Give a scheduler with two workers of one thread: one with Dask's watchman, one without."""
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     scheduler = _dask(
-        *("scheduler", "--port", "0", "--host", "127.0.0.1", "--no-dashboard"),
+        *("scheduler", "--protocol", protocol, "--port", "0", "--host", "127.0.0.1", "--no-dashboard"),
         folder=folder,
         environment=environment,
     )
     started = [scheduler]
     try:
-        address = _said(scheduler, r"Scheduler at:\s+(tcp://\S+)")
+        address = _said(scheduler, r"Scheduler at:\s+(t\w+://\S+)")
         for watched in (NANNY, NO_NANNY):
             worker = _dask(
                 *("worker", address, "--nthreads", "1", watched, "--no-dashboard"),
