@@ -24,14 +24,13 @@ from analysis.recording.columns import (
     TIMING,
     RecordedTable,
 )
+from analysis.recording.extent import EVERYBODY
 from analysis.recording.opening import opened_table
 
 IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
 _PERFECT = "perfect"
-EVERYBODY = "everybody"
-"""Value of ``record`` in run.json where the traffic near crossings was recorded; such a run needs no ego."""
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
 

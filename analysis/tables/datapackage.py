@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from analysis.files import harmless
 from analysis.tables.column import Column, Table
 
 
@@ -59,7 +60,7 @@ def _field(column: Column) -> dict[str, Any]:
     if column.minimum is not None:
         constraints["minimum"] = int(column.minimum) if column.kind == "integer" else column.minimum
     if column.choices:
-        constraints["enum"] = list(column.choices)
+        constraints["enum"] = [harmless(choice) for choice in column.choices]  # as the cells are
     if constraints:
         field["constraints"] = constraints
     return field

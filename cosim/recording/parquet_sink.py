@@ -203,7 +203,7 @@ def _copy(part: Path, to: Path, ends: set[int], rows_per_chunk: int, batches: in
     except pa.ArrowInvalid:
         complete = False
     if not complete:
-        raise OSError(f"{to.name} is not complete")
+        raise OSError(f"{to.name} is not complete: {part.name} was cut short")
 
 
 def _whole(stream: Any) -> Iterator[pa.RecordBatch]:

@@ -14,8 +14,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-EGOS = "egos"
-"""Only egos and who is near them are recorded."""
+from analysis.recording.extent import EGOS
+
 PERFECT = "perfect"
 """Sensing that tells egos the truth."""
 _DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "piqp", "proxsuite", "clarabel")

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from analysis.errors import did_you_mean
-from analysis.recording.reading import EVERYBODY
+from analysis.recording.extent import EVERYBODY
 from controllers import catalog
 from cosim.errors import InputError
 from cosim.recording.provenance import Inputs

@@ -6,12 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis.recording.reading import EVERYBODY
+from analysis.recording.extent import EGOS, EVERYBODY
 from cosim.errors import InputError
 
 ACTUATIONS = ("hybrid", "move")
-EGOS = "egos"
-"""Whom a run records and judges: egos and who is near them, or `EVERYBODY` near a crossing as well."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -127,7 +127,8 @@ def test_a_value_that_is_not_possible_is_refused_with_what_is(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--ego-share", "0"], "above 0"),
+        (["--ego-share", "-0.1"], "above 0"),
+        (["--ego-share", "0"], "record everybody"),
         (["--ego-share", "0.1", "--ego-vehicle", "x"], "exclude each other"),
         (["--duration-s", "-5"], "--duration-s"),
         (["--duration-s", "soon"], "number"),

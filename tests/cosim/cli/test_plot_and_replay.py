@@ -65,7 +65,7 @@ def test_what_cannot_be_drawn_is_one_line(recorded: Path, capsys: pytest.Capture
     assert ".gif or .mp4" in refused(capsys, "replay", "run", "--encounter", "1", "--out", "a.avi")
     assert "does not exist" in refused(capsys, "replay", "run", "--encounter", "1", "--out", "b/a.gif")
     (recorded / "plans.parquet").write_bytes(b"PAR1")
-    assert "plans.parquet: truncated" in refused(
+    assert "plans.parquet: was altered" in refused(
         capsys, "replay", "run", "--encounter", "1", "--out", "a.gif"
     )
     assert not Path("a.gif").exists()
