@@ -226,7 +226,7 @@ def test_a_disk_that_fills_up_ends_the_batch_and_leaves_whole_runs(tmp_path: Pat
     (tmp_path / "disk").mkdir()
     line = " ".join(command("batch", study, "--out", "disk/out", "--jobs", 2))
     script = (
-        f"mount -t tmpfs -o size=600k tmpfs disk && {{ {line}; code=$?; cp -r disk/out saved; exit $code; }}"
+        f"mount -t tmpfs -o size=800k tmpfs disk && {{ {line}; code=$?; cp -r disk/out saved; exit $code; }}"
     )
     done = subprocess.run(
         ["unshare", "--user", "--map-root-user", "--mount", "bash", "-c", script],
