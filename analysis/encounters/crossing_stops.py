@@ -8,7 +8,7 @@ ego never left it. Whoever moved at that instant does not count: this is a lower
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,13 +20,12 @@ from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 
 
-def stops_over(passage: Traversal, grid: Grid, limits: Thresholds) -> Iterator[int]:
-    """Yield the sample of the ego's track at which each of its stops during a passage begins."""
+def count_stops(passage: Traversal, grid: Grid, limits: Thresholds) -> int:
+    """Return how often the ego stopped during a passage."""
     first, last = passage.visit.first, passage.visit.last
     time = grid.time[passage.track.first + first : passage.track.first + last + 1]
-    for start, end in stretches(passage.track.speed[first : last + 1] <= limits.standing_speed_mps):
-        if time[end] - time[start] >= limits.stopped_on_crossing_s:
-            yield first + start
+    stands = stretches(passage.track.speed[first : last + 1] <= limits.standing_speed_mps)
+    return sum(bool(time[end] - time[start] >= limits.stopped_on_crossing_s) for start, end in stands)
 
 
 def was_foreseeable(
@@ -39,7 +38,7 @@ def was_foreseeable(
     passage : Traversal
         During which the ego stopped.
     vehicles, persons : Sequence
-        Everybody; the ego itself is left out.
+        Everybody; the ego itself is left out of the vehicles.
     limits : Thresholds
     """
     ego = passage.track
@@ -48,11 +47,8 @@ def was_foreseeable(
         return False
     way = _way_over(passage)
     instant = ego.first + decided
-    there = [
-        (one, instant - one.first)
-        for one in (*vehicles, *persons)
-        if one.first <= instant <= one.last and one.name != ego.name
-    ]
+    others = (*(one for one in vehicles if one.name != ego.name), *persons)
+    there = [(one, instant - one.first) for one in others if one.first <= instant <= one.last]
     return any(one.speed[at] <= limits.standing_speed_mps and _is_in(way, one, at) for one, at in there)
 
 

@@ -10,7 +10,7 @@ Undefined: never; 0 where the map has no crossings.
 from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
-from analysis.encounters.crossing_stops import stops_over, was_foreseeable
+from analysis.encounters.crossing_stops import count_stops, was_foreseeable
 from analysis.tables import column
 
 UNIT = "1"
@@ -27,12 +27,11 @@ RUN_COLUMNS = (
 
 def compute(case: Case) -> Values:
     """Return the number of stops, and of those that could have been foreseen."""
-    passages = [one for passed in case.traversals.values() for one in passed]
-    stopped = [one for one in passages for _ in stops_over(one, case.grid, case.thresholds)]
-    vehicles = [*case.vehicles, *case.egos]
-    return {
-        "n_stopped_on_crossing": len(stopped),
-        "n_stopped_on_crossing_foreseeable": sum(
-            was_foreseeable(one, vehicles, case.persons, case.thresholds) for one in stopped
-        ),
-    }
+    limits, vehicles = case.thresholds, [*case.vehicles, *case.egos]
+    stops = foreseeable = 0
+    for passage in (one for passed in case.traversals.values() for one in passed):
+        count = count_stops(passage, case.grid, limits)
+        stops += count
+        if count and was_foreseeable(passage, vehicles, case.persons, limits):
+            foreseeable += count
+    return {"n_stopped_on_crossing": stops, "n_stopped_on_crossing_foreseeable": foreseeable}

@@ -52,6 +52,11 @@ def test_a_pedestrian_who_stood_in_the_way_was_to_be_foreseen(
     assert foreseeable(tmp_path, Person(line(35.0, y, 0.0, 0.0))) == expected
 
 
+def test_a_pedestrian_with_the_name_of_the_ego_is_somebody_else(tmp_path: Path) -> None:
+    """SUMO lets a vehicle and a person share an id; randomTrips.py numbers both from 0."""
+    assert foreseeable(tmp_path, Person(line(35.0, 0.5, 0.0, 0.0), name="ego")) == 1
+
+
 def test_an_ego_that_never_leaves_the_crossing_would_have_gone_straight_on(tmp_path: Path) -> None:
     stays = {"until": 99.0}
     assert foreseeable(tmp_path / "in", Vehicle(line(38.0, 0.0, 0.0, 0.0)), **stays) == 1
