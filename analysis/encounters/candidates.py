@@ -27,45 +27,11 @@ STAY_S = 4.0
 """Of those who stand a place is looked up this often."""
 
 
-class Candidate(NamedTuple):
-    """A vehicle and a pedestrian that may have met, and between which samples."""
+class Meeting(NamedTuple):
+    """Where a vehicle and a pedestrian came near each other: first and last samples of their tracks."""
 
-    vehicle: int
-    person: int
-    vehicle_samples: tuple[int, int]
-    """First and last sample of the vehicle's track near the pedestrian's way; (0, −1) for none."""
-    person_samples: tuple[int, int]
-
-
-def candidates(
-    vehicles: Sequence[Track],
-    persons: Sequence[Track],
-    passed: Mapping[tuple[str, str], Sequence[Traversal]],
-    run: RecordedRun,
-    grid: Grid,
-    within_s: float,
-) -> list[Candidate]:
-    """Return the pairs that could matter, sorted.
-
-    Parameters
-    ----------
-    vehicles, persons : Sequence
-    passed : Mapping
-        When which vehicle was over which crossing, by names.
-    run : RecordedRun
-    grid : Grid
-    within_s : float
-        Those who came to the same ground with more time between them are no pair [s].
-    """
-    if not vehicles or not persons:
-        return []
-    near = _near(vehicles, persons, grid, within_s)
-    none = ((0, -1), (0, -1))
-    found = {pair: Candidate(*pair, *near.get(pair, none)) for pair in near}
-    for pair in _at_crossings(vehicles, persons, passed, run, grid, within_s):
-        if pair not in found:
-            found[pair] = Candidate(*pair, *none)
-    return [found[pair] for pair in sorted(found)]
+    vehicle: tuple[int, int]
+    person: tuple[int, int]
 
 
 class _Places(NamedTuple):
@@ -77,9 +43,20 @@ class _Places(NamedTuple):
     sample: IntArray
 
 
-def _near(
+def met(
     vehicles: Sequence[Track], persons: Sequence[Track], grid: Grid, within_s: float
-) -> dict[tuple[int, int], tuple[tuple[int, int], tuple[int, int]]]:
+) -> dict[tuple[int, int], Meeting]:
+    """Return who came to the same ground within some seconds of each other, by number of vehicle and person.
+
+    Parameters
+    ----------
+    vehicles, persons : Sequence
+    grid : Grid
+    within_s : float
+        Those with more time between them did not meet [s].
+    """
+    if not vehicles or not persons:
+        return {}
     reach = max(0.5 * float(np.hypot(one.length, one.width)) for one in vehicles)
     reach += max(0.5 * one.width for one in persons) + VEHICLE_SPACING_M + PERSON_SPACING_M
     scale = reach / (within_s + STAY_S)
@@ -98,7 +75,7 @@ def _near(
     low, high = np.minimum.reduceat, np.maximum.reduceat
     spans = zip(low(i, starts), high(i, starts), low(j, starts), high(j, starts), strict=True)
     return {
-        divmod(int(pair), len(persons)): ((int(a), int(b)), (int(c), int(d)))
+        divmod(int(pair), len(persons)): Meeting((int(a), int(b)), (int(c), int(d)))
         for pair, (a, b, c, d) in zip(key[starts], spans, strict=True)
     }
 
@@ -115,7 +92,7 @@ def _places(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -
     return _Places(np.concatenate(points), np.concatenate(owner), np.concatenate(sample))
 
 
-def _at_crossings(
+def waited(
     vehicles: Sequence[Track],
     persons: Sequence[Track],
     passed: Mapping[tuple[str, str], Sequence[Traversal]],
@@ -123,7 +100,18 @@ def _at_crossings(
     grid: Grid,
     within_s: float,
 ) -> set[tuple[int, int]]:
-    """Return who passed a crossing while somebody was on it or waited for it."""
+    """Return who passed a crossing while somebody was on it or waited for it, by numbers as `met`.
+
+    Parameters
+    ----------
+    vehicles, persons : Sequence
+    passed : Mapping
+        When which vehicle was over which crossing, by names.
+    run : RecordedRun
+    grid : Grid
+    within_s : float
+        So much sooner or later counts as well [s].
+    """
     number = {id(track): index for index, track in enumerate(vehicles)}
     by_crossing: dict[str, list[tuple[int, float, float]]] = {}
     for (_, crossing), passages in passed.items():

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.encounters.candidates import Candidate, candidates
+from analysis.encounters.candidates import Meeting, met, waited
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
 from analysis.geometry import BoolArray
@@ -87,14 +87,16 @@ def find_in_traffic(
     As `find_encounters`, without those of vehicles that passed neither the pedestrian's way within
     traffic_pairing_s nor their crossing.
     """
-    within = around.thresholds.traffic_pairing_s
-    pairs = candidates(vehicles, persons, around.traversals, around.run, around.grid, within)
+    grid, within = around.grid, around.thresholds.traffic_pairing_s
+    meetings = met(vehicles, persons, grid, within)
+    pairs = meetings.keys() | waited(vehicles, persons, around.traversals, around.run, grid, within)
     found: list[Encounter] = []
-    for pair in pairs:
-        vehicle, person = vehicles[pair.vehicle], persons[pair.person]
+    for pair in sorted(pairs):
+        vehicle, person = vehicles[pair[0]], persons[pair[1]]
         if vehicle.last < person.first or person.last < vehicle.first:
             continue
-        areas = _areas_near(vehicle, person, pair, around.grid, within)
+        meeting = meetings.get(pair)
+        areas = [] if meeting is None else _areas_near(vehicle, person, meeting, grid, within)
         of_pair = _of_pair(vehicle, person, areas, around)
         found.extend(one for one in of_pair if one.area is not None or one.traversal is not None)
     return sorted(found, key=_order)
@@ -105,12 +107,10 @@ def _order(one: Encounter) -> tuple[int, str, str, int]:
 
 
 def _areas_near(
-    vehicle: Track, person: Track, pair: Candidate, grid: Grid, within_s: float
+    vehicle: Track, person: Track, meeting: Meeting, grid: Grid, within_s: float
 ) -> list[ConflictArea]:
     """Return the conflict areas on the ground where the two came near each other."""
-    if pair.vehicle_samples[1] < pair.vehicle_samples[0]:
-        return []
-    own, other = _around(vehicle, pair.vehicle_samples), _around(person, pair.person_samples)
+    own, other = _around(vehicle, meeting.vehicle), _around(person, meeting.person)
     areas = conflict_areas(vehicle.between(*own), person.between(*other), grid, within_s)
     return [replace(area, ego=area.ego.later(own[0]), person=area.person.later(other[0])) for area in areas]
 
