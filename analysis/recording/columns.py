@@ -55,6 +55,8 @@ class RecordedTable(Table):
     """One Parquet file. Its key and the time are in no two rows the same."""
 
     columns: tuple[RecordedColumn, ...]
+    decimals: int | None = None
+    """Columns of numbers are rounded to so many, which saves space; ``None``: they are not."""
 
     @property
     def file(self) -> str:
@@ -199,15 +201,21 @@ TRAFFIC = RecordedTable(
         _text("object_id", "objects.names", "SUMO's name of it", judged=True),
         _text("object_kind", "objects.object_kind", "what it is", "pedestrian", "vehicle", judged=True),
         _text("object_type", "objects.kind", "SUMO type", judged=True),
-        _text("vehicle_class", "vehicle_class", "SUMO's class, of vehicles", judged=True),
-        _flag("is_ego", "is_ego", "an ego now; null for pedestrians"),
-        _needed("x_m", "m", "x", "centre of a pedestrian's disc, of a vehicle's front bumper"),
-        _needed("y_m", "m", "y", "the same"),
-        _number("heading_rad", "rad", "heading", "heading, of vehicles", judged=True),
-        _needed("x_speed_mps", "m/s", "x_speed", "velocity to the east"),
-        _needed("y_speed_mps", "m/s", "y_speed", "velocity to the north"),
-        _number("acceleration_mps2", "m/s^2", "acceleration", "of vehicles", judged=True),
-        _number("speed_limit_mps", "m/s", "speed_limit", "the lane's and its own, of vehicles", judged=True),
+        _text("vehicle_class", "traffic.vehicle_class", "SUMO's class, of vehicles", judged=True),
+        _flag("is_ego", "traffic.is_ego", "an ego now; null for pedestrians"),
+        _needed("x_m", "m", "objects.x", "centre of a pedestrian's disc, of a vehicle's front bumper"),
+        _needed("y_m", "m", "objects.y", "the same"),
+        _number("heading_rad", "rad", "traffic.vehicles.heading", "heading, of vehicles", judged=True),
+        _needed("x_speed_mps", "m/s", "objects.x_speed", "velocity to the east"),
+        _needed("y_speed_mps", "m/s", "objects.y_speed", "velocity to the north"),
+        _number("acceleration_mps2", "m/s^2", "traffic.acceleration", "of vehicles", judged=True),
+        _number(
+            "speed_limit_mps",
+            "m/s",
+            "traffic.speed_limit",
+            "the lane's and its own, of vehicles",
+            judged=True,
+        ),
         _needed("length_m", "m", "objects.length", "of a pedestrian the disc's diameter"),
         _needed("width_m", "m", "objects.width", "of a pedestrian the disc's diameter"),
         _text("edge_or_lane", "objects.place", "edge walked on, lane driven on", judged=True),
@@ -215,6 +223,7 @@ TRAFFIC = RecordedTable(
         _text("phase", "objects.phase", "of pedestrians", *("crossing", "waiting", "walking"), judged=True),
     ),
     ("object_kind", "object_id"),
+    decimals=3,
 )
 
 PLANS = RecordedTable(

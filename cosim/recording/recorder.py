@@ -13,7 +13,7 @@ import numpy as np
 from analysis.files import write_json
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING, TRAFFIC
 from controllers.interface import Decision, Perception, Plan
-from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects, stepped_traffic
+from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects
 from cosim.recording.table_writer import TableWriter
 from cosim.step.loop import ToWorld
 from cosim.step.world import MapArea, Mishaps, Snapshot
@@ -99,7 +99,11 @@ class Recorder:
         if snapshot.traffic is not None:
             if self._traffic is None:
                 self._traffic = TableWriter(self._folder, TRAFFIC, TRAFFIC_PER_CHUNK)
-            for rows in stepped_traffic(snapshot.time, snapshot.traffic):
+            traffic = snapshot.traffic
+            for rows in (
+                SteppedObjects(snapshot.time, traffic.persons),
+                SteppedObjects(snapshot.time, traffic.vehicles, traffic),
+            ):
                 self._traffic.add_all(rows, len(rows.objects.names))
         if snapshot.sensed is not None:
             if self._sensing is None:

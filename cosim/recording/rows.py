@@ -77,80 +77,10 @@ class SteppedEgo:
 
 @dataclass(frozen=True, slots=True)
 class SteppedObjects:
-    """All pedestrians or all vehicles after a step: rows of neighbours.parquet."""
+    """All pedestrians or all vehicles after a step: rows of neighbours.parquet and traffic.parquet."""
 
     time: float
     """[s]."""
     objects: PersonsTruth | VehiclesTruth
-
-
-@dataclass(frozen=True, slots=True)
-class SteppedTraffic:
-    """All pedestrians or all vehicles near crossings after a step: rows of traffic.parquet.
-
-    Numbers are rounded to a thousandth, which takes half the space.
-    """
-
-    time: float
-    """[s]."""
-    objects: PersonsTruth | VehiclesTruth
-    own_acceleration: FloatArray | None = None
-    """Of vehicles [m/s^2]."""
-    own_speed_limit: FloatArray | None = None
-    """Of vehicles [m/s]."""
-    vehicle_class: tuple[str, ...] | None = None
-    is_ego: tuple[bool, ...] | None = None
-
-    @property
-    def x(self) -> FloatArray:
-        """[m]."""
-        return _rounded(self.objects.x)
-
-    @property
-    def y(self) -> FloatArray:
-        """[m]."""
-        return _rounded(self.objects.y)
-
-    @property
-    def heading(self) -> FloatArray | None:
-        """Of vehicles; pedestrians have none [rad]."""
-        return _rounded(self.objects.heading) if isinstance(self.objects, VehiclesTruth) else None
-
-    @property
-    def x_speed(self) -> FloatArray:
-        """[m/s]."""
-        return _rounded(self.objects.x_speed)
-
-    @property
-    def y_speed(self) -> FloatArray:
-        """[m/s]."""
-        return _rounded(self.objects.y_speed)
-
-    @property
-    def acceleration(self) -> FloatArray | None:
-        """Of vehicles [m/s^2]."""
-        return None if self.own_acceleration is None else _rounded(self.own_acceleration)
-
-    @property
-    def speed_limit(self) -> FloatArray | None:
-        """Of vehicles [m/s]."""
-        return None if self.own_speed_limit is None else _rounded(self.own_speed_limit)
-
-
-def stepped_traffic(time: float, traffic: Traffic) -> tuple[SteppedTraffic, SteppedTraffic]:
-    """Return the pedestrians and the vehicles."""
-    return (
-        SteppedTraffic(time, traffic.persons),
-        SteppedTraffic(
-            time,
-            traffic.vehicles,
-            traffic.acceleration,
-            traffic.speed_limit,
-            traffic.vehicle_class,
-            traffic.is_ego,
-        ),
-    )
-
-
-def _rounded(values: FloatArray) -> FloatArray:
-    return np.asarray(np.round(values, 3))
+    traffic: Traffic | None = None
+    """What else is known of them, if they are the vehicles of all traffic."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.recording.columns import RecordedTable
 from cosim.recording.parquet_sink import ROWS_PER_CHUNK, Column, ParquetSink
@@ -19,6 +20,7 @@ class TableWriter:
     def __init__(self, folder: Path, table: RecordedTable, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
         self._sink = ParquetSink(folder / table.file, table.schema, rows_per_chunk)
         self._sources = SourceReader([column.source for column in table.columns])
+        self._decimals = table.decimals
         self._lists = [place for place, column in enumerate(table.columns) if column.kind == "numbers"]
 
     def add(self, made_of: Any) -> None:
@@ -33,16 +35,22 @@ class TableWriter:
 
     def add_all(self, made_of: Any, count: int) -> None:
         """Add ``count`` rows of an object that holds for each column a sequence, or one value for all."""
-        self._sink.add_columns([_column(value, count) for value in self._sources.read(made_of)])
+        values = self._sources.read(made_of)
+        self._sink.add_columns([_column(value, count, self._decimals) for value in values])
 
     def close(self) -> None:
         """Write what is left and make the file."""
         self._sink.close()
 
 
-def _column(value: Any, count: int) -> Column:
+def _column(value: Any, count: int, decimals: int | None) -> Column:
     if isinstance(value, np.ndarray):
-        if value.dtype.kind != "f" or np.isfinite(value).all():
-            return value
-        return [one if isfinite(one) else None for one in value.tolist()]
+        array: NDArray[np.float64] = value
+        if array.dtype.kind != "f":
+            return array
+        if decimals is not None:
+            array = np.round(array, decimals)
+        return (
+            array if np.isfinite(array).all() else [one if isfinite(one) else None for one in array.tolist()]
+        )
     return value if isinstance(value, tuple | list) else [value] * count
