@@ -139,10 +139,9 @@ class LastCheck:
         distances = _clearances(perception, _joined(others, walking_on), path, variants)
         least = _least(distances, variants)
         best = least.max()
-        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else len(tried) + 1
-        if chosen == 0:
-            return plan
-        return _passing_first(plan) if chosen == 1 else _braking(plan, min(float(tried[chosen - 2]), limit))
+        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1
+        brakings = (_braking(plan, min(float(one), limit)) for one in tried)
+        return (plan, _passing_first(plan), *brakings)[chosen]
 
     def _margins(
         self, perception: Perception, now: FloatArray, walk: NDArray[np.bool_], starts: bool
