@@ -73,13 +73,12 @@ def batch(
     """
     from cosim.batches.batch import BatchRequest, prepared
     from cosim.batches.progress import shown_checks, shown_tally
-    from cosim.cli.interruption import termination_interrupts
     from cosim.errors import InputError
 
     if jobs is not None and scheduler is not None:
         raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")
     request = BatchRequest(study, out, jobs, scheduler, drop_recordings)
-    with termination_interrupts(), prepared(request, shown_checks()) as one:
+    with prepared(request, shown_checks()) as one:
         if dry_run:
             _show_plan(one)
             return 0

@@ -109,7 +109,6 @@ def check(
     from cosim.checks import summary
     from cosim.checks.check import CheckRequest, prepared
     from cosim.checks.target import Wishes
-    from cosim.cli.interruption import termination_interrupts
     from cosim.running.request import parse_settings
 
     wishes = Wishes(
@@ -130,7 +129,7 @@ def check(
         baseline=baseline,
         level=level,
     )
-    with termination_interrupts(), prepared(request, shown_checks()) as one:
+    with prepared(request, shown_checks()) as one:
         result = one.run(shown_tally)
     console = terminal.console()
     console.print(summary.table(result.findings))

@@ -10,7 +10,6 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from contextlib import nullcontext
 from typing import Annotated, Any
 
 import typer
@@ -82,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     try:
-        with termination_interrupts() if owner else nullcontext():
+        with termination_interrupts():
             code = int(app(arguments, prog_name="cosim", standalone_mode=False, obj=owner) or 0)
         return _tell("interrupted", INTERRUPTED, arguments) if code == INTERRUPTED else code
     except UsageProblem as error:

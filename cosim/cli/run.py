@@ -131,11 +131,10 @@ def _tell_of_crash(ended: apart.Ended) -> int:
 
 
 def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
-    from cosim.cli.interruption import termination_interrupts
     from cosim.cli.progress import shown_progress
     from cosim.running.execution import execute
 
-    with termination_interrupts(), shown_progress() as progress:
+    with shown_progress() as progress:
         outcome = execute(request, progress, begun)
     return _show(outcome)
 
