@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.step.world import PersonsTruth, Traffic, VehiclesTruth
+from cosim.step.world import Traffic
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
-from cosim.sumo.road_users import CarReader, Cars, KnownState, PersonReader, Persons, sumo_constant
-from cosim.sumo.surroundings import PEDESTRIAN_RADIUS
+from cosim.sumo.road_users import CarReader, KnownState, PersonReader, sumo_constant
+from cosim.sumo.truth import persons_truth, vehicles_truth
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -137,39 +137,3 @@ def _codes(cells: FloatArray) -> IntArray:
     """Return one number for each cell."""
     whole = cells.astype(np.int64)
     return np.asarray(whole[:, 0] * 2**31 + whole[:, 1])
-
-
-def persons_truth(persons: Persons, rows: IntArray | None = None) -> PersonsTruth:
-    """Return pedestrians, all or those in some rows, as they really are."""
-    chosen = np.arange(len(persons.names)) if rows is None else rows
-    return PersonsTruth(
-        names=_of(persons.names, chosen),
-        x=persons.position[chosen, 0],
-        y=persons.position[chosen, 1],
-        x_speed=persons.velocity[chosen, 0],
-        y_speed=persons.velocity[chosen, 1],
-        radius=np.full(len(chosen), PEDESTRIAN_RADIUS),
-        place=_of(persons.edge, chosen),
-        crossing=tuple(persons.crossing[row] or None for row in chosen),
-        phase=_of(persons.phase, chosen),
-        kind=_of(persons.kind, chosen),
-    )
-
-
-def vehicles_truth(cars: Cars, rows: IntArray) -> VehiclesTruth:
-    """Return the vehicles in some rows as they really are."""
-    return VehiclesTruth(
-        names=_of(cars.names, rows),
-        x=cars.front[rows, 0],
-        y=cars.front[rows, 1],
-        heading=cars.heading[rows],
-        speed=cars.speed[rows],
-        length=cars.length[rows],
-        width=cars.width[rows],
-        place=_of(cars.lane, rows),
-        kind=_of(cars.kind, rows),
-    )
-
-
-def _of(values: tuple[str, ...], rows: IntArray) -> tuple[str, ...]:
-    return tuple(values[row] for row in rows)

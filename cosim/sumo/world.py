@@ -19,7 +19,7 @@ from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
 from cosim.sumo.egos import EgoSources
-from cosim.sumo.everybody import Everybody, persons_truth, vehicles_truth
+from cosim.sumo.everybody import Everybody
 from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
@@ -32,6 +32,7 @@ from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import Observer, Surroundings
 from cosim.sumo.track import Track
+from cosim.sumo.truth import persons_truth, vehicles_truth
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
@@ -78,8 +79,7 @@ class SumoWorld:
         self._begin = prepared.begin_s
         self._first = prepared.begin_s + scenario.warmup_s
         self._end = prepared.begin_s + scenario.duration_s
-        self._needs_egos = not everybody
-        self._sources = EgoSources(scenario.egos, self._network, seed, self._first, self._needs_egos)
+        self._sources = EgoSources(scenario.egos, self._network, seed, self._first, not everybody)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         self._drive = drive
         self._egos: dict[str, DrivenEgo] = {}
@@ -125,7 +125,7 @@ class SumoWorld:
         if not self._warm:
             self._warm_up()
         if self._over():
-            if self._needs_egos:
+            if self._everybody is None:
                 self._sources.check_seen(self._any_ego, self._time)
             return None
         self._knowledge.begin()
@@ -182,7 +182,7 @@ class SumoWorld:
         return Snapshot(
             self._time,
             tuple(ego.truth(self.step) for ego in self._egos.values()),
-            persons_truth(persons),
+            persons_truth(persons, np.arange(len(persons.names))),
             vehicles_truth(cars, np.array(others, dtype=np.int64)),
             self._teleports,
             self._knowledge.now,
@@ -261,7 +261,7 @@ class SumoWorld:
             return True
         if self._egos or self._sources.trips:
             return False
-        ends = self._sources.ends and self._needs_egos
+        ends = self._sources.ends and self._everybody is None
         return ends or self._sumo.simulation.getMinExpectedNumber() == 0
 
     def _drop_gone(self) -> None:

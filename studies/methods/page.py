@@ -70,8 +70,8 @@ def write_page(folder: Path, page: Path) -> None:
     if not folders:
         raise StudyError(f"{folder}: no runs; cosim batch makes them")
     study = read_study(folders)
-    for told in study.unreadable.values():
-        raise SystemExit(told)
+    if study.unreadable:
+        raise StudyError(min(study.unreadable.values()))
     write_below(page, TABLES, markdown(study), _INTRODUCTION)
 
 
