@@ -13,12 +13,40 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, get_context
-from multiprocessing.context import BaseContext
+from multiprocessing.connection import Pipe
+from multiprocessing.context import BaseContext, ForkServerContext, ForkServerProcess
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas")
 """What runs need; pandas is what pyarrow loads as soon as it makes an array."""
 
 _starting = threading.Lock()
+_BEGIN_WITHIN_S = 30.0
+
+
+class _BegunProcess(ForkServerProcess):
+    """A process of which ``start`` returns when it has read what it is to do.
+
+    Until then it needs locks that the pool which started it may already take away, when it is stopped.
+    """
+
+    def start(self) -> None:
+        heard, self._silence = Pipe(duplex=False)
+        try:
+            super().start()
+            self._silence.close()
+            heard.poll(
+                _BEGIN_WITHIN_S
+            )  # nothing is said: the other end is closed, by its beginning or its end
+        finally:
+            heard.close()
+
+    def run(self) -> None:
+        self._silence.close()
+        super().run()
+
+
+class _Context(ForkServerContext):
+    Process = _BegunProcess
 
 
 def context() -> BaseContext:
@@ -28,7 +56,7 @@ def context() -> BaseContext:
     os.environ.setdefault("PYTHONSAFEPATH", "1")
     if not sys.platform.startswith("linux"):
         return get_context("spawn")  # system libraries of macOS do not bear to be copied
-    found = get_context("forkserver")
+    found = _Context()
     found.set_forkserver_preload([*LOADED])
     with _starting, _same_import_path():
         forkserver.ensure_running()

@@ -46,6 +46,30 @@ def wait_for_runs(out: Path, count: int, process: subprocess.Popen[str], seconds
     raise AssertionError(f"no {count} runs after {seconds} s: {process.poll()}")
 
 
+def end(process: subprocess.Popen[str], seconds: float = 30.0) -> tuple[str, str]:
+    """Wait until a batch and all its processes have ended, and return what they said.
+
+    Raises
+    ------
+    AssertionError
+        If one goes on. It tells which, and where in the code each of its threads is.
+    """
+    try:
+        return process.communicate(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        left = [
+            one for one in psutil.process_iter() if one.is_running() and os.getsid(one.pid) == process.pid
+        ]
+        names = [f"{one.pid} of {one.ppid()}, {one.status()}: {' '.join(one.cmdline())}" for one in left]
+        for number in (signal.SIGABRT, signal.SIGKILL):  # at the first of them, workers tell where they are
+            for one in left:
+                if one.is_running():
+                    one.send_signal(number)
+            time.sleep(1.0)
+        said = "\n".join(process.communicate())
+        raise AssertionError("\n".join(["these processes went on:", *names, said])) from None
+
+
 def wait_until_gone(processes: list[psutil.Process], seconds: float = 10.0) -> None:
     """Wait until these processes have ended."""
     _, alive = psutil.wait_procs(processes, timeout=seconds)
@@ -144,7 +168,7 @@ def test_a_batch_that_is_told_to_end_before_its_first_run_says_so(tmp_path: Path
         time.sleep(0.05)
     time.sleep(1.0)  # the first configurations are being checked
     process.send_signal(signal.SIGTERM)
-    stdout, stderr = process.communicate(timeout=30.0)
+    stdout, stderr = end(process)
     assert process.returncode == 3, stderr
     assert stdout == ""
     last = stderr.strip().splitlines()[-1]
@@ -162,7 +186,7 @@ def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: s
         os.killpg(process.pid, number)  # as a terminal does
     else:
         process.send_signal(number)
-    stdout, stderr = process.communicate(timeout=30.0)
+    stdout, stderr = end(process)
     assert process.returncode == 3, stderr
     wait_until_gone(children)
     finished = len(runs(tmp_path / "out"))
@@ -186,7 +210,7 @@ def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) 
     assert workers
     for one in workers:
         one.kill()
-    stdout, stderr = process.communicate(timeout=120.0)
+    stdout, stderr = end(process, 120.0)
     assert process.returncode == 0, stderr
     assert "4 of 4 runs finished, 0 failed" in stdout
 

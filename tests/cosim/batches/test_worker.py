@@ -6,6 +6,7 @@ import csv
 import itertools
 import multiprocessing
 import sys
+import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -85,3 +86,38 @@ def test_a_process_starts_with_everything_loaded_that_runs_need() -> None:
 
 def _tell_loaded(sender: Connection) -> None:
     sender.send([name for name in processes.LOADED if name in sys.modules])
+
+
+class _ReadSlowly:
+    """Something that a process needs a while to read."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return time.sleep, (1.0,)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes start otherwise elsewhere")
+def test_a_process_that_was_started_needs_nothing_of_the_pool_any_more() -> None:
+    context = processes.context()
+    lock = context.Lock()
+    process = context.Process(target=id, args=((_ReadSlowly(), lock),))  # type: ignore[attr-defined]
+    process.start()
+    del lock  # as a pool that is stopped does
+    process.join()
+    assert process.exitcode == 0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes start otherwise elsewhere")
+def test_a_process_that_ends_before_it_begins_is_not_waited_for() -> None:
+    process = processes.context().Process(target=id, args=(_Unreadable(),))  # type: ignore[attr-defined]
+    started = time.monotonic()
+    process.start()
+    process.join()
+    assert process.exitcode == 1
+    assert time.monotonic() - started < 20.0
+
+
+class _Unreadable:
+    """Something that ends the process that reads it."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return sys.exit, (1,)
