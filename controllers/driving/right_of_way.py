@@ -25,6 +25,8 @@ STANDING = 0.3
 """Slower is standing [m/s]."""
 PATIENCE = 3.0
 """A foe that has stood for so long is taken to let the ego go [s]."""
+PATIENCE_INSIDE = 6.0
+"""One that has stood for so long with its nose in the conflict is passed like any vehicle that stands [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +98,7 @@ class RightOfWay:
             foe.exit + ego.body.rear_overhang, min(speed, slowest), self._acceleration, slowest
         )
         stood = ego.time - self._standing_since.get(foe.name, math.inf)
-        if not inside and stood >= PATIENCE:
+        if stood >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf

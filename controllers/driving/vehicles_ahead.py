@@ -22,6 +22,8 @@ DRIFTING = 0.15
 """Slower movement across the road is not taken for a change of lane [m/s]."""
 TURNING_SPEED, ROOM_TO_TURN = 2.0, 4.0
 """A slower vehicle that does not go the ego's way manoeuvres, and is left so much more room [m/s, m]."""
+STRAIGHT = 1e-3
+"""A road that is less curved is straight [1/m]."""
 
 
 class Blockade(NamedTuple):
@@ -60,7 +62,9 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     front = perception.ego.body.front
     centres = np.array([lane.offset for lane in perception.road.lanes])
     box = footprints(vehicles)
-    soon, later = _ahead(vehicles, box, front, centres, *band)
+    turning = ~box.same_way & (np.hypot(vehicles.along_speed, vehicles.across_speed) < TURNING_SPEED)
+    right, left = _swung_out(perception, box, band, turning)
+    soon, later = _ahead(vehicles, box, front, centres, right, left)
     chosen = np.flatnonzero(soon | later)
     if len(chosen) == 0:
         free = np.full(len(times), np.inf)
@@ -70,9 +74,7 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     blocking = np.flatnonzero(soon[chosen])
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
-    pace = np.hypot(vehicles.along_speed[chosen], vehicles.across_speed[chosen])
-    turning = ~box.same_way[chosen] & (pace < TURNING_SPEED)
-    room = np.where(turning, ROOM_TO_TURN, 0.0).reshape(-1, 1)
+    room = np.where(turning[chosen], ROOM_TO_TURN, 0.0).reshape(-1, 1)
     return Blockade(
         rear[blocking].min(axis=0, initial=nobody),
         rest[blocking].min(axis=0, initial=nobody),
@@ -81,8 +83,42 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     )
 
 
+def _swung_out(
+    perception: Perception, box: Footprints, band: tuple[float, float], who: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the band at the place of each vehicle, for some as wide as the front swings out in a bend.
+
+    Parameters
+    ----------
+    perception : the ego's body and the bends of its road
+    box : vehicles
+    band : right and left end where the road is straight [m]
+    who : the vehicles for which it is widened, shape (n,)
+    """
+    right, left = np.full(len(who), band[0]), np.full(len(who), band[1])
+    body, road = perception.ego.body, perception.road
+    if not who.any() or not len(road.curvature):
+        return right, left
+    front = body.front
+    bent = np.abs(road.curvature)
+    radius = 1.0 / np.maximum(bent, STRAIGHT) + 0.5 * body.width
+    out = np.where(bent > STRAIGHT, np.hypot(radius, front) - radius, 0.0)
+    axle = np.arange(len(bent)) * road.curvature_step
+    for i in np.flatnonzero(who):
+        # Where the rear axle is while the front bumper is beside the vehicle.
+        beside = (axle > box.rear[i] - front - road.curvature_step) & (axle < box.front[i] - front)
+        right[i] -= out[beside & (road.curvature > 0.0)].max(initial=0.0)
+        left[i] += out[beside & (road.curvature < 0.0)].max(initial=0.0)
+    return right, left
+
+
 def _ahead(
-    vehicles: Vehicles, box: Footprints, front: float, centres: FloatArray, right: float, left: float
+    vehicles: Vehicles,
+    box: Footprints,
+    front: float,
+    centres: FloatArray,
+    right: FloatArray,
+    left: FloatArray,
 ) -> tuple[BoolArray, BoolArray]:
     """Return who is ahead of the ego and in the band, now or soon, and who now or a little later."""
     middle_ahead = 0.5 * (box.rear + box.front) > 0.5 * front
@@ -104,7 +140,7 @@ def _ahead(
     return possible & _drifts_in(box, first, right, left), possible & _drifts_in(box, second, right, left)
 
 
-def _drifts_in(box: Footprints, drift: FloatArray, right: float, left: float) -> BoolArray:
+def _drifts_in(box: Footprints, drift: FloatArray, right: FloatArray, left: FloatArray) -> BoolArray:
     """Return who is in a band somewhere on the way across, signed."""
     return (box.right + np.minimum(drift, 0.0) < left) & (box.left + np.maximum(drift, 0.0) > right)
 

@@ -167,7 +167,7 @@ class SpeedPlanner:
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
         """Return a plan with what it makes of those who are let pass, and of those who stand in the way."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
-        farthest, too_far = float(task.upper.min()), 0.0
+        farthest, too_far = float(min(task.upper.min(), task.headway.min())), 0.0
         if behind:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
             farthest = min(farthest, float(upper.min()))

@@ -97,7 +97,7 @@ class SpeedTasks:
         positions, expected = self.memory.expected(ego)
         ahead = self._vehicles(perception, lane, leaving_for)
         line, stop = self._line(perception, lane, ahead.rest, self.stops)
-        waits_at = self._waits_at(perception, lane, ahead.rest) if ego.speed < SLOW else np.inf
+        waits_at = self._waits_at(perception, lane) if ego.speed < SLOW else np.inf
         gap_now = s.standstill_gap + limits.headway * ego.speed
         upper, stoppable, headway = position_bounds.position_bounds(
             ahead.rear, ahead.rest, ahead.follow, line, front, s.standstill_gap, gap_now, times
@@ -151,7 +151,7 @@ class SpeedTasks:
             then.name or (now.name if leaving_for > 0.0 else ""),
         )
 
-    def _waits_at(self, perception: Perception, lane: Lane | None, rest: FloatArray) -> float:
+    def _waits_at(self, perception: Perception, lane: Lane | None) -> float:
         """Return the line, or the vehicle of its own lane, where the ego has to wait; inf for nowhere.
 
         A vehicle that stands across its way may wait for the ego, and no waiting helps.
@@ -159,12 +159,13 @@ class SpeedTasks:
         vehicles = perception.vehicles
         standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
         stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
-        line, _ = self._line(perception, lane, rest, [stop for stop in self.stops if stop.name not in stand])
         box = footprints(vehicles)
         right, left = swept(perception, lane)
         ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
-        gap = self.settings.standstill_gap
-        return min(line, float(box.rear[ahead].min(initial=np.inf)) - gap)
+        leader = float(box.rear[ahead].min(initial=np.inf))
+        others = [stop for stop in self.stops if stop.name not in stand]
+        line, _ = self._line(perception, lane, np.full(len(self.memory.times), leader), others)
+        return min(line, leader - self.settings.standstill_gap)
 
     def _line(
         self, perception: Perception, lane: Lane | None, rest: FloatArray, stops: Sequence[StopPlace]

@@ -6,7 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from controllers.driving.right_of_way import PATIENCE, RightOfWay, StopPlace, must_stop, travel_time
+from controllers.driving.right_of_way import (
+    PATIENCE,
+    PATIENCE_INSIDE,
+    RightOfWay,
+    StopPlace,
+    must_stop,
+    travel_time,
+)
 from controllers.interface import JunctionFoe, Perception, Signal, SignalState
 from tests.controllers.scenes import ego, perception
 
@@ -91,6 +98,16 @@ def test_a_foe_that_keeps_standing_is_waited_for_with_patience_only() -> None:
     assert rule.stops(perception(ego(0.0, time=PATIENCE - 0.1), foes=[standing])) != []
     assert rule.stops(perception(ego(0.0, time=PATIENCE), foes=[standing])) == []
     assert rule.stops(perception(ego(0.0, time=PATIENCE + 0.1), foes=[_foe(6.0, 1.0)])) != []
+
+
+def test_one_that_stands_with_its_nose_in_the_conflict_is_waited_for_longer() -> None:
+    rule = RightOfWay(1.8)
+    inside = _foe(-0.5, 0.0)
+    assert PATIENCE_INSIDE > PATIENCE
+    for time in (0.0, PATIENCE + 0.1, PATIENCE_INSIDE - 0.1):
+        assert rule.stops(perception(ego(0.0, time=time), foes=[inside])) != []
+    assert rule.stops(perception(ego(0.0, time=PATIENCE_INSIDE), foes=[inside])) == []
+    assert rule.stops(perception(ego(0.0, time=PATIENCE_INSIDE + 0.1), foes=[_foe(-0.5, 1.0)])) != []
 
 
 def test_travel_time_speeds_up_and_then_keeps_the_limit() -> None:

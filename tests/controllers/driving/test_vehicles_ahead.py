@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from controllers.driving.vehicles_ahead import ROOM_TO_TURN, Blockade, blockade
 from controllers.geometry.footprints import footprints
-from tests.controllers.scenes import FRONT, Car, perception, straight_road, vehicles
+from tests.controllers.scenes import FRONT, Car, bend, perception, straight_road, vehicles
 
 BAND = (-1.2, 1.2)
 TIMES = np.array([0.5, 1.0, 2.0, 4.0])
@@ -103,3 +104,26 @@ def test_a_vehicle_that_gets_out_of_the_lane_is_left_room_to_turn(heading: float
     assert stands.follow == pytest.approx(stands.rear - ROOM_TO_TURN)
     assert drives.follow == pytest.approx(drives.rear), "it will not be there any more"
     assert same_way.follow == pytest.approx(same_way.rear)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_front_swings_out_in_a_tight_bend_towards_a_vehicle_that_stands_beside_it(side: float) -> None:
+    straight = straight_road(3, 1)
+    left_hand = bend(straight, 2.0, 5.0, 8.0)
+    tight = replace(left_hand, curvature=-side * left_hand.curvature)
+    # At a radius of 5 m and half a width more, the corner of a front 3.6 m long is 1.0 m farther out.
+    stands = Car(9.0, side * 2.9, heading_error=np.pi)
+    drives = replace(stands, along_speed=-5.0)
+    inside = replace(stands, across=-side * 2.9)
+    beyond = replace(stands, along=20.0)
+    names = [
+        blockade(perception(road=road, cars=[car]), BAND, TIMES).name
+        for road, car in (
+            (tight, stands),
+            (straight, stands),
+            (tight, drives),
+            (tight, inside),
+            (tight, beyond),
+        )
+    ]
+    assert names == ["car0", "", "", "", ""]

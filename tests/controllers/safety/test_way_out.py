@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from controllers import catalog
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Body, FloatArray, Perception, Plan
 from controllers.safety import free_way
@@ -14,7 +15,7 @@ from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
 from controllers.safety.way_out import INCHING, PATIENCE, SPEED
 from cosim.step.toy_road import ToyRoad, walk
-from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road
+from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
 
 BODY = Body()
@@ -145,6 +146,23 @@ def test_vehicles_that_stand_are_gone_round_too_or_waited_for() -> None:
     assert _held([AT_THE_CORNER], PATIENCE + 1.0, [beside])[-1].status == WAY_OUT
     near = Car(BODY.front + 3.0, 2.0, length=6.0)
     assert _held([AT_THE_CORNER], PATIENCE + 1.0, [near])[-1].status == SHIELDED
+
+
+@pytest.mark.parametrize("ahead", [4.0, 6.5])
+def test_a_vehicle_that_stands_across_the_lane_before_a_crossing_is_gone_round(ahead: float) -> None:
+    """It may wait for the ego: neither the room left to it nor the crossing behind it keeps the ego there."""
+    nose = Car(BODY.front + ahead, 2.3, heading_error=-2.6)
+    driver = catalog.build("vo_mpc")
+    status = ""
+    for tick in range(int(10 * PATIENCE) + 10):
+        seen = perception(
+            ego(speed=0.0, time=0.1 * tick),
+            straight_road(2),
+            cars=[nose],
+            crossings=[zebra(BODY.front + 7.0)],
+        )
+        status = driver.plan(seen, driver.decide(seen)).status
+    assert status == WAY_OUT
 
 
 def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_standing() -> None:
