@@ -74,7 +74,8 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     blocking = np.flatnonzero(soon[chosen])
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
-    room = np.where(turning[chosen], ROOM_TO_TURN, 0.0).reshape(-1, 1)
+    in_lane = (box.right < band[1]) & (box.left > band[0])  # those beside it need none to get out of it
+    room = np.where((turning & in_lane)[chosen], ROOM_TO_TURN, 0.0).reshape(-1, 1)
     return Blockade(
         rear[blocking].min(axis=0, initial=nobody),
         rest[blocking].min(axis=0, initial=nobody),

@@ -127,3 +127,5 @@ def test_the_front_swings_out_in_a_tight_bend_towards_a_vehicle_that_stands_besi
         )
     ]
     assert names == ["car0", "", "", "", ""]
+    found = blockade(perception(road=tight, cars=[stands]), BAND, TIMES)
+    assert found.follow == pytest.approx(found.rear), "it is beside the lane and needs no room to leave it"
