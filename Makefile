@@ -9,6 +9,7 @@
 # make study-roadside   the effect of a roadside unit where a bus hides pedestrians
 # make study-solvers    the same drives with four solvers
 # make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
+# make chaos            batches that are killed, run out of disk or are damaged: ROUNDS=200 of them from SEED=1
 # make zoo              networks that nobody tuned for (hours); SEED=7: other networks; QUICK=1: a few, in minutes
 # make golden           every controller in every scenario, briefly, to find out what a code change changed
 # make screenshots      the pictures of a report and a replay in docs/images
@@ -26,7 +27,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -127,6 +128,11 @@ zoo: $(VENV)/installed-zoo
 CASES ?= 5000
 fuzz: $(VENV)/installed-dev
 	$(BIN)/python -m tests.fuzz --cases $(CASES) --seed $(SEED)
+
+ROUNDS ?= 200
+
+chaos: $(VENV)/installed-dev
+	$(BIN)/python -m tests.chaos --rounds $(ROUNDS) --seed $(SEED)
 
 # 3: a run in which SUMO teleports a car is not valid, and compared all the same.
 golden: $(VENV)/installed

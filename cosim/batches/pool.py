@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -104,12 +105,15 @@ class Pool:
         # Before the processes load NumPy: two with several BLAS threads each are slower than one.
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
             os.environ.setdefault(name, "1")
-        # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The pool's threads
-        # inherit what is blocked here, and the processes that they start.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        # A process on its way would outlive this one, of whose end it would complain.
-        termination = processes.hold_back(signal.SIGTERM)
-        try:
+        with ExitStack() as end:
+            # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The threads of
+            # the pool inherit what is blocked here, and the processes that they start.
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, before)
+            # A process on its way would outlive this one, of whose end it would complain. Blocking is not
+            # enough: a thread of a library may take the signal.
+            for number in (signal.SIGINT, signal.SIGTERM):
+                end.callback(processes.hold_back(number))
             if self._pool is not None and not self._pool.active:
                 self.close()
             if self._pool is None:
@@ -122,9 +126,6 @@ class Pool:
                 )
                 assert self._pool.active  # started here and now, with the signal blocked
             return self._pool
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-            termination()
 
 
 def _outcome(done: Future[None], job: Job, folder: Path, timeout_s: float) -> Outcome:

@@ -43,7 +43,7 @@ def ended(
         Additional variables. With them the command has a process of its own, which takes seconds to start.
     """
     if environment is None:
-        done = _here(command(*arguments), folder)
+        done = finished(*arguments, folder=folder)
     else:
         done = subprocess.run(
             command(*arguments),
@@ -58,8 +58,9 @@ def ended(
     return done
 
 
-def _here(words: list[str], folder: Path | None) -> subprocess.CompletedProcess[str]:
-    """Run a command in this process, which has loaded already what it needs."""
+def finished(*arguments: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a command in this process, which has loaded already what it needs, whatever its exit code."""
+    words = command(*arguments)
     printed, told = io.StringIO(), io.StringIO()
     with (
         contextlib.chdir(folder or Path.cwd()),
