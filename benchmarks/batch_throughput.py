@@ -14,9 +14,11 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -39,10 +41,14 @@ SHORT = {"warmup_s": 2, "duration_s": 6}
 SHORT_RUNS = 500
 SETTLED = 20
 """Runs after which memory is looked at."""
+SHORTEST = {"warmup_s": 0, "duration_s": 1}
+PARENT_RUNS, PARENT_SETTLED, LOOKS_S = 1000, 100, 0.5
+"""Runs of the batch whose own process is looked at, those before that counts, and how often [s]."""
 
 LEAST_THROUGHPUT = 0.95
 MOST_OVERHEAD = 0.10
 MOST_MB_PER_100_RUNS = 1.0
+MOST_MORE_FILES = 2
 
 IN_TURN = """
 import sys
@@ -58,14 +64,16 @@ for seed in range(int(first), int(last) + 1, int(step)):
 """
 
 
-def batch(folder: Path, jobs: int, runs: int) -> list[list[str]]:
+def batch(
+    folder: Path, jobs: int, runs: int, settings: Mapping[str, float] = MappingProxyType(SETTINGS)
+) -> list[list[str]]:
     """Return the command of a batch, as the only one."""
     lines = [
         f'scenarios = ["{SCENARIO}"]',
         f'controllers = ["{CONTROLLER}"]',
         f'seeds = "1-{runs}"',
         "[set]",
-        *(f"{key} = {value}" for key, value in SETTINGS.items()),
+        *(f"{key} = {value}" for key, value in settings.items()),
     ]
     (folder / "study.toml").write_text("\n".join(lines))
     options = ["--out", str(folder / "out"), "--jobs", str(jobs)]
@@ -158,6 +166,34 @@ def memory(runs: int) -> dict[str, Any]:
     }
 
 
+def parent(runs: int) -> dict[str, Any]:
+    """Return how the memory and the open files of a batch's own process grow over many very short runs."""
+    import psutil
+
+    looks: list[tuple[int, float, int]] = []
+    with TemporaryDirectory() as folder:
+        (command,) = batch(Path(folder), 2, runs, SHORTEST)
+        quiet = subprocess.DEVNULL
+        process = subprocess.Popen(command, stdout=quiet, stderr=quiet)
+        seen, made = psutil.Process(process.pid), Path(folder) / "out" / "runs"
+        while process.poll() is None:
+            done = len(list(made.iterdir())) if made.is_dir() else 0
+            if done < runs:  # at the end the tables are written, in more memory
+                looks.append((done, seen.memory_info().rss / 1e6, seen.num_fds()))
+            time.sleep(LOOKS_S)
+        if process.returncode:
+            raise SystemExit(f"the batch ended with {process.returncode}")
+    settled = [look for look in looks if look[0] >= PARENT_SETTLED] or looks[-1:]
+    finished, sizes_mb, files = zip(*settled, strict=True)
+    slope = np.polyfit(finished, sizes_mb, 1)[0] if len(set(finished)) > 1 else 0.0
+    return {
+        "runs": runs,
+        "most_mb": max(sizes_mb),
+        "mb_per_100_runs": 100.0 * float(slope),
+        "files": [min(files), max(files)],
+    }
+
+
 def _slope(sizes_mb: list[float]) -> float:
     """Return the slope of the straight line that fits best, per 100 runs."""
     return 100.0 * float(np.polyfit(np.arange(len(sizes_mb)), sizes_mb, 1)[0])
@@ -172,7 +208,7 @@ def _largest_child_mb() -> float:
 
 def bars(found: dict[str, Any]) -> list[Bar]:
     """Return what is asked of a batch."""
-    one, two, held = found["jobs_1"], found["jobs_2"], found["memory"]
+    one, two, held, own = found["jobs_1"], found["jobs_2"], found["memory"], found["parent"]
     spread = f"{min(two['throughput_ratios']):.2f} to {max(two['throughput_ratios']):.2f}"
     return [
         Bar(
@@ -196,6 +232,19 @@ def bars(found: dict[str, Any]) -> list[Bar]:
             note=f"its process replaced after every {held['runs_per_process']} runs; "
             f"{held['mb_per_100_runs_within_a_process']:+.2f} MB within a process, most of it kept by SUMO",
         ),
+        Bar(
+            what=f"growth of the batch's own memory in 100 runs, over {own['runs']}",
+            measured=own["mb_per_100_runs"],
+            at_most=MOST_MB_PER_100_RUNS,
+            unit="MB",
+            note=f"at most {own['most_mb']:.0f} MB",
+        ),
+        Bar(
+            what="more files open in the batch's own process at one time than at another",
+            measured=float(own["files"][1] - own["files"][0]),
+            at_most=float(MOST_MORE_FILES),
+            note=f"{own['files'][0]} to {own['files'][1]}",
+        ),
     ]
 
 
@@ -210,6 +259,7 @@ def main() -> None:
         times = ", ".join(f"{kind} {value:.1f} s" for kind, value in entry["wall_s"].items())
         print(f"{runs} runs, {processes} at a time: {times}", flush=True)
     found["memory"] = memory(short_runs)
+    found["parent"] = parent(6 if given.quick else PARENT_RUNS)
     asked = bars(found)
     show(asked)
     results.publish("batch", found, asked, given.folder)
