@@ -53,12 +53,14 @@ def context() -> BaseContext:
     """Return how processes are to be started; to be called shortly before."""
     # New interpreters look for modules in the current folder first: a user's file named like one of the
     # standard library would be executed.
-    os.environ.setdefault("PYTHONSAFEPATH", "1")
     if not sys.platform.startswith("linux"):
+        os.environ.setdefault("PYTHONSAFEPATH", "1")  # each process is a new interpreter
         return get_context("spawn")  # system libraries of macOS do not bear to be copied
     found = _Context()
     found.set_forkserver_preload([*LOADED])
-    with _starting, _same_import_path():
+    path = os.pathsep.join(place or os.getcwd() for place in sys.path)
+    # What this program imports, the processes can import, also where it has changed ``sys.path``.
+    with _starting, _variables(PYTHONSAFEPATH="1", PYTHONPATH=path):
         forkserver.ensure_running()
     return found
 
@@ -79,14 +81,15 @@ def hold_back(number: signal.Signals) -> Callable[[], None]:
 
 
 @contextmanager
-def _same_import_path() -> Iterator[None]:
-    """Let a new process import what this one would, also where a program has changed ``sys.path``."""
-    before = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = os.pathsep.join(place or os.getcwd() for place in sys.path)
+def _variables(**values: str) -> Iterator[None]:
+    """Set variables of the environment for new processes, and leave no trace of that in this one."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
     try:
         yield
     finally:
-        if before is None:
-            del os.environ["PYTHONPATH"]
-        else:
-            os.environ["PYTHONPATH"] = before
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

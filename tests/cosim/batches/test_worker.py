@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import multiprocessing
+import os
 import sys
 import time
 from multiprocessing.connection import Connection
@@ -86,6 +87,12 @@ def test_a_process_starts_with_everything_loaded_that_runs_need() -> None:
 
 def _tell_loaded(sender: Connection) -> None:
     sender.send([name for name in processes.LOADED if name in sys.modules])
+
+
+def test_starting_processes_leaves_the_environment_as_it_was() -> None:
+    before = dict(os.environ)
+    processes.context()
+    assert dict(os.environ) == before
 
 
 class _ReadSlowly:
