@@ -17,6 +17,7 @@ from analysis.results.measures import encounter_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.statistics.intervals import FloatArray
+from analysis.tables.column import Table
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 _DRAC_BEYOND = ("unbounded", "collision")
@@ -51,20 +52,20 @@ def numbers_in(cells: Sequence[str]) -> dict[str, float]:
     }
 
 
-def encounters_text(folder: Path) -> str:
-    """Return the content of a run's encounters.csv.
+def table_text(folder: Path, table: Table = ENCOUNTERS) -> str:
+    """Return the content of one of a run's tables.
 
     Raises
     ------
     AnalysisError
         When it cannot be read, is not as the run wrote it, or has other columns.
     """
-    path = folder / ENCOUNTERS.file
+    path = folder / table.file
     try:
         text = read_verified(path).decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise StudyError(f"{path}: cannot be read ({error}); cosim analyse makes it again") from None
-    if text.partition("\n")[0] != ",".join(ENCOUNTERS.names()):
+    if text.partition("\n")[0] != ",".join(table.names()):
         raise StudyError(
             f"{path}: expected the columns of schema {SCHEMA_VERSION}; cosim analyse makes it again"
         )

@@ -17,7 +17,7 @@ from analysis.results.measures import is_wall_clock
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.sealing import damages
 from analysis.statistics.intervals import FloatArray
-from analysis.study.run_numbers import encounters_text, numbers_in, read_cells, tallies_and_samples
+from analysis.study.run_numbers import numbers_in, read_cells, table_text, tallies_and_samples
 
 _NEEDED = ("run_id", "config_id", "scenario_id", "controller", "seed", "valid")
 
@@ -137,7 +137,7 @@ def _read(folder: Path) -> StudyRun:
     if meta["valid"] and not cells:
         raise StudyError(f"{folder} was not analysed: no {RUNS.file}; cosim analyse makes it")
     numbers, samples = numbers_in(cells), dict[str, FloatArray]()
-    encounters = encounters_text(folder) if cells else ""
+    encounters = table_text(folder) if cells else ""
     if meta["valid"]:
         tallies, samples = tallies_and_samples(folder / ENCOUNTERS.file, encounters)
         numbers |= tallies

@@ -9,10 +9,11 @@ from typing import Any
 
 from analysis.files import completing, csv_lines, json_text, read_json, write_csv
 from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.study.comparison_rows import comparison_rows
 from analysis.study.configuration_rows import configuration_rows
 from analysis.study.design import read_study
-from analysis.study.run_numbers import encounters_text
+from analysis.study.run_numbers import table_text
 from analysis.study.runs import StudyRun
 from analysis.study.tables import COMPARISONS, CONFIGS, STUDY_TABLES
 from analysis.tables.cells import Row, cells
@@ -54,11 +55,16 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Ma
     out.mkdir(parents=True, exist_ok=True)
     content = {
         RUNS.file: csv_lines([RUNS.names(), *(run.cells for run in study.runs if run.cells)]),
-        ENCOUNTERS.file: _encounters(study.runs),
+        ENCOUNTERS.file: _joined(ENCOUNTERS, study.runs),
         CONFIGS.file: _rows(CONFIGS, configuration_rows(study)),
         COMPARISONS.file: _rows(COMPARISONS, comparison_rows(study, baseline)),
-        PACKAGE: iter([_package(out)]),
     }
+    tables: tuple[Table, ...] = STUDY_TABLES
+    traffic = [run for run in study.runs if (run.folder / TRAFFIC_ENCOUNTERS.file).is_file()]
+    if traffic:
+        content[TRAFFIC_ENCOUNTERS.file] = _joined(TRAFFIC_ENCOUNTERS, traffic)
+        tables = (*tables, TRAFFIC_ENCOUNTERS)
+    content[PACKAGE] = iter([_package(out, tables)])
     with ExitStack() as stack:
         for name, texts in content.items():
             part = stack.enter_context(completing(out / name))
@@ -82,19 +88,19 @@ def _cells(table: Table, rows: Iterable[Row]) -> Iterable[Sequence[str]]:
     return cells(table, list(rows), number="{:.6g}".format)
 
 
-def _encounters(runs: Iterable[StudyRun]) -> Iterator[str]:
-    """Return the lines of all encounters.csv files, run after run, without holding more than one."""
-    header = ",".join(ENCOUNTERS.names()) + "\n"
+def _joined(table: Table, runs: Iterable[StudyRun]) -> Iterator[str]:
+    """Return the lines of one table of all runs, run after run, without holding more than one."""
+    header = ",".join(table.names()) + "\n"
     yield header
     for run in runs:
         if run.cells:
-            yield encounters_text(run.folder).removeprefix(header)
+            yield table_text(run.folder, table).removeprefix(header)
 
 
-def _package(out: Path) -> str:
+def _package(out: Path, tables: Sequence[Table]) -> str:
     """Return the data dictionary: of these tables, and of what else the folder's dictionary describes."""
-    package = describe(STUDY_TABLES, "a study of many runs")
-    mine = {table.name for table in STUDY_TABLES}
+    package = describe(tables, "a study of many runs")
+    mine = {table.name for table in tables}
     package["resources"] += [one for one in _described(out / PACKAGE) if one.get("name") not in mine]
     return json_text(package)
 

@@ -8,6 +8,7 @@ import re
 import shlex
 from dataclasses import dataclass
 
+from analysis.recording.extent import EGOS
 from cosim.running.request import RunRequest
 
 Pairs = tuple[tuple[str, str], ...]
@@ -37,6 +38,8 @@ class Configuration:
     ego_share: float | None = None
     sensing: str | None = None
     """``None``: as the scenario says."""
+    record: str = EGOS
+    """Whom a run records."""
 
     @property
     def settings(self) -> Pairs:
@@ -66,6 +69,7 @@ class Configuration:
             ego_vehicle=self.ego_vehicle,
             ego_share=self.ego_share,
             sensing=self.sensing,
+            record=self.record,
         )
 
 
@@ -86,6 +90,7 @@ class Job:
             *(one.scenario, one.controller, sorted(one.settings), self.seed),
             *(one.ego_route, one.ego_vehicle, one.ego_share),
             *([] if one.sensing is None else [one.sensing]),
+            *([] if one.record == EGOS else [one.record]),
         ]
         digest = hashlib.sha256(json.dumps(asked_for).encode()).hexdigest()[:8]
         return f"{label[:LONGEST_LABEL]}-seed{self.seed}-{digest}"
@@ -108,4 +113,6 @@ class Job:
             words += ["--ego-share", f"{one.ego_share:g}"]
         if one.sensing is not None:
             words += ["--sensing", one.sensing]
+        if one.record != EGOS:
+            words += ["--record", one.record]
         return shlex.join(words)

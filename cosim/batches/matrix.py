@@ -154,6 +154,7 @@ def _configurations(
             controller_settings=tuple(pair for pair in settings if pair[0] not in of_road),
             varied=(*differs, *((key, _text(value)) for key, value in varied.items())),
             sensing=model if study.sensing else None,
+            record=study.record,
             **_egos(everything),
         )
         one.request(0)  # refuses egos that exclude each other

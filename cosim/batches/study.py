@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from analysis.recording.extent import EGOS, EVERYBODY
 from cosim.errors import InputError
 
 Value = bool | int | float | str
@@ -33,6 +34,8 @@ class StudyTable(BaseModel):
     sensing: list[str] = []
     """Sensing models; none given: as each scenario says."""
     seeds: str | list[int]
+    record: str = EGOS
+    """Whom the runs record, as ``cosim run --record`` does."""
     settings: dict[str, Value] = Field(default={}, alias="set")
     """Scenario and controller parameters of every run that has them."""
     vary: dict[str, list[Value]] = {}
@@ -161,6 +164,8 @@ def _from_ranges(text: str) -> list[int]:
 
 def _check(study: StudyTable) -> None:
     """Refuse a matrix that is empty, or that has the same run twice."""
+    if study.record not in (EGOS, EVERYBODY):
+        raise ValueError(f"record: expected {EGOS} or {EVERYBODY}, got {study.record!r}")
     axes: list[tuple[str, Iterable[Value]]] = [
         ("scenarios", study.scenarios),
         ("controllers", study.controllers),

@@ -10,7 +10,10 @@ from analysis.sealing import seal_tables
 from cosim.batches.ledger import FAILURES, Ledger
 from cosim.errors import SimulationError, reason_of
 
-TABLES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json", FAILURES)
+TABLES = (
+    *("runs.csv", "encounters.csv", "traffic_encounters.csv", "configs.csv", "comparisons.csv"),
+    *("datapackage.json", FAILURES),
+)
 """Files of a study that have hashes."""
 USUAL_BASELINE = "sumo"
 
