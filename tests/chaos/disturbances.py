@@ -148,10 +148,10 @@ def _family(process: subprocess.Popen[str]) -> list[psutil.Process]:
 
 
 def _is_worker(one: psutil.Process) -> bool:
-    """Return whether a process makes runs: the copies are children of the one that is copied."""
+    """Return whether a process makes runs: it is a copy of the one that is copied, and its child."""
     try:
-        parent = one.parent()
-        return parent is not None and "forkserver" in " ".join(parent.cmdline())
+        both = one, one.parent()
+        return all(each is not None and "forkserver" in " ".join(each.cmdline()) for each in both)
     except psutil.NoSuchProcess:
         return False
 
