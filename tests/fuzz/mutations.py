@@ -105,7 +105,9 @@ def changed_bytes(draw: st.DrawFn, content: bytes) -> bytes:
     if how == "double":
         return content + content
     if how == "encoding":
-        return content.decode("utf-8", "replace").encode(draw(st.sampled_from(("utf-16", "utf-32", "cp037"))))
+        return content.decode("utf-8", "replace").encode(
+            draw(st.sampled_from(("utf-16", "utf-32", "cp037"))), "replace"
+        )
     if how == "bom":
         return b"\xff\xfe" + content
     return b"" if how == "nothing" else content[:at] + b"\0" * 8 + content[at:]
