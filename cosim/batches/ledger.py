@@ -55,7 +55,7 @@ class Ledger:
         try:
             if folder.is_dir():
                 foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())
-                if foreign and not (folder / STUDY).is_file():
+                if foreign and not _is_study(folder):
                     raise InputError(
                         f"--out {folder}: expected an empty or new folder, or the one of this study; "
                         "this one has other files in it"
@@ -252,6 +252,11 @@ class Ledger:
 
     def _clear(self) -> None:
         shutil.rmtree(self.folder / WORK, ignore_errors=True)
+
+
+def _is_study(folder: Path) -> bool:
+    """Return whether a folder is one of a study, also where the copy of the study file was lost."""
+    return (folder / STUDY).is_file() or ((folder / LOCK).is_file() and (folder / RUNS).is_dir())
 
 
 def _first(told: Sequence[str]) -> str:

@@ -158,6 +158,16 @@ def test_a_folder_in_which_a_batch_only_just_began_is_taken_again(tmp_path: Path
         pass
 
 
+def test_a_study_that_has_lost_its_copy_of_the_study_file_goes_on(tmp_path: Path) -> None:
+    study = write_study(tmp_path)
+    with Ledger(tmp_path / "out").opened(study):
+        pass
+    (tmp_path / "out" / "study.toml").unlink()
+    with Ledger(tmp_path / "out").opened(study):
+        pass
+    assert (tmp_path / "out" / "study.toml").read_text("utf-8") == study.read_text("utf-8")
+
+
 def test_two_batches_do_not_work_in_one_folder(ledger: Ledger, tmp_path: Path) -> None:
     with (
         pytest.raises(InputError, match="another batch is at work"),
