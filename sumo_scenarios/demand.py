@@ -12,6 +12,8 @@ from sumo_scenarios.xml_files import check_xml
 
 # SUMO's exp(0) is not defined; at this rate the first arrival is expected after thirty years.
 _NOBODY_PER_S = 1e-9
+MOST_PER_HOUR = 100_000.0
+"""More than fifty lanes take; SUMO would be busy inserting them and never get on."""
 
 
 def placeholders(scenario: Scenario, table: ScenarioTable) -> dict[str, str]:
@@ -30,7 +32,12 @@ def placeholders(scenario: Scenario, table: ScenarioTable) -> dict[str, str]:
             raise ScenarioError(
                 f"{scenario.name}: rates.{name}.of is {rate.of!r}, which is not a number per hour"
             )
-        values[name] = f"{max(count * rate.share / 3600.0, _NOBODY_PER_S):.9f}"
+        hourly = count * rate.share
+        if not hourly <= MOST_PER_HOUR:
+            raise ScenarioError(
+                f"{scenario.name}: rates.{name} is {hourly:g} an hour; expected at most {MOST_PER_HOUR:g}"
+            )
+        values[name] = f"{max(hourly / 3600.0, _NOBODY_PER_S):.9f}"
     for name, after_warmup_s in table.times.items():
         values[name] = f"{max(scenario.warmup_s + after_warmup_s, 0.0):.3f}"
     return values

@@ -43,7 +43,7 @@ def changed_tables(draw: st.DrawFn, content: dict[str, Any]) -> dict[str, Any]:
                 else copy.deepcopy(holder[key]),
             )
         elif how == "into_list":
-            holder[key] = [copy.deepcopy(holder[key])]
+            holder[key] = [copy.deepcopy(holder.get(key, 1) if isinstance(holder, dict) else holder[key])]
     return changed
 
 

@@ -191,3 +191,9 @@ def test_a_folder_of_the_users_own_is_prepared(tmp_path: Path) -> None:
         (tmp_path / name).write_text(content)
     prepared = prepare(load(str(tmp_path)), 1, tmp_path / "work")
     assert set(prepared.inputs) == {"n.xml", "e.xml", "network", "r.xml"}
+
+
+def test_a_rate_that_no_road_takes_is_refused(tmp_path: Path) -> None:
+    busy, _ = with_parameters(load("midblock_zebra"), {"vehicles_per_hour": "1e9"})
+    with pytest.raises(ScenarioError, match=r"rates\.\w+ is 1e\+09 an hour; expected at most 100000"):
+        prepare(busy, 1, tmp_path)
