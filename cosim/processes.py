@@ -31,14 +31,11 @@ class _BegunProcess(ForkServerProcess):
 
     def start(self) -> None:
         heard, self._silence = Pipe(duplex=False)
-        try:
-            super().start()
-            self._silence.close()
-            heard.poll(
-                _BEGIN_WITHIN_S
-            )  # nothing is said: the other end is closed, by its beginning or its end
-        finally:
-            heard.close()
+        with heard:
+            with self._silence:
+                super().start()
+            # Nothing is ever said: the process closes its end as it begins, or by its own end.
+            heard.poll(_BEGIN_WITHIN_S)
 
     def run(self) -> None:
         self._silence.close()

@@ -157,7 +157,7 @@ def _configurations(
             record=study.record,
             **_egos(everything),
         )
-        one.request(0)  # refuses egos that exclude each other
+        one.request(0)  # refuses egos that exclude each other, and what no run can record
         found.append(one)
     return found
 

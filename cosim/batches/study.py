@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from analysis.recording.extent import EGOS, EVERYBODY
+from analysis.recording.extent import EGOS
 from cosim.errors import InputError
 
 Value = bool | int | float | str
@@ -164,8 +164,6 @@ def _from_ranges(text: str) -> list[int]:
 
 def _check(study: StudyTable) -> None:
     """Refuse a matrix that is empty, or that has the same run twice."""
-    if study.record not in (EGOS, EVERYBODY):
-        raise ValueError(f"record: expected {EGOS} or {EVERYBODY}, got {study.record!r}")
     axes: list[tuple[str, Iterable[Value]]] = [
         ("scenarios", study.scenarios),
         ("controllers", study.controllers),
