@@ -14,7 +14,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -156,13 +156,13 @@ def memory(runs: int) -> dict[str, Any]:
                 raise SystemExit(outcome.reason)
             sizes_mb.append(_largest_child_mb())
             shutil.rmtree(place)
-    settled = min(SETTLED, runs // 2)
+    settled, first = min(SETTLED, runs // 2), sizes_mb[: RUNS_PER_PROCESS - 1]
     return {
         "runs": runs,
         "runs_per_process": RUNS_PER_PROCESS,
         "most_mb": max(sizes_mb),
-        "mb_per_100_runs": _slope(sizes_mb[settled:]),
-        "mb_per_100_runs_within_a_process": _slope(sizes_mb[settled : RUNS_PER_PROCESS - 1]),
+        "mb_per_100_runs": _slope(range(settled, runs), sizes_mb[settled:]),
+        "mb_per_100_runs_within_a_process": _slope(range(settled, len(first)), first[settled:]),
     }
 
 
@@ -185,18 +185,17 @@ def parent(runs: int) -> dict[str, Any]:
             raise SystemExit(f"the batch ended with {process.returncode}")
     settled = [look for look in looks if look[0] >= PARENT_SETTLED] or looks[-1:]
     finished, sizes_mb, files = zip(*settled, strict=True)
-    slope = np.polyfit(finished, sizes_mb, 1)[0] if len(set(finished)) > 1 else 0.0
     return {
         "runs": runs,
         "most_mb": max(sizes_mb),
-        "mb_per_100_runs": 100.0 * float(slope),
+        "mb_per_100_runs": _slope(finished, sizes_mb),
         "files": [min(files), max(files)],
     }
 
 
-def _slope(sizes_mb: list[float]) -> float:
-    """Return the slope of the straight line that fits best, per 100 runs."""
-    return 100.0 * float(np.polyfit(np.arange(len(sizes_mb)), sizes_mb, 1)[0])
+def _slope(runs: Sequence[int], sizes_mb: Sequence[float]) -> float:
+    """Return the slope of the straight line that fits best, per 100 runs; 0 at a single number of runs."""
+    return 100.0 * float(np.polyfit(runs, sizes_mb, 1)[0]) if len(set(runs)) > 1 else 0.0
 
 
 def _largest_child_mb() -> float:

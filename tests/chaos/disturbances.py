@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import os
 import random
-import resource
-import shlex
-import shutil
 import signal
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
+from tests.cosim.batches.disturbing import SMALL_DISK_OUT, can_mount, on_small_disk, workers
 from tests.cosim.cli.commands import command, source_environment
+from tests.limits import LARGEST_FILE, limit
 
 MOST_MEMORY = 8 << 30
-"""Of the addresses of a process, of which libraries reserve much more than they use [bytes]."""
+"""[bytes]"""
 LONGEST_S = 60.0
 """A disturbed batch ends within this time [s]."""
-LARGEST_FILE = 64 << 20
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+OUT = "out"
+"""Folder of the batch."""
 KEPT = (".lock",)
 """Files without a content."""
 
@@ -45,49 +45,42 @@ class Disturbed:
     """The file that was altered afterwards."""
 
 
-def killed(folder: Path, words: list[str], drawn: random.Random, lasts_s: float) -> Disturbed:
+def killed(folder: Path, study: Path, drawn: random.Random, lasts_s: float) -> Disturbed:
     """Send a signal to the batch or to one of its workers at some moment."""
     number, to_parent = drawn.choice(SIGNALS), drawn.random() < 0.5
     moment = drawn.uniform(0.0, lasts_s)
-    process = _started(folder, words)
+    process = _started(folder, _batch(study))
     time.sleep(moment)
-    family = _family(process)
-    workers = [one for one in family if one.pid != process.pid and _is_worker(one)]
-    target = psutil.Process(process.pid) if to_parent or not workers else drawn.choice(workers)
+    family, found = _family(process), workers(process.pid)
+    target = psutil.Process(process.pid) if to_parent or not found else drawn.choice(found)
     if target.is_running():
         target.send_signal(number)
     whom = "batch" if target.pid == process.pid else "worker"
     return _ended(process, f"{number.name} to the {whom} after {moment:.2f} s", family)
 
 
-def without_room(folder: Path, words: list[str], drawn: random.Random, lasts_s: float) -> Disturbed:
+def without_room(folder: Path, study: Path, drawn: random.Random, lasts_s: float) -> Disturbed:
     """Let the disk, or a file, be full at some byte."""
     size = int(2.0 ** drawn.uniform(12.0, 20.5))
     if not can_mount() or drawn.random() < 0.3:
-        process = _started(folder, words, most_bytes=size)
-        return _ended(process, f"no file larger than {size} bytes", _family(process))
-    pages = max(size // 4096, 1) + 1
-    (folder / "disk").mkdir()
-    inner = [*words[: words.index("--out")], "--out", "disk/out", *words[words.index("--out") + 2 :]]
-    script = (
-        f"mount -t tmpfs -o size={pages * 4}k tmpfs disk && "
-        f"{{ {shlex.join(inner)}; code=$?; [ -d disk/out ] && cp -r disk/out out; exit $code; }}"
-    )
-    words = ["unshare", "--user", "--map-root-user", "--mount", "bash", "-c", script]
-    process = _started(folder, words)
-    return _ended(process, f"a disk of {pages * 4} kB", _family(process))
+        process, what = _started(folder, _batch(study), size), f"no file larger than {size} bytes"
+    else:
+        kilobytes = 4 * (max(size // 4096, 1) + 1)  # in whole pages
+        words = on_small_disk(_batch(study, SMALL_DISK_OUT), kilobytes, OUT)
+        process, what = _started(folder, words), f"a disk of {kilobytes} kB"
+    return _ended(process, what, _family(process))
 
 
-def damaged(folder: Path, words: list[str], drawn: random.Random, lasts_s: float) -> Disturbed:
+def damaged(folder: Path, study: Path, drawn: random.Random, lasts_s: float) -> Disturbed:
     """Let the batch end early or in time, then cut a file of its folder short, alter a byte of it or lose it."""
-    process = _started(folder, words)
+    process = _started(folder, _batch(study))
     if drawn.random() < 0.7:
         time.sleep(drawn.uniform(0.5, 1.0) * lasts_s)
         process.send_signal(signal.SIGTERM)
-    ended = _ended(process, "", _family(process))
-    files = sorted(path for path in (folder / "out").rglob("*") if path.is_file() and path.name not in KEPT)
+    ended = _ended(process, "stopped before there was a file", _family(process))
+    files = sorted(path for path in (folder / OUT).rglob("*") if path.is_file() and path.name not in KEPT)
     if not files:
-        return Disturbed("stopped before there was a file", ended.code, ended.told, ended.left)
+        return ended
     chosen = drawn.choice(files)
     content = bytearray(chosen.read_bytes())
     how = drawn.choice(("altered", "cut", "lost"))
@@ -99,28 +92,18 @@ def damaged(folder: Path, words: list[str], drawn: random.Random, lasts_s: float
     else:
         content[where] ^= 1 << drawn.randrange(8)
         chosen.write_bytes(content)
-    what = f"{chosen.relative_to(folder)} {how} at byte {where}"
-    return Disturbed(what, ended.code, ended.told, ended.left, chosen)
+    return replace(ended, what=f"{chosen.relative_to(folder)} {how} at byte {where}", damaged=chosen)
 
 
-Disturbance = Callable[[Path, list[str], random.Random, float], Disturbed]
+Disturbance = Callable[[Path, Path, random.Random, float], Disturbed]
 DISTURBANCES: tuple[Disturbance, ...] = (killed, damaged, without_room)
 
 
-def batch_command(folder: Path, study: Path) -> list[str]:
-    """Return the command line of a batch into ``out`` of a folder."""
-    return command("batch", study, "--out", "out", "--jobs", 2)
+def _batch(study: Path, out: str = OUT) -> list[str]:
+    return command("batch", study, "--out", out, "--jobs", 2)
 
 
-def can_mount() -> bool:
-    """Tell whether this machine lets us have a small file system of our own."""
-    if shutil.which("unshare") is None:
-        return False
-    probe = ["unshare", "--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"]
-    return subprocess.run(probe, capture_output=True, check=False).returncode == 0
-
-
-def _started(folder: Path, words: list[str], most_bytes: int = LARGEST_FILE) -> subprocess.Popen[str]:
+def _started(folder: Path, words: list[str], largest_file: int = LARGEST_FILE) -> subprocess.Popen[str]:
     return subprocess.Popen(
         words,
         cwd=folder,
@@ -129,14 +112,8 @@ def _started(folder: Path, words: list[str], most_bytes: int = LARGEST_FILE) -> 
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=partial(_limit, most_bytes),
+        preexec_fn=partial(limit, MOST_MEMORY, largest_file),
     )
-
-
-def _limit(most_bytes: int) -> None:
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def _family(process: subprocess.Popen[str]) -> list[psutil.Process]:
@@ -145,15 +122,6 @@ def _family(process: subprocess.Popen[str]) -> list[psutil.Process]:
         return [parent, *parent.children(recursive=True)]
     except psutil.NoSuchProcess:
         return []
-
-
-def _is_worker(one: psutil.Process) -> bool:
-    """Return whether a process makes runs: it is a copy of the one that is copied, and its child."""
-    try:
-        both = one, one.parent()
-        return all(each is not None and "forkserver" in " ".join(each.cmdline()) for each in both)
-    except psutil.NoSuchProcess:
-        return False
 
 
 def _ended(process: subprocess.Popen[str], what: str, family: list[psutil.Process]) -> Disturbed:

@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from tests.chaos.disturbances import DISTURBANCES, Disturbed, batch_command
-from tests.cosim.batches.studies import lasting, write_study
-from tests.cosim.batches.test_worker import content
+from tests.chaos.disturbances import DISTURBANCES, Disturbed
+from tests.cosim.batches.studies import content, lasting, write_study
 from tests.cosim.cli.commands import finished
 
 MOST_RESUMED = 4
@@ -63,7 +62,7 @@ class Chaos:
         disturb = DISTURBANCES[number % len(DISTURBANCES)]
         place = self.folder / f"round-{number}"
         place.mkdir()
-        disturbed = disturb(place, batch_command(place, self._study), drawn, lasts_s)
+        disturbed = disturb(place, self._study, drawn, lasts_s)
         ending = _judged(disturbed) or self._resumed(place, disturbed, reference)
         if not ending.startswith("wrong"):
             shutil.rmtree(place)

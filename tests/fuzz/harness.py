@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import os
-import resource
 import shutil
 import signal
 import sys
@@ -14,11 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.fuzz.cases import TARGET, Case
+from tests.limits import limit
 
 MOST_MEMORY = 6 << 30
-"""Of addresses, of which libraries reserve much more than they use [bytes]."""
+"""[bytes]"""
 LONGEST_S = 30.0
-LARGEST_FILE = 64 << 20
 FOLDERS = {"tracks": "pedestrians"}
 
 
@@ -66,9 +65,7 @@ def _ended(words: list[str], printed: Path, told: Path) -> int | None:
 
 
 def _child(words: list[str], printed: Path, told: Path) -> int:
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    limit(MOST_MEMORY)
     for number, path in ((1, printed), (2, told)):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), number)
     sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", errors="replace") for number in (1, 2))

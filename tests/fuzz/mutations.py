@@ -36,15 +36,15 @@ def changed_tables(draw: st.DrawFn, content: dict[str, Any]) -> dict[str, Any]:
             holder[draw(st.sampled_from(("x", "", "Ä b", str(key) + "s")))] = holder.pop(key, 1)
         elif how == "swap":
             other, place = draw(st.sampled_from(list(_places(changed))))
-            holder[key], other[place] = (
-                copy.deepcopy(other[place]),
-                copy.deepcopy(holder.get(key, 1))
-                if (isinstance(holder, dict))
-                else copy.deepcopy(holder[key]),
-            )
+            holder[key], other[place] = copy.deepcopy(other[place]), _copy(holder, key)
         elif how == "into_list":
-            holder[key] = [copy.deepcopy(holder.get(key, 1) if isinstance(holder, dict) else holder[key])]
+            holder[key] = [_copy(holder, key)]
     return changed
+
+
+def _copy(holder: Any, key: Any) -> Any:
+    """Return a copy of what a table or a list holds; a number where the key was taken out before."""
+    return copy.deepcopy(holder.get(key, 1) if isinstance(holder, dict) else holder[key])
 
 
 def _places(content: Any) -> list[tuple[Any, Any]]:

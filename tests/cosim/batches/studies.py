@@ -85,6 +85,18 @@ def lasting(folder: Path, tables: Sequence[str] = ("runs", "encounters", "config
     return "\n".join(map(repr, texts))
 
 
+def content(folder: Path) -> dict[str, object]:
+    """Return the files of a run without what the wall clock decides."""
+    found: dict[str, object] = {}
+    for path in sorted(folder.iterdir()):
+        if path.name == "runs.csv":
+            (row,) = rows(path)
+            found[path.name] = {key: row[key] for key in row if not key.startswith(("wall_", "compute_"))}
+        elif path.name not in ("run.json", "timing.parquet", "files.json"):
+            found[path.name] = path.read_bytes()
+    return found
+
+
 def some_job(seed: int = 1, controller: str = "sumo", **settings: str) -> Job:
     """Return a short run."""
     pairs = tuple((key, str(value)) for key, value in {**SHORT, **settings}.items())

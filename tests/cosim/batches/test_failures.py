@@ -15,6 +15,7 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from tests.cosim.batches import unruly
+from tests.cosim.batches.disturbing import SMALL_DISK_OUT, can_mount, on_small_disk, workers
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import command, source_environment
 
@@ -202,13 +203,9 @@ def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) 
     study = write_study(tmp_path, set={"warmup_s": 2, "duration_s": 30}, seeds="1-4")
     process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
     wait_for_runs(tmp_path / "out", 1, process)
-    # Both workers are copies of one process, which makes others in their place.
-    started = psutil.Process(process.pid).children()
-    workers = [
-        child for one in started if "forkserver" in " ".join(one.cmdline()) for child in one.children()
-    ]
-    assert workers
-    for one in workers:
+    found = workers(process.pid)
+    assert found
+    for one in found:
         one.kill()
     stdout, stderr = end(process, 120.0)
     assert process.returncode == 0, stderr
@@ -235,25 +232,12 @@ def test_files_that_may_not_grow_end_the_batch_and_leave_whole_runs(tmp_path: Pa
     assert len(runs(tmp_path / "out")) == 4
 
 
-def can_mount() -> bool:
-    """Tell whether this machine lets us have a small file system of our own."""
-    if shutil.which("unshare") is None:
-        return False
-    probe = ["unshare", "--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"]
-    return subprocess.run(probe, capture_output=True, check=False).returncode == 0
-
-
 def test_a_disk_that_fills_up_ends_the_batch_and_leaves_whole_runs(tmp_path: Path) -> None:
     if not can_mount():
         pytest.skip("no file system can be mounted here")
     study = write_study(tmp_path, seeds="1-10")
-    (tmp_path / "disk").mkdir()
-    line = " ".join(command("batch", study, "--out", "disk/out", "--jobs", 2))
-    script = (
-        f"mount -t tmpfs -o size=800k tmpfs disk && {{ {line}; code=$?; cp -r disk/out saved; exit $code; }}"
-    )
     done = subprocess.run(
-        ["unshare", "--user", "--map-root-user", "--mount", "bash", "-c", script],
+        on_small_disk(command("batch", study, "--out", SMALL_DISK_OUT, "--jobs", 2), 800, "saved"),
         cwd=tmp_path,
         env=source_environment(),
         capture_output=True,

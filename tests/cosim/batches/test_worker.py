@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import multiprocessing
 import os
@@ -17,22 +16,9 @@ from cosim import processes
 from cosim.batches.outcome import RUN
 from cosim.batches.pool import Pool
 from cosim.batches.worker import Handling
-from tests.cosim.batches.studies import some_job
+from tests.cosim.batches.studies import content, some_job
 
 pytestmark = pytest.mark.sumo
-
-
-def content(folder: Path) -> dict[str, object]:
-    """Return the files of a run without what the wall clock decides."""
-    found: dict[str, object] = {}
-    for path in sorted(folder.iterdir()):
-        if path.name == "runs.csv":
-            with path.open(encoding="utf-8", newline="") as file:
-                (row,) = csv.DictReader(file)
-            found[path.name] = {key: row[key] for key in row if not key.startswith(("wall_", "compute_"))}
-        elif path.name not in ("run.json", "timing.parquet", "files.json"):
-            found[path.name] = path.read_bytes()
-    return found
 
 
 def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_path: Path) -> None:
