@@ -9,12 +9,14 @@ import os
 
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
+import ctypes
 import resource
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -45,6 +47,8 @@ SHORTEST = {"warmup_s": 0, "duration_s": 1}
 PARENT_RUNS, PARENT_SETTLED, LOOKS_S = 1000, 100, 0.5
 """Runs of the batch whose own process is looked at, those before that counts, and how often [s]."""
 
+PR_SET_CHILD_SUBREAPER = 36
+"""Of prctl(2)."""
 LEAST_THROUGHPUT = 0.95
 MOST_OVERHEAD = 0.10
 MOST_MB_PER_100_RUNS = 1.0
@@ -111,10 +115,22 @@ def timed(commands: list[list[str]]) -> tuple[float, float]:
     processes = [subprocess.Popen(command, stdout=quiet, stderr=quiet) for command in commands]
     codes = [process.wait() for process in processes]
     wall_s = time.perf_counter() - started
+    _wait_for_orphans()
     if any(codes):
         raise SystemExit(f"{commands[0][:4]} ended with {codes}")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return wall_s, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def _adopt_orphans() -> None:
+    """Become the parent of what outlives a batch: the process that forks workers, which knows their time."""
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def _wait_for_orphans() -> None:
+    with suppress(ChildProcessError):
+        while True:
+            os.wait()
 
 
 def compared(processes: int, rounds: int, runs: int, shell_runs: int) -> dict[str, Any]:
@@ -202,7 +218,8 @@ def _largest_child_mb() -> float:
     """Return the resident memory of the worker, the largest of our children [MB]."""
     import psutil
 
-    return max(child.memory_info().rss for child in psutil.Process().children()) / 1e6
+    # Workers are children of the process that forks them.
+    return max(child.memory_info().rss for child in psutil.Process().children(recursive=True)) / 1e6
 
 
 def bars(found: dict[str, Any]) -> list[Bar]:
@@ -250,6 +267,7 @@ def bars(found: dict[str, Any]) -> list[Bar]:
 def main() -> None:
     """Measure, print and publish."""
     given = options(__doc__)
+    _adopt_orphans()
     rounds, short_runs = (1, 6) if given.quick else (ROUNDS, SHORT_RUNS)
     found: dict[str, Any] = {"rounds": rounds, "simulated_s": SETTINGS["duration_s"]}
     for processes in (1, 2):

@@ -41,9 +41,10 @@ def read_sumocfg(path: Path) -> SumoConfiguration:
     if not root_name.lower().endswith("configuration"):
         raise ScenarioError(f"{path}: the root element is <{root_name}>; expected a SUMO <configuration>")
     options = _options(path)
-    if not options.get("net-file"):
+    nets = _files(path, "net-file", options)
+    if not nets:
         raise ScenarioError(f'{path}: names no network; expected <net-file value="..."/>')
-    (net_file,) = _files(path, "net-file", options)[:1]
+    net_file = nets[0]
     root_name = check_xml(net_file, asked_by=path)
     if root_name != "net":
         raise ScenarioError(f"{net_file}: the root element is <{root_name}>; expected a SUMO network, <net>")

@@ -58,6 +58,7 @@ CLEAN = (
     "cosim/suites/__init__.py",
     "cosim/batches/__init__.py",
     "cosim/checks/__init__.py",
+    "cosim/screening/__init__.py",
     "cosim/cli/__init__.py",
     "cosim/running/compose.py",
     "cosim/running/inventory.py",
@@ -78,8 +79,9 @@ CLEAN = (
     "analysis/recording/first.py",
     *(
         f"analysis/{room}/__init__.py"
-        for room in ("page", "plots", "study", "criteria", "protocols", "statistics", "results", "encounters")
+        for room in ("page", "plots", "study", "criteria", "protocols", "screening", "statistics")
     ),
+    *(f"analysis/{room}/__init__.py" for room in ("results", "encounters")),
     *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "manifest", "markdown")),
     *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches")),
     *(f"analysis/{name}.py" for name in ("tables", "thresholds")),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.encounters.case import Case
+from analysis.encounters.crossing_walks import at_crossing
 from analysis.encounters.finding import Encounter
 from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.tracks import Track
@@ -40,13 +41,7 @@ def ride_of(case: Case, track: Track) -> Ride:
 
 def phase_samples(case: Case, encounter: Encounter, *phases: str) -> BoolArray:
     """Return where the person's track is in one of the phases at this encounter's crossing."""
-    texts = case.run.neighbours.texts
-    rows = encounter.person.rows
-    there = texts["crossing_id"].equal(encounter.crossing_id, rows)
-    inside = np.zeros(len(rows), dtype=np.bool_)
-    for phase in phases:
-        inside |= texts["phase"].equal(phase, rows)
-    return np.asarray(inside & there)
+    return at_crossing(encounter.person, case.run.neighbours, encounter.crossing_id, *phases)
 
 
 def crossing_stay(case: Case, encounter: Encounter) -> tuple[int, int] | None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.encounters import crossing_walks
 from analysis.encounters.case import Case, Values
 from analysis.encounters.hcm import level_of_service
 from analysis.encounters.moments import crossing_stay, phase_samples
@@ -32,17 +33,11 @@ RUN_COLUMNS = (
 def compute(case: Case) -> Values:
     """Return the delay."""
     delay = np.full(len(case), np.nan)
-    standing = case.thresholds.pedestrian_standing_speed_mps
     for i, one in enumerate(case.encounters):
         stay = crossing_stay(case, one)
-        speed = one.person.speed
-        if stay is None or stay[1] + 1 >= len(speed) or not (speed > standing).any():
-            continue
-        free = float(np.percentile(speed[speed > standing], case.thresholds.free_walking_percentile))
-        inside = phase_samples(case, one, "waiting", "crossing")[: stay[1] + 1]
-        time = case.grid.time[one.person.first : one.person.first + stay[1] + 2]
-        lost = np.maximum(1.0 - speed[: stay[1] + 1] / free, 0.0)
-        delay[i] = float((np.diff(time) * lost)[inside].sum())
+        if stay is not None:
+            inside = phase_samples(case, one, "waiting", "crossing")
+            delay[i] = crossing_walks.delay(one.person, inside, stay[1], case.grid, case.thresholds)
     return {"ped_delay_s": delay}
 
 

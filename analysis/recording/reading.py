@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ from analysis.recording.opening import opened_table
 IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
+_FACTS = ("lanes", "speed_limit_mps", "refuge", "longitude_deg", "latitude_deg")
 _PERFECT = "perfect"
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 
@@ -75,6 +76,8 @@ class Area:
     crossing_kind: str
     width_m: float
     shape: FloatArray
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    """Further values of a crossing, by their names in map.json; recordings of before have none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,6 +249,7 @@ def _area(path: Path, number: int, entry: Any) -> Area:
             str(entry.get("crossing_kind") or ""),
             float(entry["width_m"]),
             shape,
+            {name: entry[name] for name in _FACTS if entry.get(name) is not None},
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise RecordingError(f"{path}: area {number}: {error!r}") from None

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import FloatArray
-from analysis.recording.columns import EGOS, NEIGHBOURS, TRAFFIC, RecordedTable
+from analysis.recording.columns import EGOS, TRAFFIC, RecordedTable
 from analysis.recording.reading import Columns, RecordedRun, Texts, read_table
 
 IntArray = NDArray[np.int64]
@@ -28,8 +28,8 @@ def has_traffic(folder: Path) -> bool:
 class Traffic:
     """All traffic near crossings of a run."""
 
-    run: RecordedRun | None
-    """The run with all other vehicles for egos; ``None`` if there were none."""
+    run: RecordedRun
+    """The run with all other vehicles for egos."""
     classes: Mapping[str, str]
     """SUMO's class of each vehicle, egos included."""
 
@@ -51,13 +51,11 @@ def read_traffic(run: RecordedRun) -> Traffic:
     everything = np.flatnonzero(kinds.equal("vehicle"))
     firsts = everything[np.unique(names.codes[everything], return_index=True)[1]]
     classes = {names.at(int(row)): table.texts["vehicle_class"].at(int(row)) for row in firsts}
-    if not len(vehicles):
-        return Traffic(None, classes)
     others = replace(
         run,
         times=np.unique(np.round(table.numbers["time_s"], 6)),
         egos=_as_egos(table, vehicles),
-        neighbours=_columns(NEIGHBOURS, len(pedestrians), _picked(table, pedestrians)),
+        neighbours=_columns(TRAFFIC, len(pedestrians), _picked(table, pedestrians)),
         sensing=None,
     )
     return Traffic(others, classes)

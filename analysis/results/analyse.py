@@ -13,6 +13,7 @@ from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run
 from analysis.recording.traffic import has_traffic, read_traffic
+from analysis.results.exposure_rows import EXPOSURE, exposure_rows
 from analysis.results.metric_catalog import find_metrics
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
@@ -65,8 +66,9 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
         (VEHICLE_OVERLAPS, overlaps),
     ]
     if traffic is not None:
-        others = None if traffic.run is None else prepare_traffic(traffic.run, thresholds)
+        others = prepare_traffic(traffic.run, thresholds)
         tables.append((TRAFFIC_ENCOUNTERS, traffic_rows(case, others, traffic.classes)))
+        tables.append((EXPOSURE, exposure_rows(case, others, traffic.classes)))
     files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
     files.append(write_json(folder / "config.json", _config(case)))
     written = [table for table, _ in tables]

@@ -79,20 +79,19 @@ TRAFFIC_ENCOUNTERS = Table(
 )
 
 
-def traffic_rows(egos: Case | None, others: Case | None, classes: Mapping[str, str]) -> Sequence[Row]:
+def traffic_rows(egos: Case, others: Case, classes: Mapping[str, str]) -> Sequence[Row]:
     """Return the rows of traffic_encounters.csv, by the time at which they begin.
 
     Parameters
     ----------
     egos : Case
-        The run's own; ``None`` without egos. Of its encounters those count that would of other vehicles.
+        The run's own. Of its encounters those count that would of other vehicles.
     others : Case
-        Of the other vehicles; ``None`` without any.
+        Of the other vehicles.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
-    cases = [(case, case is egos) for case in (egos, others) if case is not None]
-    made = [row for case, is_ego in cases for row in _rows(case, is_ego, classes)]
+    made = [row for case in (egos, others) for row in _rows(case, case is egos, classes)]
     made.sort(key=lambda row: (row["t_start_s"], row["vehicle_id"], row["ped_id"]))
     return [plain(TRAFFIC_ENCOUNTERS, {**row, "traffic_encounter_id": n}) for n, row in enumerate(made, 1)]
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.files import completing, csv_lines, json_text, read_json, write_csv
+from analysis.results.exposure_rows import EXPOSURE
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.study.comparison_rows import comparison_rows
@@ -60,10 +61,11 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Ma
         COMPARISONS.file: _rows(COMPARISONS, comparison_rows(study, baseline)),
     }
     tables: tuple[Table, ...] = STUDY_TABLES
-    traffic = [run for run in study.runs if (run.folder / TRAFFIC_ENCOUNTERS.file).is_file()]
-    if traffic:
-        content[TRAFFIC_ENCOUNTERS.file] = _joined(TRAFFIC_ENCOUNTERS, traffic)
-        tables = (*tables, TRAFFIC_ENCOUNTERS)
+    for table in (TRAFFIC_ENCOUNTERS, EXPOSURE):
+        having = [run for run in study.runs if (run.folder / table.file).is_file()]
+        if having:
+            content[table.file] = _joined(table, having)
+            tables = (*tables, table)
     content[PACKAGE] = iter([_package(out, tables)])
     with ExitStack() as stack:
         for name, texts in content.items():

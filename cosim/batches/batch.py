@@ -45,6 +45,8 @@ class BatchRequest:
     table: StudyTable | None = None
     """Content of the study where it is not what a file says; ``study`` is then its name, and relative paths
     of scenarios begin where that is."""
+    again: str = ""
+    """Command that goes on where the batch has ended; empty: ``cosim batch``."""
 
     @property
     def folder(self) -> Path:
@@ -58,6 +60,8 @@ class BatchRequest:
 
     def command(self) -> str:
         """Return the command that goes on where a batch has ended."""
+        if self.again:
+            return self.again
         words = ["cosim", "batch", str(self.study)]
         if self.out is not None:
             words += ["--out", str(self.out)]

@@ -11,7 +11,14 @@ from cosim.batches.ledger import FAILURES, Ledger
 from cosim.errors import SimulationError, reason_of
 
 TABLES = (
-    *("runs.csv", "encounters.csv", "traffic_encounters.csv", "configs.csv", "comparisons.csv"),
+    *(
+        "runs.csv",
+        "encounters.csv",
+        "traffic_encounters.csv",
+        "crossing_exposure.csv",
+        "configs.csv",
+        "comparisons.csv",
+    ),
     *("datapackage.json", FAILURES),
 )
 """Files of a study that have hashes."""

@@ -82,7 +82,7 @@ def batch(
         if dry_run:
             _show_plan(one)
             return 0
-        return _show_result(one, one.run(shown_tally()))
+        return show_result(one, one.run(shown_tally()))
 
 
 def _show_plan(one: Batch) -> None:
@@ -118,7 +118,7 @@ def _show_plan(one: Batch) -> None:
     )
 
 
-def _show_result(one: Batch, result: Result) -> int:
+def show_result(one: Batch, result: Result) -> int:
     """Print how the batch ended and return the exit code."""
     from cosim.batches.ledger import FAILURES
     from cosim.presentation.notes import unverified

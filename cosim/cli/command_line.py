@@ -23,6 +23,7 @@ from cosim.cli import plot as plot_command
 from cosim.cli import replay as replay_command
 from cosim.cli import report as report_command
 from cosim.cli import run as run_command
+from cosim.cli import screen as screen_command
 from cosim.cli import verify as verify_command
 from cosim.cli.apart import OWN_PROCESS
 from cosim.cli.interruption import termination_interrupts
@@ -44,6 +45,7 @@ app = typer.Typer(
 app.command("run")(run_command.run)
 app.command("batch")(batch_command.batch)
 app.command("check")(check_command.check)
+app.command("screen")(screen_command.screen)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("report")(report_command.report)

@@ -105,8 +105,7 @@ def _rank(ways: Ways, crossing: NetCrossing) -> tuple[int, int, str]:
 
 def lanes_crossed(ways: Ways, crossing: NetCrossing) -> int:
     """Return how many lanes for passenger cars a crossing crosses."""
-    network = ways.network
-    return sum(len(network.allowed_lanes(edge, CAR)) for edge in crossing.edges if edge in network.edges)
+    return len(ways.network.lanes_over(crossing, CAR))
 
 
 def _best_movement(ways: Ways, crossing: NetCrossing) -> Movement | None:

@@ -54,6 +54,17 @@ def inspect(path: Path) -> Inspection:
     return inspect_source(read_source(path))
 
 
+def has_crossings(path: Path) -> bool:
+    """Return whether there is a crossing in a network, or in that of a SUMO configuration.
+
+    Raises
+    ------
+    InputError
+        As `inspect`.
+    """
+    return bool(read_network(read_source(path).net_file).crossings)
+
+
 def inspect_source(source: Source) -> Inspection:
     """Look at a network and the demand that goes with it.
 

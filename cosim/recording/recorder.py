@@ -8,12 +8,10 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 from types import TracebackType
 
-import numpy as np
-
 from analysis.files import write_json
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING, TRAFFIC
 from controllers.interface import Decision, Perception, Plan
-from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects
+from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects, map_entry
 from cosim.recording.table_writer import TableWriter
 from cosim.step.loop import ToWorld
 from cosim.step.world import MapArea, Mishaps, Snapshot
@@ -113,19 +111,7 @@ class Recorder:
 
     def write_map(self, areas: Sequence[MapArea]) -> None:
         """Write ``map.json``: lanes, crossings and walking areas near where the egos have been."""
-        content = {
-            "areas": [
-                {
-                    "name": area.name,
-                    "kind": area.kind,
-                    "crossing_kind": area.crossing_kind,
-                    "width_m": round(area.width, 3),
-                    "shape_m": np.round(area.shape, 3).tolist(),
-                }
-                for area in areas
-            ]
-        }
-        write_json(self._folder / "map.json", content)
+        write_json(self._folder / "map.json", {"areas": [map_entry(area) for area in areas]})
 
     def close(self) -> None:
         """Write the last rows of every file, also when one of them cannot be written."""

@@ -9,12 +9,13 @@ import json
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from controllers.interface import Decision, FloatArray, Perception, Plan
 from cosim.step.loop import ToWorld
-from cosim.step.world import EgoTruth, PersonsTruth, Traffic, VehiclesTruth
+from cosim.step.world import CrossingFacts, EgoTruth, MapArea, PersonsTruth, Traffic, VehiclesTruth
 
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 """Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
@@ -84,3 +85,26 @@ class SteppedObjects:
     objects: PersonsTruth | VehiclesTruth
     traffic: Traffic | None = None
     """What else is known of them, if they are the vehicles of all traffic."""
+
+
+def map_entry(area: MapArea) -> dict[str, Any]:
+    """Return what map.json says of an area."""
+    return {
+        "name": area.name,
+        "kind": area.kind,
+        "crossing_kind": area.crossing_kind,
+        "width_m": round(area.width, 3),
+        "shape_m": np.round(area.shape, 3).tolist(),
+        **({} if area.facts is None else _facts(area.facts)),
+    }
+
+
+def _facts(facts: CrossingFacts) -> dict[str, Any]:
+    """Return the facts of a crossing; what is not known is null."""
+    degrees = {"longitude_deg": facts.longitude, "latitude_deg": facts.latitude}
+    return {
+        "lanes": facts.lanes,
+        "speed_limit_mps": round(facts.speed_limit, 3) if math.isfinite(facts.speed_limit) else None,
+        "refuge": facts.refuge,
+        **{name: round(value, 7) if math.isfinite(value) else None for name, value in degrees.items()},
+    }

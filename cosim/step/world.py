@@ -76,6 +76,9 @@ class PersonsTruth:
     """``PedestrianPhase`` values."""
     kind: tuple[str, ...]
     """SUMO type id."""
+    signal: tuple[str | None, ...] | None = None
+    """``green`` or ``red``: that crossing's light for pedestrians; ``None`` where there is none, or where
+    nobody asked for it."""
 
     @property
     def heading(self) -> list[float | None]:
@@ -103,6 +106,7 @@ class VehiclesTruth:
     object_kind: ClassVar[str] = "vehicle"
     crossing: ClassVar[None] = None
     phase: ClassVar[None] = None
+    signal: ClassVar[None] = None
 
     names: tuple[str, ...]
     x: FloatArray
@@ -176,6 +180,21 @@ class Snapshot:
 
 
 @dataclass(frozen=True, slots=True)
+class CrossingFacts:
+    """Facts of a crossing that a ranking of crossings needs."""
+
+    lanes: int
+    """Lanes for cars that it crosses."""
+    speed_limit: float
+    """The highest of theirs [m/s]; nan without any."""
+    refuge: bool
+    """Whether it ends on an island between lanes."""
+    longitude: float = math.nan
+    """Of its middle [degrees]; nan without a projection."""
+    latitude: float = math.nan
+
+
+@dataclass(frozen=True, slots=True)
 class MapArea:
     """One lane, crossing or walking area, for drawing and for judging where an encounter took place."""
 
@@ -188,6 +207,8 @@ class MapArea:
     """(n, 2) centre line, or outline for a walking area [m]."""
     crossing_kind: str = ""
     """``CrossingKind`` value for a crossing."""
+    facts: CrossingFacts | None = None
+    """Of a crossing, where they are known."""
 
 
 class World(Protocol):

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.step.world import MapArea
-from cosim.sumo.network import Network
+from cosim.step.world import CrossingFacts, MapArea
+from cosim.sumo.network import NetCrossing, Network
 
 FloatArray = NDArray[np.float64]
+ToDegrees = Callable[[float, float], tuple[float, float]]
+"""From a place in the network to longitude and latitude."""
 
 CELL = 20.0
 """Egos' places are remembered by cells of this size [m]."""
+_CAR = "passenger"
 REACH = 80.0
 """What is nearer to a cell than this belongs to the map [m]."""
 
@@ -24,13 +28,14 @@ def cells_of_crossings(network: Network) -> set[tuple[int, int]]:
     return {(int(x), int(y)) for some in cells for x, y in some}
 
 
-def areas_near(network: Network, cells: Iterable[tuple[int, int]]) -> list[MapArea]:
+def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: ToDegrees) -> list[MapArea]:
     """Return lanes, crossings and walking areas near cells.
 
     Parameters
     ----------
     network
     cells : world positions divided by `CELL`, rounded
+    to_degrees : asked only where the network has a projection
     """
     places = CELL * np.array(sorted(cells), dtype=np.float64).reshape(-1, 2)
 
@@ -44,7 +49,14 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]]) -> list[MapAr
         if near(lane.shape)
     ]
     crossings = [
-        MapArea(crossing.name, "crossing", crossing.width, crossing.axis, crossing.kind.value)
+        MapArea(
+            crossing.name,
+            "crossing",
+            crossing.width,
+            crossing.axis,
+            crossing.kind.value,
+            _facts(network, crossing, to_degrees),
+        )
         for crossing in network.crossings.values()
         if near(crossing.axis)
     ]
@@ -54,3 +66,11 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]]) -> list[MapAr
         if near(area.outline)
     ]
     return [*lanes, *crossings, *walking_areas]
+
+
+def _facts(network: Network, crossing: NetCrossing, to_degrees: ToDegrees) -> CrossingFacts:
+    lanes = network.lanes_over(crossing, _CAR)
+    limit = max((lane.speed for lane in lanes), default=math.nan)
+    x, y = (0.5 * (crossing.axis[0] + crossing.axis[-1])).tolist()
+    place = to_degrees(x, y) if network.geographic else (math.nan, math.nan)
+    return CrossingFacts(len(lanes), limit, crossing.refuge, *place)

@@ -100,6 +100,8 @@ class NetCrossing:
     kind: CrossingKind
     signal: str
     signal_indices: tuple[int, ...]
+    refuge: bool = False
+    """Whether it ends on an island, from which only crossings lead on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +134,10 @@ class Network:
         crossings: Mapping[str, NetCrossing],
         walking_areas: Mapping[str, WalkingArea],
         requests: Sequence[Requests] = (),
+        geographic: bool = False,
     ) -> None:
+        self.geographic = geographic
+        """Whether it has a projection, so that SUMO can tell longitude and latitude."""
         self.lanes = lanes
         self.edges = edges
         """Lane names by index; normal and internal edges."""
@@ -169,6 +174,14 @@ class Network:
             index
             for index, name in enumerate(self.edges[edge])
             if self.lanes[name].permissions.allows(vehicle_class)
+        ]
+
+    def lanes_over(self, crossing: NetCrossing, vehicle_class: str) -> list[NetLane]:
+        """Return the lanes of the edges that a crossing crosses which that class may use."""
+        return [
+            self.lanes[self.edges[edge][index]]
+            for edge in sorted(crossing.edges & self.edges.keys())
+            for index in self.allowed_lanes(edge, vehicle_class)
         ]
 
     def follow(self, lane: str, edge: str, vehicle_class: str) -> list[Connection]:
@@ -283,6 +296,8 @@ class _Reader:
         self.links: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
         self.requests: list[Requests] = []
         self.entries: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
+        self.beside_area: defaultdict[str, set[str]] = defaultdict(set)
+        self.geographic = False
 
     def take(self, element: ElementTree.Element) -> None:
         if element.tag == "edge":
@@ -291,6 +306,8 @@ class _Reader:
             self._connection(element)
         elif element.tag == "junction" and not element.attrib["id"].startswith(":"):
             self._junction(element)
+        elif element.tag == "location":
+            self.geographic = element.get("projParameter", "!") not in ("!", "-", ".")
 
     def _junction(self, element: ElementTree.Element) -> None:
         lanes = tuple(element.get("intLanes", "").split())
@@ -333,6 +350,9 @@ class _Reader:
         source, target = element.attrib["from"], element.attrib["to"]
         if target in self.crossing_edges:
             self.entries[target].append(element)
+        for area, other in ((source, target), (target, source)):
+            if area in self.walking_areas:
+                self.beside_area[area].add(other)
         if source in self.edges and target in self.edges:
             self.links[self._name(source, element.attrib["fromLane"])].append(element)
 
@@ -372,7 +392,13 @@ class _Reader:
         zebra = any(entry.get("state") == "M" for entry in entries)
         kind = CrossingKind.SIGNAL if signal else CrossingKind.ZEBRA if zebra else CrossingKind.UNMARKED
         edges = self.crossing_edges[name]
-        return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, tuple(sorted(indices)))
+        numbers = tuple(sorted(indices))
+        refuge = any(name in beside and self._is_island(beside) for beside in self.beside_area.values())
+        return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, numbers, refuge)
+
+    def _is_island(self, beside: set[str]) -> bool:
+        """Return whether nothing but several crossings begins beside a walking area."""
+        return len(beside) > 1 and beside <= self.crossing_edges.keys()
 
     def network(self) -> Network:
         connections = {
@@ -394,4 +420,6 @@ class _Reader:
         }
         crossings = {name: self._crossing(name) for name in self.crossing_edges}
         lanes = {name: lane for name, lane in self.lanes.items() if lane.edge in self.edges}
-        return Network(lanes, self.edges, connections, crossings, self.walking_areas, self.requests)
+        return Network(
+            lanes, self.edges, connections, crossings, self.walking_areas, self.requests, self.geographic
+        )

@@ -208,7 +208,7 @@ class SumoWorld:
         seen = (
             self._visited if self._everybody is None else {*self._visited, *cells_of_crossings(self._network)}
         )
-        return areas_near(self._network, seen)
+        return areas_near(self._network, seen, self._sumo.simulation.convertGeo)
 
     def close(self) -> None:
         """End the simulation."""

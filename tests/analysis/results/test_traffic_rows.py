@@ -10,6 +10,7 @@ import pytest
 
 from analysis.files import read_csv
 from analysis.results.analyse import analyse_run
+from analysis.results.exposure_rows import EXPOSURE
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from tests.analysis.recorded import Ego, Motion, Person, line, write_run, write_traffic
 
@@ -81,3 +82,22 @@ def test_recording_everybody_changes_nothing_of_an_ego(tmp_path: Path) -> None:
     rows_of(tmp_path / "everybody", braking)
     for name in ("encounters.csv", "runs.csv", "vehicle_overlaps.csv"):
         assert (tmp_path / "egos" / name).read_bytes() == (tmp_path / "everybody" / name).read_bytes()
+
+
+def test_who_uses_a_crossing_is_counted_whether_they_meet_or_not(tmp_path: Path) -> None:
+    rows_of(tmp_path, line(0, 0, 10, 0))
+    (row,) = read_csv(tmp_path / EXPOSURE.file)
+    assert (row["n_vehicles"], row["n_cyclists"], row["n_red_light_walkers"]) == ("2", "0", "0")
+    assert row["n_pedestrians"] == "3"  # two who cross, and the one who comes later
+    assert float(row["vehicle_speed_mean_mps"]) == pytest.approx(10.0)
+    assert float(row["length_m"]) > 5.0
+
+
+def test_a_run_without_other_vehicles_has_pedestrians_on_its_crossings(tmp_path: Path) -> None:
+    ego = Ego(line(0, 0, 10, 0))
+    write_run(tmp_path, [ego], PERSONS)
+    write_traffic(tmp_path, [], PERSONS)
+    analyse_run(tmp_path)
+    (row,) = read_csv(tmp_path / EXPOSURE.file)
+    assert (row["n_vehicles"], row["n_pedestrians"]) == ("1", "3")
+    assert {one["is_ego"] for one in read_csv(tmp_path / TRAFFIC_ENCOUNTERS.file)} == {"1"}

@@ -45,6 +45,7 @@ def test_the_exit_code_says_whether_a_study_is_possible(
         ("bare.net.xml", "<net/>", "has no edges"),
         ("packed.net.xml.gz", "<net/>", "cannot be read"),
         ("a.sumocfg", "<configuration/>", "names no network"),
+        ("a.sumocfg", '<configuration><net-file value=" , "/></configuration>', "names no network"),
         (
             "a.sumocfg",
             '<configuration><net-file value="gone.net.xml"/></configuration>',

@@ -85,3 +85,30 @@ def test_a_broken_file_is_told_in_one_line(tmp_path: Path, content: str, said: s
 def test_a_missing_file_is_told_by_name(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"nowhere\.net\.xml"):
         read_network(tmp_path / "nowhere.net.xml")
+
+
+def test_a_crossing_that_ends_on_an_island_has_a_refuge(town: Network, tmp_path: Path) -> None:
+    assert not any(crossing.refuge for crossing in town.crossings.values())
+    area = '<edge id="{0}" function="walkingarea"><lane id="{0}_0" index="0" length="1" speed="1" shape="0,0 1,0 1,1"/></edge>'
+    crossing = '<edge id="{0}" function="crossing" crossingEdges="e"><lane id="{0}_0" index="0" length="3" speed="1" shape="0,0 0,3"/></edge>'
+    road = '<edge id="e"><lane id="e_0" index="0" length="9" speed="1" shape="0,0 9,0"/></edge>'
+    ways = (
+        (":w0", ":c0"),
+        (":c0", ":w1"),
+        (":w1", ":c1"),
+        (":c1", ":w2"),
+        ("e", ":w0"),
+        (":w2", "e"),
+        (":w2", ":c2"),
+    )
+    links = "".join(f'<connection from="{a}" to="{b}" fromLane="0" toLane="0"/>' for a, b in ways)
+    edges = [area.format(f":w{n}") for n in range(3)] + [crossing.format(f":c{n}") for n in range(3)]
+    path = tmp_path / "island.net.xml"
+    path.write_text(f"<net>{road}{''.join(edges)}{links}</net>")
+    found = read_network(path)
+    assert {name: one.refuge for name, one in found.crossings.items()} == {
+        ":c0": True,
+        ":c1": True,
+        ":c2": False,
+    }
+    assert not found.geographic

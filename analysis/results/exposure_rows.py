@@ -1,0 +1,161 @@
+"""crossing_exposure.csv: who used each crossing of a run, whether they met or not.
+
+It is what the numbers of conflicts in traffic_encounters.csv are held against.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from analysis.encounters.case import Case
+from analysis.encounters.crossing_walks import CrossingWalk, at_crossing, delay, walks
+from analysis.geometry import FloatArray
+from analysis.polylines import arc_lengths
+from analysis.recording.reading import Area
+from analysis.results.origin import CONFIGURATION, IDENTITY, Origin
+from analysis.tables.cells import Row, plain
+from analysis.tables.column import Table, at_least_0, count, flag, number, row_of, text
+
+BICYCLE = "bicycle"
+
+
+@dataclass(slots=True)
+class CrossingUse:
+    """One crossing of a run; what a row is made of."""
+
+    origin: Origin
+    area: Area
+    observed: float
+    """[s]."""
+    speeds: list[float] = field(default_factory=list)
+    """Of motor vehicles when they reached it [m/s]."""
+    cyclists: int = 0
+    red: int = 0
+    pedestrians: int = 0
+    delays: list[float] = field(default_factory=list)
+    """Defined delays of pedestrians [s]."""
+
+    @property
+    def middle(self) -> FloatArray:
+        """[m]."""
+        return np.asarray(0.5 * (self.area.shape[0] + self.area.shape[-1]))
+
+    @property
+    def x(self) -> float:
+        """[m]."""
+        return float(self.middle[0])
+
+    @property
+    def y(self) -> float:
+        """[m]."""
+        return float(self.middle[1])
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return float(arc_lengths(self.area.shape)[-1])
+
+    @property
+    def vehicles(self) -> int:
+        """Motor vehicles over it."""
+        return len(self.speeds)
+
+    @property
+    def mean_speed(self) -> float | None:
+        """[m/s]."""
+        return float(np.mean(self.speeds)) if self.speeds else None
+
+    @property
+    def high_speed(self) -> float | None:
+        """[m/s]."""
+        return float(np.percentile(self.speeds, 85.0)) if self.speeds else None
+
+    @property
+    def delayed(self) -> int:
+        """Pedestrians whose delay is defined."""
+        return len(self.delays)
+
+    @property
+    def delay(self) -> float:
+        """Sum of their delays [s]."""
+        return float(sum(self.delays))
+
+
+EXPOSURE = Table(
+    "crossing_exposure",
+    "One row for each crossing of a run that records everybody: who used it",
+    (
+        *IDENTITY,
+        text("crossing_id", "crossing", source="area.name", required=True),
+        *CONFIGURATION,
+        text("crossing_type", "kind", "zebra", "unmarked", "signal", source="area.crossing_kind"),
+        count("lanes", "lanes for cars that it crosses", source="area.facts.lanes"),
+        flag("refuge", "it ends on an island between lanes", source="area.facts.refuge"),
+        at_least_0("length_m", "m", "from kerb to kerb", source="length", required=True),
+        at_least_0("speed_limit_mps", "m/s", "highest of those lanes", source="area.facts.speed_limit_mps"),
+        number("x_m", "m", "middle, world frame", source="x", required=True),
+        number("y_m", "m", "middle, world frame", source="y", required=True),
+        number(
+            "longitude_deg",
+            "deg",
+            "middle, WGS 84; empty without a projection",
+            source="area.facts.longitude_deg",
+        ),
+        number("latitude_deg", "deg", "the same", source="area.facts.latitude_deg"),
+        at_least_0("observed_s", "s", "simulated time that was recorded", source="observed", required=True),
+        count("n_pedestrians", "walks of pedestrians over it", source="pedestrians", required=True),
+        count("n_vehicles", "motor vehicles over it", source="vehicles", required=True),
+        count("n_cyclists", "bicycles over it", source="cyclists", required=True),
+        count("n_red_light_walkers", "pedestrians who began on red", source="red", required=True),
+        count("n_ped_delay_defined", "pedestrians with a delay", source="delayed", required=True),
+        at_least_0("ped_delay_sum_s", "s", "sum of their delays", source="delay", required=True),
+        at_least_0("vehicle_speed_mean_mps", "m/s", "mean, of motor vehicles there", source="mean_speed"),
+        at_least_0("vehicle_speed_p85_mps", "m/s", "85th percentile of it", source="high_speed"),
+    ),
+    ("run_id", "crossing_id"),
+)
+
+
+def exposure_rows(egos: Case, others: Case, classes: Mapping[str, str]) -> Sequence[Row]:
+    """Return the rows of crossing_exposure.csv, in the order of the map.
+
+    Parameters
+    ----------
+    egos : Case
+        The run's own, for the vehicles that were egos.
+    others : Case
+        Of the other vehicles, and of all pedestrians.
+    classes : Mapping
+        SUMO's vehicle class of each vehicle.
+    """
+    origin = Origin(others.run.meta)
+    observed = float(others.run.meta.get("duration_s") or 0.0)
+    uses = {area.name: CrossingUse(origin, area, observed) for area in others.run.crossings()}
+    for case in (egos, others):
+        for (vehicle, crossing), passages in case.traversals.items():
+            for one in passages:
+                if classes.get(vehicle) == BICYCLE:
+                    uses[crossing].cyclists += 1
+                else:
+                    uses[crossing].speeds.append(float(one.track.speed[one.visit.first]))
+    for walk in _all_walks(others):
+        _add(uses[walk.crossing_id], walk, others)
+    return [plain(EXPOSURE, row_of(EXPOSURE.columns, use)) for use in uses.values()]
+
+
+def _all_walks(case: Case) -> list[CrossingWalk]:
+    known = {area.name for area in case.run.crossings()}
+    found = [walk for person in case.persons for walk in walks(person, case.run.neighbours)]
+    return [walk for walk in found if walk.crossing_id in known]
+
+
+def _add(use: CrossingUse, walk: CrossingWalk, case: Case) -> None:
+    use.pedestrians += 1
+    use.red += walk.red
+    inside = at_crossing(walk.person, case.run.neighbours, walk.crossing_id, "waiting", "crossing")
+    lost = delay(walk.person, inside, walk.last, case.grid, case.thresholds)
+    if np.isfinite(lost):
+        use.delays.append(lost)

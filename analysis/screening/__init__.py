@@ -1,0 +1,1 @@
+"""Which crossings of a network are dangerous, from runs that record everybody."""

@@ -1,0 +1,122 @@
+"""What happened at each crossing in each run of a study that recorded everybody."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.errors import StudyError
+from analysis.files import read_csv
+from analysis.geometry import FloatArray
+from analysis.results.exposure_rows import BICYCLE, EXPOSURE
+from analysis.results.run_tables import RUNS
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
+
+CONFLICTS = ("serious", "severe", "collision")
+"""Severities that make an encounter a conflict."""
+_USED = (
+    *("n_pedestrians", "n_vehicles", "n_cyclists", "n_red_light_walkers"),
+    *("n_ped_delay_defined", "ped_delay_sum_s", "observed_s"),
+)
+_SPEEDS = ("vehicle_speed_mean_mps", "vehicle_speed_p85_mps")
+_MET = (
+    *("encounters", "entered", "conflicts", "severe", "collisions"),
+    *("yields", "yieldable", "late", "late_defined", "cyclist_encounters", "cyclist_conflicts"),
+)
+
+Cells = Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """Crossings and runs, both in a fixed order."""
+
+    crossings: Sequence[Cells]
+    """For each crossing a row of crossing_exposure.csv, for what does not change from run to run."""
+    seeds: Sequence[int]
+    each: Mapping[str, FloatArray]
+    """Name to numbers, shape (crossings, runs)."""
+    ttc: Sequence[FloatArray]
+    """Of each crossing the defined smallest TTCs of motor vehicles' encounters [s]."""
+    pet: Sequence[FloatArray]
+    speeds: Mapping[str, FloatArray]
+    """Mean over runs of a speed of motor vehicles, shape (crossings,); nan without vehicles [m/s]."""
+
+    def total(self, name: str) -> FloatArray:
+        """Return the sum over runs, shape (crossings,)."""
+        return np.asarray(self.each[name].sum(axis=1))
+
+
+def read_counts(folder: Path) -> Counts:
+    """Return what the valid runs of a study's folder counted.
+
+    Raises
+    ------
+    StudyError
+        When there is no valid run, or none recorded everybody.
+    """
+    valid = {row["run_id"] for row in read_csv(folder / RUNS.file) if row["valid"] == "1"}
+    try:
+        used = [row for row in read_csv(folder / EXPOSURE.file) if row["run_id"] in valid]
+    except FileNotFoundError:
+        raise StudyError(f"{folder}: no run of it recorded everybody") from None
+    if not used:
+        raise StudyError(f"{folder}: no valid run in which a crossing was recorded")
+    seeds = sorted({int(row["seed"]) for row in used})
+    facts = {row["crossing_id"]: row for row in used}
+    names = sorted(facts)
+    place = {name: number for number, name in enumerate(names)}
+    column = {seed: number for number, seed in enumerate(seeds)}
+    shape = (len(names), len(seeds))
+    each = {name: np.zeros(shape) for name in (*_USED, *_MET)}
+    for row in used:
+        at = place[row["crossing_id"]], column[int(row["seed"])]
+        for name in _USED:
+            each[name][at] = float(row[name])
+    ttc: list[list[float]] = [[] for _ in names]
+    pet: list[list[float]] = [[] for _ in names]
+    for row in read_csv(folder / TRAFFIC_ENCOUNTERS.file):
+        if row["run_id"] in valid and row["crossing_id"] in place:
+            number = place[row["crossing_id"]]
+            _count(row, each, (number, column[int(row["seed"])]))
+            if row["vehicle_class"] != BICYCLE and row["entered"] == "1":
+                _append(ttc[number], row["min_ttc_s"])
+                _append(pet[number], row["pet_area_s"])
+    speeds = {name: _mean_over_runs(used, place, name) for name in _SPEEDS}
+    ttcs, pets = ([np.array(values) for values in some] for some in (ttc, pet))
+    return Counts([facts[name] for name in names], seeds, each, ttcs, pets, speeds)
+
+
+def _count(row: Cells, each: Mapping[str, FloatArray], at: tuple[int, int]) -> None:
+    conflict = row["severity"] in CONFLICTS
+    if row["vehicle_class"] == BICYCLE:
+        each["cyclist_encounters"][at] += 1
+        each["cyclist_conflicts"][at] += conflict
+        return
+    each["encounters"][at] += 1
+    each["entered"][at] += row["entered"] == "1"
+    each["conflicts"][at] += conflict
+    each["severe"][at] += row["severity"] in CONFLICTS[1:]
+    each["collisions"][at] += row["severity"] == CONFLICTS[-1]
+    each["yieldable"][at] += row["yielded"] != ""
+    each["yields"][at] += row["yielded"] == "1"
+    each["late_defined"][at] += row["late_entry"] != ""
+    each["late"][at] += row["late_entry"] == "1"
+
+
+def _append(values: list[float], cell: str) -> None:
+    if cell:
+        values.append(float(cell))
+
+
+def _mean_over_runs(used: Sequence[Cells], place: Mapping[str, int], name: str) -> FloatArray:
+    total, vehicles = np.zeros(len(place)), np.zeros(len(place))
+    for row in used:
+        if row[name]:
+            count = float(row["n_vehicles"])
+            total[place[row["crossing_id"]]] += count * float(row[name])
+            vehicles[place[row["crossing_id"]]] += count
+    return np.asarray(np.divide(total, vehicles, out=np.full(len(place), np.nan), where=vehicles > 0.0))

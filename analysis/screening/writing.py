@@ -1,0 +1,63 @@
+"""Writes the ranking of a network's crossings into the folder of the study that it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.files import write_csv, write_json
+from analysis.screening import geojson
+from analysis.screening.counts import read_counts
+from analysis.screening.crossings_table import CROSSINGS, crossing_rows
+from analysis.screening.ranking import rank
+from analysis.sealing import seal
+from analysis.tables.cells import Row, cells
+from analysis.tables.datapackage import describe
+
+PACKAGE = "crossings.datapackage.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """The ranked crossings of a network."""
+
+    rows: Sequence[Row]
+    """As in crossings.csv."""
+    seeds: Sequence[int]
+    files: Sequence[Path]
+
+
+def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
+    """Rank the crossings of a study's folder; write crossings.csv, its dictionary and crossings.geojson.
+
+    Parameters
+    ----------
+    folder
+        Of a study whose runs recorded everybody.
+    least_pedestrians
+        A crossing with fewer pedestrians in all runs is listed, and not ranked.
+
+    Raises
+    ------
+    StudyError
+        When no valid run recorded everybody.
+    OSError
+        When a file cannot be read or written.
+    """
+    counts = read_counts(folder)
+    ranking = rank(counts.each["conflicts"], counts.each["n_pedestrians"], least_pedestrians)
+    rows = crossing_rows(counts, ranking)
+    files = [
+        write_csv(folder / CROSSINGS.file, CROSSINGS.names(), cells(CROSSINGS, rows)),
+        write_json(folder / PACKAGE, describe([CROSSINGS], "the crossings of a network")),
+    ]
+    collection = geojson.features(rows)
+    removed = []
+    if collection is not None:
+        files.append(write_json(folder / geojson.FILE, collection))
+    else:
+        removed.append(folder / geojson.FILE)
+        removed[0].unlink(missing_ok=True)
+    seal(folder, files, removed)
+    return Screened(rows, counts.seeds, files)

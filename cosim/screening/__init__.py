@@ -1,0 +1,1 @@
+"""Ranking the crossings of a network: the runs, and what is made of them."""

@@ -1,0 +1,108 @@
+"""A network's crossings from a SUMO configuration to their ranking: a batch that records everybody."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from analysis.errors import AnalysisError
+from analysis.recording.extent import EVERYBODY
+from analysis.screening.writing import Screened, write_ranking
+from cosim.batches.batch import BatchRequest
+from cosim.batches.study import StudyTable, study_of
+from cosim.errors import InputError, SimulationError, reason_of
+from cosim.inspection.inspection import has_crossings
+from cosim.recording.folders import DEFAULT_PARENT
+from sumo_scenarios import library
+
+NOBODY = "sumo"
+"""Controller of runs without egos."""
+_TIMES = ("warmup_s", "duration_s")
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenRequest:
+    """Request of a user for a ranking."""
+
+    scenario: str
+    seeds: str = "1-10"
+    settings: Mapping[str, str] = field(default_factory=dict)
+    begin_s: float | None = None
+    """Simulated time from which on everybody counts; ``None``: as the scenario says."""
+    end_s: float | None = None
+    out: Path | None = None
+    jobs: int | None = None
+    scheduler: str | None = None
+    again: str = ""
+    """Command that goes on where this one was interrupted."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the batch and the ranking."""
+        return DEFAULT_PARENT / f"screen-{Path(self.scenario).stem}" if self.out is None else self.out
+
+
+def batch_of(request: ScreenRequest) -> BatchRequest:
+    """Return the batch whose runs are ranked.
+
+    Raises
+    ------
+    InputError
+        For a scenario, a time or a seed that cannot be, and for a network without crossings.
+    """
+    return BatchRequest(
+        Path(request.scenario),
+        request.folder,
+        request.jobs,
+        request.scheduler,
+        table=_study(request),
+        again=request.again,
+    )
+
+
+def _study(request: ScreenRequest) -> StudyTable:
+    try:
+        scenario = library.load(request.scenario)
+    except (library.ScenarioError, OSError) as error:
+        raise InputError(str(error)) from error
+    path, built_in = Path(request.scenario), library.is_built_in(request.scenario)
+    if path.is_file() and path.name != library.DEFINITION and not has_crossings(path):
+        raise InputError(
+            f"{request.scenario}: the network has no crossings to rank; cosim inspect prints the command "
+            "that adds them"
+        )
+    settings: dict[str, str | float] = {**request.settings, "ego_share": 0.0}
+    times = dict(zip(_TIMES, (request.begin_s, request.end_s), strict=True))
+    for (name, time), option in zip(times.items(), ("--from", "--to"), strict=True):
+        if time is None:
+            continue
+        if name in request.settings:
+            raise InputError(f"{option} and --set {name}: expected only one of them")
+        if time < scenario.begin_s:
+            raise InputError(
+                f"{option}: expected no time before the begin, {scenario.begin_s:g} s, got {time:g} s"
+            )
+        settings[name] = time - scenario.begin_s
+    content = {
+        "scenarios": [request.scenario if built_in else str(path.resolve())],
+        "controllers": [NOBODY],
+        "seeds": request.seeds,
+        "record": EVERYBODY,
+        "set": settings,
+    }
+    return study_of(content, "cosim screen")
+
+
+def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:
+    """Rank the crossings from the finished runs, and write the ranking.
+
+    Raises
+    ------
+    SimulationError
+        When no run can be ranked, or the ranking cannot be written.
+    """
+    try:
+        return write_ranking(request.folder, least_pedestrians)
+    except (AnalysisError, OSError) as error:
+        raise SimulationError(f"no ranking: {reason_of(error)}") from error

@@ -1,0 +1,100 @@
+"""``cosim screen`` as a user types it, with real SUMO."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from analysis.files import read_csv
+from cosim.errors import InputError
+from cosim.screening.clock import seconds
+from sumo_scenarios.sumo_installation import netconvert
+from tests.cosim.cli.commands import ended
+
+DEMAND = """<routes>
+  <flow id="car" begin="0" end="200" period="4" from="A0B0" to="B1A1"/>
+  <personFlow id="car" begin="0" end="200" period="3" departPos="80"><walk from="A0B0" to="B1B0"/></personFlow>
+</routes>"""
+CONFIGURATION = """<configuration>
+  <input><net-file value="t.net.xml"/><route-files value="t.rou.xml"/></input>
+  <time><begin value="{begin}"/><end value="{end}"/><step-length value="0.1"/></time>
+</configuration>"""
+
+
+def town(folder: Path, crossings: bool = True) -> Path:
+    """Write a network of four junctions with its demand, and return the configuration."""
+    guess = ["--crossings.guess", "--sidewalks.guess"] if crossings else []
+    net = folder / "t.net.xml"
+    command = [
+        str(netconvert().with_name("netgenerate")),
+        "--grid",
+        "--grid.number",
+        "2",
+        *guess,
+        "-o",
+        str(net),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    (folder / "t.rou.xml").write_text(DEMAND)
+    path = folder / "t.sumocfg"
+    path.write_text(CONFIGURATION.format(begin=0, end=200))
+    return path
+
+
+@pytest.mark.sumo
+def test_a_town_is_ranked_and_the_same_command_ranks_it_again(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    arguments = ("screen", town(tmp_path), "--seeds", "1-2", "--jobs", 2, "--out", out)
+    limits = ("--from", "00:00:20", "--to", "80", "--min-pedestrians", 5)
+    told = ended(*arguments, *limits)
+    rows = read_csv(out / "crossings.csv")
+    used = read_csv(out / "crossing_exposure.csv")
+    assert len(used) == 2 * len(rows) > 0
+    ranked = [row for row in rows if row["rank"]]
+    assert rows[: len(ranked)] == ranked
+    assert 0 < len(ranked) < len(rows)
+    assert f"{len(rows)} crossings, {len(ranked)} ranked over 2 seeds" in told.stdout
+    assert "no projection" in told.stderr
+    assert not (out / "crossings.geojson").exists()
+    for row in rows:
+        walks = sum(int(one["n_pedestrians"]) for one in used if one["crossing_id"] == row["crossing_id"])
+        assert float(row["observed_h"]) == pytest.approx(2 * 60.0 / 3600.0, abs=1e-3)
+        assert float(row["pedestrians_per_h"]) == pytest.approx(walks / float(row["observed_h"]), rel=1e-4)
+        assert (row["conflicts_per_1000_ped"] == "") == (walks == 0)
+        assert bool(row["rank"]) == (walks >= 5)
+    traffic = read_csv(out / "traffic_encounters.csv")
+    conflicts = sum(row["severity"] in ("serious", "severe", "collision") for row in traffic)
+    assert sum(int(row["n_conflicts"]) for row in rows) == conflicts
+    before = (out / "crossings.csv").read_bytes()
+    ended(*arguments, *limits)
+    assert (out / "crossings.csv").read_bytes() == before
+    ended("verify", out)
+    (out / "crossings.csv").write_text("altered")
+    assert "crossings.csv" in ended("verify", out, code=3).stderr
+
+
+@pytest.mark.sumo
+def test_bad_input_is_refused_in_one_line(tmp_path: Path) -> None:
+    told = ended("screen", town(tmp_path, crossings=False), "--out", tmp_path / "out", code=2).stderr
+    assert "the network has no crossings to rank" in told
+    told = ended("screen", "midblock_zebra", "--from", "noon", code=2).stderr
+    assert "--from noon: expected a time such as 07:30" in told
+    told = ended("screen", "midblock_zebra", "--to", "60", "--set", "duration_s=30", code=2).stderr
+    assert "--to and --set duration_s: expected only one of them" in told
+    told = ended("screen", "nowhere.sumocfg", code=2).stderr
+    assert "nowhere.sumocfg" in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_times_of_day_are_read() -> None:
+    assert [seconds(text, "--to") for text in ("7:30", "07:30:15", "27000", "0.5")] == [
+        27000,
+        27015,
+        27000,
+        0.5,
+    ]
+    for text in ("7:60", "-5", "nan", "inf"):
+        with pytest.raises(InputError, match="--to"):
+            seconds(text, "--to")
