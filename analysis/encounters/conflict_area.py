@@ -97,11 +97,16 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     return areas
 
 
+def reach(ego: Track) -> float:
+    """Return how far from the recorded centres the ego's rectangle gets at most, between them as well [m]."""
+    return 0.5 * float(np.hypot(ego.length, ego.width)) + 2.0 * _largest_step(ego)
+
+
 def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -> list[Visit]:
     """Return when the ego's rectangle was on the ground within ``half_width`` of a line of points."""
     points = _densify(line)
     low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.5 * float(np.hypot(ego.length, ego.width)) + half_width + 2.0 * _largest_step(ego)
+    margin = reach(ego) + half_width
     near = np.flatnonzero(
         (ego.x >= low[0] - margin)
         & (ego.x <= high[0] + margin)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from analysis.encounters.conflict_area import Visit, stays_on_line
+import numpy as np
+
+from analysis.encounters.conflict_area import Visit, reach, stays_on_line
 from analysis.recording.reading import Area
 from analysis.recording.tracks import Grid, Track
 
@@ -27,10 +29,14 @@ def traversals(
 ) -> Mapping[tuple[str, str], Sequence[Traversal]]:
     """Return (ego, crossing) -> traversals in the order of time."""
     found: dict[tuple[str, str], list[Traversal]] = {}
+    lines = [crossing for crossing in crossings if len(crossing.shape) >= 2]
+    # A town has thousands of crossings, and a vehicle passes a few: boxes tell most of them apart at once.
+    low = np.array([one.shape.min(axis=0) - 0.5 * one.width_m for one in lines]).reshape(-1, 2)
+    high = np.array([one.shape.max(axis=0) + 0.5 * one.width_m for one in lines]).reshape(-1, 2)
     for track in egos:
-        for crossing in crossings:
-            if len(crossing.shape) < 2:
-                continue
+        margin, places = reach(track), np.column_stack((track.x, track.y))
+        near = (low <= places.max(axis=0) + margin) & (high >= places.min(axis=0) - margin)
+        for crossing in [lines[number] for number in np.flatnonzero(near.all(axis=1))]:
             for visit in stays_on_line(track, grid, crossing.shape, 0.5 * crossing.width_m):
                 listed = found.setdefault((track.name, crossing.name), [])
                 listed.append(Traversal(track.name, crossing.name, len(listed) + 1, visit, track))

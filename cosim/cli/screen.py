@@ -88,7 +88,7 @@ def screen(
     from cosim.errors import InputError
     from cosim.running.request import parse_settings
     from cosim.screening.clock import seconds
-    from cosim.screening.screen import ScreenRequest, batch_of, ranked
+    from cosim.screening.screen import ScreenRequest, batch_of, notes, ranked
 
     if jobs is not None and scheduler is not None:
         raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")
@@ -103,7 +103,10 @@ def screen(
         scheduler,
         shlex.join(["cosim", *sys.argv[1:]]),
     )
-    with prepared(batch_of(request), shown_checks()) as batch:
+    wanted = batch_of(request)
+    for note in notes(request):
+        typer.echo(f"cosim: note: {note}", err=True)
+    with prepared(wanted, shown_checks()) as batch:
         result = batch.run(shown_tally())
         code = show_result(batch, result)
     if result.tally.done:
@@ -128,6 +131,8 @@ def _show_ranking(found: Screened, least: float) -> None:
         f"{len(found.rows)} crossings, {len(rows)} ranked over {len(found.seeds)} seeds, "
         f"{worse} significantly worse than the others; {left_out} with fewer than {least:g} pedestrians"
     )
+    if not any(row["pedestrians_per_h"] for row in found.rows):
+        typer.echo("cosim: note: nobody walked over a crossing; does the demand have persons?", err=True)
     if len(found.seeds) == 1:
         typer.echo("cosim: note: a rank has no interval with a single seed: use --seeds 1-10", err=True)
     if not any(file.suffix == ".geojson" for file in found.files):

@@ -13,12 +13,15 @@ BESIDE_THE_LANE = 2.0
 """An ego farther from its lane's centre line is reported [m]."""
 COARSE_STEP_S = 0.2
 """In a longer step a pedestrian moves by more than their radius [s]."""
+JUDGED_STEP_S = 0.1
+"""What a user is advised to take [s]."""
 
 
 def run_notes(description: Mapping[str, Any]) -> list[str]:
     """Return the notes on a run that is described by its ``run.json``."""
     step_s = float(description["step_s"])
-    coarse = f"the step was {step_s:g} s; judging conflicts takes 0.1 s or less: use --step-s 0.1"
+    advised = f"{JUDGED_STEP_S:g}"
+    coarse = f"the step was {step_s:g} s; judging conflicts takes {advised} s or less: use --step-s {advised}"
     return ([coarse] if step_s > COARSE_STEP_S else []) + outputs_notes([description]) + _mishaps(description)
 
 

@@ -13,6 +13,7 @@ from cosim.batches.batch import BatchRequest
 from cosim.batches.study import StudyTable, study_of
 from cosim.errors import InputError, SimulationError, reason_of
 from cosim.inspection.inspection import has_crossings
+from cosim.presentation.notes import COARSE_STEP_S, JUDGED_STEP_S
 from cosim.recording.folders import DEFAULT_PARENT
 from sumo_scenarios import library
 
@@ -73,6 +74,8 @@ def _study(request: ScreenRequest) -> StudyTable:
             "that adds them"
         )
     settings: dict[str, str | float] = {**request.settings, "ego_share": 0.0}
+    if _is_too_coarse(scenario, request):
+        settings["step_s"] = JUDGED_STEP_S
     times = dict(zip(_TIMES, (request.begin_s, request.end_s), strict=True))
     for (name, time), option in zip(times.items(), ("--from", "--to"), strict=True):
         if time is None:
@@ -92,6 +95,21 @@ def _study(request: ScreenRequest) -> StudyTable:
         "set": settings,
     }
     return study_of(content, "cosim screen")
+
+
+def notes(request: ScreenRequest) -> list[str]:
+    """Return what a user has to know of a request that was not refused, in one line each."""
+    scenario = library.load(request.scenario)
+    if not _is_too_coarse(scenario, request):
+        return []
+    return [
+        f"steps of {JUDGED_STEP_S:g} s are simulated: conflicts cannot be judged with those of "
+        f"{scenario.step_s:g} s that the configuration asks for; --set step_s={scenario.step_s:g} keeps them"
+    ]
+
+
+def _is_too_coarse(scenario: library.Scenario, request: ScreenRequest) -> bool:
+    return "step_s" not in request.settings and scenario.step_s > COARSE_STEP_S
 
 
 def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:

@@ -13,13 +13,14 @@ from cosim.screening.clock import seconds
 from sumo_scenarios.sumo_installation import netconvert
 from tests.cosim.cli.commands import ended
 
+CARS = '<routes><flow id="car" begin="0" end="200" period="4" from="A0B0" to="B1A1"/></routes>'
 DEMAND = """<routes>
   <flow id="car" begin="0" end="200" period="4" from="A0B0" to="B1A1"/>
   <personFlow id="car" begin="0" end="200" period="3" departPos="80"><walk from="A0B0" to="B1B0"/></personFlow>
 </routes>"""
 CONFIGURATION = """<configuration>
   <input><net-file value="t.net.xml"/><route-files value="t.rou.xml"/></input>
-  <time><begin value="{begin}"/><end value="{end}"/><step-length value="0.1"/></time>
+  <time><begin value="0"/><end value="200"/></time>
 </configuration>"""
 
 
@@ -39,7 +40,7 @@ def town(folder: Path, crossings: bool = True) -> Path:
     subprocess.run(command, check=True, capture_output=True)
     (folder / "t.rou.xml").write_text(DEMAND)
     path = folder / "t.sumocfg"
-    path.write_text(CONFIGURATION.format(begin=0, end=200))
+    path.write_text(CONFIGURATION)
     return path
 
 
@@ -57,6 +58,7 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(tmp_path: Path) ->
     assert 0 < len(ranked) < len(rows)
     assert f"{len(rows)} crossings, {len(ranked)} ranked over 2 seeds" in told.stdout
     assert "no projection" in told.stderr
+    assert "steps of 0.1 s are simulated" in told.stderr  # a configuration without a step length has 1 s
     assert not (out / "crossings.geojson").exists()
     for row in rows:
         walks = sum(int(one["n_pedestrians"]) for one in used if one["crossing_id"] == row["crossing_id"])
@@ -86,6 +88,17 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path) -> None:
     told = ended("screen", "nowhere.sumocfg", code=2).stderr
     assert "nowhere.sumocfg" in told
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.sumo
+def test_a_town_without_pedestrians_has_no_rates(tmp_path: Path) -> None:
+    configuration, out = town(tmp_path), tmp_path / "out"
+    (tmp_path / "t.rou.xml").write_text(CARS)
+    told = ended("screen", configuration, "--seeds", 1, "--to", 20, "--out", out)
+    assert "nobody walked over a crossing" in told.stderr
+    assert "no interval with a single seed" in told.stderr
+    rows = read_csv(out / "crossings.csv")
+    assert {row["conflicts_per_1000_ped"] + row["rank"] for row in rows} == {""}
 
 
 def test_times_of_day_are_read() -> None:
