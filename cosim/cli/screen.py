@@ -77,7 +77,7 @@ def screen(
     Examples:
       cosim screen town.sumocfg --out results/town
       cosim screen town.sumocfg --seeds 1-20 --from 07:00 --to 08:00 --set step_s=0.1
-      cosim screen midblock_zebra --seeds 1-5 --set duration_s=300
+      cosim screen midblock_zebra --seeds 1-5 --from 60 --to 600
 
     \b
     Exit codes: 0 ranked, 2 bad input (nothing is run), 3 a run failed or is invalid, or the screening was
