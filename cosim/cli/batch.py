@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Debug
+from cosim.cli.options import Debug, Jobs, Scheduler, here_or_elsewhere
 
 if TYPE_CHECKING:
     from cosim.batches.batch import Batch, Result
@@ -29,14 +29,8 @@ def batch(
             show_default="runs/<STUDY>",
         ),
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Run on the Dask cluster with this scheduler."),
-    ] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
     drop_recordings: Annotated[
         bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")
     ] = False,
@@ -73,10 +67,8 @@ def batch(
     """
     from cosim.batches.batch import BatchRequest, prepared
     from cosim.batches.progress import shown_checks, shown_tally
-    from cosim.errors import InputError
 
-    if jobs is not None and scheduler is not None:
-        raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")
+    here_or_elsewhere(jobs, scheduler)
     request = BatchRequest(study, out, jobs, scheduler, drop_recordings)
     with prepared(request, shown_checks()) as one:
         if dry_run:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Debug, Settings
+from cosim.cli.options import Debug, Jobs, Settings
 
 Targets = Annotated[
     list[str],
@@ -56,10 +56,6 @@ Earlier = Annotated[
 Level = Annotated[
     float,
     typer.Option("--level", metavar="P", help="Significance level of the baseline comparison."),
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
 ]
 RunTimeout = Annotated[
     float | None,

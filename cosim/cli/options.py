@@ -18,3 +18,26 @@ Settings = Annotated[
         "--set", metavar="KEY=VALUE", help="Set a scenario, controller or sensing parameter; repeatable."
     ),
 ]
+
+Jobs = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Run on the Dask cluster with this scheduler."),
+]
+
+
+def here_or_elsewhere(jobs: int | None, scheduler: str | None) -> None:
+    """Refuse both of two places for runs.
+
+    Raises
+    ------
+    InputError
+        If both are given.
+    """
+    from cosim.errors import InputError
+
+    if jobs is not None and scheduler is not None:
+        raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")

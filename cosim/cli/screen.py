@@ -11,7 +11,7 @@ import typer
 
 from cosim.cli import terminal
 from cosim.cli.batch import show_result
-from cosim.cli.options import Debug
+from cosim.cli.options import Debug, Jobs, Scheduler, here_or_elsewhere
 
 if TYPE_CHECKING:
     from analysis.screening.writing import Screened
@@ -36,14 +36,8 @@ def screen(
             show_default="runs/screen-<TOWN>",
         ),
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Number of parallel runs.", show_default="one per core"),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Run on the Dask cluster with this scheduler."),
-    ] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
     begin: Annotated[
         str | None,
         typer.Option(
@@ -85,13 +79,11 @@ def screen(
     """
     from cosim.batches.batch import prepared
     from cosim.batches.progress import shown_checks, shown_tally
-    from cosim.errors import InputError
     from cosim.running.request import parse_settings
     from cosim.screening.clock import seconds
     from cosim.screening.screen import ScreenRequest, batch_of, notes, ranked
 
-    if jobs is not None and scheduler is not None:
-        raise InputError("use either --jobs or --scheduler; a cluster has its own number of workers")
+    here_or_elsewhere(jobs, scheduler)
     request = ScreenRequest(
         scenario,
         seeds,
