@@ -7,6 +7,8 @@ import numpy as np
 from analysis.encounters.case import Case
 
 LEVELS = ("none", "slight", "serious", "severe", "collision")
+CONFLICTS = LEVELS[2:]
+"""Levels that make an encounter a conflict."""
 
 
 def severity_levels(case: Case) -> list[str]:

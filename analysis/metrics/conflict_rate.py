@@ -9,7 +9,7 @@ Undefined: empty without way, or without pedestrians.
 from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
-from analysis.encounters.severity_scale import severity_levels
+from analysis.encounters.severity_scale import CONFLICTS, severity_levels
 from analysis.tables import column
 
 UNIT = "1/km"
@@ -24,7 +24,7 @@ RUN_COLUMNS = (
 
 def compute(case: Case) -> Values:
     """Return both rates."""
-    conflicts = sum(level in ("serious", "severe", "collision") for level in severity_levels(case))
+    conflicts = sum(level in CONFLICTS for level in severity_levels(case))
     kilometres = float(case.steps.distance.sum()) / 1000.0
     persons = len({one.person.name for one in case.encounters})
     return {

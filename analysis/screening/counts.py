@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv
 from analysis.geometry import FloatArray
@@ -15,8 +16,6 @@ from analysis.results.exposure_rows import BICYCLE, EXPOSURE
 from analysis.results.run_tables import RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 
-CONFLICTS = ("serious", "severe", "collision")
-"""Severities that make an encounter a conflict."""
 _USED = (
     *("n_pedestrians", "n_vehicles", "n_cyclists", "n_red_light_walkers"),
     *("n_ped_delay_defined", "ped_delay_sum_s", "observed_s"),

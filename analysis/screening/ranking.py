@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import false_discovery_control, rankdata, ttest_1samp
 
 from analysis.geometry import BoolArray, FloatArray
@@ -13,14 +12,12 @@ from analysis.screening.shrinkage import Prior, expected, fit
 from analysis.statistics.ratios import contributions
 
 RESAMPLES = 2000
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class Ranking:
     """Values of each crossing; nan for those that are not ranked."""
 
-    prior: Prior
     rate: FloatArray
     """Expected conflicts for each pedestrian."""
     rank: FloatArray
@@ -52,7 +49,7 @@ def rank(conflicts: FloatArray, pedestrians: FloatArray, least_pedestrians: floa
     ranked = pedestrians.sum(axis=1) >= max(least_pedestrians, 1.0)
     nothing = np.full(len(conflicts), np.nan)
     if not ranked.any():
-        return Ranking(Prior(np.nan, np.nan), *(nothing.copy() for _ in range(5)))
+        return Ranking(*(nothing.copy() for _ in range(5)))
     k, e = conflicts[ranked], pedestrians[ranked]
     prior = fit(k.sum(axis=1), e.sum(axis=1))
     rate = expected(k.sum(axis=1), e.sum(axis=1), prior)
@@ -64,7 +61,7 @@ def rank(conflicts: FloatArray, pedestrians: FloatArray, least_pedestrians: floa
         found[ranked] = values
         return found
 
-    return Ranking(prior, of_all(rate), of_all(_ranks(rate)), of_all(low), of_all(high), of_all(p))
+    return Ranking(of_all(rate), of_all(_ranks(rate)), of_all(low), of_all(high), of_all(p))
 
 
 def _ranks(rates: FloatArray) -> FloatArray:
@@ -80,10 +77,12 @@ def _rank_intervals(
         return np.full(len(conflicts), np.nan), np.full(len(conflicts), np.nan)
     # The same runs for every table with as many of them: the numbers are those of a repetition.
     drawn = np.random.default_rng(runs).multinomial(runs, np.full(runs, 1.0 / runs), RESAMPLES).T
-    k, e = conflicts @ drawn, exposure @ drawn
-    usual = k.sum(axis=0) / np.maximum(e.sum(axis=0), 1.0)
-    size = 1.0 / prior.dispersion
-    rates = np.where(usual > 0.0, (size + k) / (size / np.where(usual > 0.0, usual, 1.0) + e), 0.0)
+    k, e = (conflicts @ drawn).T, (exposure @ drawn).T
+    usual = k.sum(axis=1) / np.maximum(e.sum(axis=1), 1.0)
+    drawings = zip(k, e, usual.tolist(), strict=True)
+    rates = np.column_stack(
+        [expected(events, walks, prior._replace(mean=mean)) for events, walks, mean in drawings]
+    )
     low, high = np.percentile(_ranks(rates), (2.5, 97.5), axis=1)
     return low, high
 

@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 
+from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv_rows
 from analysis.manifest import read_verified
@@ -21,7 +22,6 @@ from analysis.tables.column import Table
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 _DRAC_BEYOND = ("unbounded", "collision")
-_CONFLICTS = ("serious", "severe", "collision")
 _DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
 
 
@@ -99,7 +99,7 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
         "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
         "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),
         "met_drac_gt_3p4": met & beyond,
-        "met_conflict": met & np.isin(severity, _CONFLICTS),
+        "met_conflict": met & np.isin(severity, CONFLICTS),
     }
     samples = {name: values[name][np.isfinite(values[name])] for name in names}
     return {name: float(flags.sum()) for name, flags in tallies.items()}, samples

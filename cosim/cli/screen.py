@@ -81,7 +81,7 @@ def screen(
     from cosim.batches.progress import shown_checks, shown_tally
     from cosim.running.request import parse_settings
     from cosim.screening.clock import seconds
-    from cosim.screening.screen import ScreenRequest, batch_of, notes, ranked
+    from cosim.screening.screen import ScreenRequest, planned, ranked
 
     here_or_elsewhere(jobs, scheduler)
     request = ScreenRequest(
@@ -95,10 +95,10 @@ def screen(
         scheduler,
         shlex.join(["cosim", *sys.argv[1:]]),
     )
-    wanted = batch_of(request)
-    for note in notes(request):
+    plan = planned(request)
+    for note in plan.notes:
         typer.echo(f"cosim: note: {note}", err=True)
-    with prepared(wanted, shown_checks()) as batch:
+    with prepared(plan.batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
         code = show_result(batch, result)
     if result.tally.done:

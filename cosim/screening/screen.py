@@ -10,7 +10,7 @@ from analysis.errors import AnalysisError
 from analysis.recording.extent import EVERYBODY
 from analysis.screening.writing import Screened, write_ranking
 from cosim.batches.batch import BatchRequest
-from cosim.batches.study import StudyTable, study_of
+from cosim.batches.study import study_of
 from cosim.errors import InputError, SimulationError, reason_of
 from cosim.inspection.inspection import has_crossings
 from cosim.presentation.notes import COARSE_STEP_S, JUDGED_STEP_S
@@ -19,7 +19,6 @@ from sumo_scenarios import library
 
 NOBODY = "sumo"
 """Controller of runs without egos."""
-_TIMES = ("warmup_s", "duration_s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +43,16 @@ class ScreenRequest:
         return DEFAULT_PARENT / f"screen-{Path(self.scenario).stem}" if self.out is None else self.out
 
 
-def batch_of(request: ScreenRequest) -> BatchRequest:
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Runs to be ranked."""
+
+    batch: BatchRequest
+    notes: list[str]
+    """What a user has to know, in one line each."""
+
+
+def planned(request: ScreenRequest) -> Plan:
     """Return the batch whose runs are ranked.
 
     Raises
@@ -52,32 +60,50 @@ def batch_of(request: ScreenRequest) -> BatchRequest:
     InputError
         For a scenario, a time or a seed that cannot be, and for a network without crossings.
     """
-    return BatchRequest(
-        Path(request.scenario),
-        request.folder,
-        request.jobs,
-        request.scheduler,
-        table=_study(request),
-        again=request.again,
-    )
-
-
-def _study(request: ScreenRequest) -> StudyTable:
     try:
         scenario = library.load(request.scenario)
     except (library.ScenarioError, OSError) as error:
         raise InputError(str(error)) from error
-    path, built_in = Path(request.scenario), library.is_built_in(request.scenario)
+    path = Path(request.scenario)
     if path.is_file() and path.name != library.DEFINITION and not has_crossings(path):
         raise InputError(
             f"{request.scenario}: the network has no crossings to rank; cosim inspect prints the command "
             "that adds them"
         )
-    settings: dict[str, str | float] = {**request.settings, "ego_share": 0.0}
-    if _is_too_coarse(scenario, request):
+    settings: dict[str, str | float] = {**request.settings, "ego_share": 0.0, **_times(request, scenario)}
+    notes = []
+    if "step_s" not in settings and scenario.step_s > COARSE_STEP_S:
         settings["step_s"] = JUDGED_STEP_S
-    times = dict(zip(_TIMES, (request.begin_s, request.end_s), strict=True))
-    for (name, time), option in zip(times.items(), ("--from", "--to"), strict=True):
+        notes.append(
+            f"steps of {JUDGED_STEP_S:g} s are simulated: conflicts cannot be judged with those of "
+            f"{scenario.step_s:g} s that the configuration asks for; "
+            f"--set step_s={scenario.step_s:g} keeps them"
+        )
+    content = {
+        "scenarios": [request.scenario if library.is_built_in(request.scenario) else str(path.resolve())],
+        "controllers": [NOBODY],
+        "seeds": request.seeds,
+        "record": EVERYBODY,
+        "set": settings,
+    }
+    batch = BatchRequest(
+        path,
+        request.folder,
+        request.jobs,
+        request.scheduler,
+        table=study_of(content, "cosim screen"),
+        again=request.again,
+    )
+    return Plan(batch, notes)
+
+
+def _times(request: ScreenRequest, scenario: library.Scenario) -> dict[str, float]:
+    """Return the scenario parameters that the hours that count stand for."""
+    found = {}
+    for option, name, time in (
+        ("--from", "warmup_s", request.begin_s),
+        ("--to", "duration_s", request.end_s),
+    ):
         if time is None:
             continue
         if name in request.settings:
@@ -86,30 +112,8 @@ def _study(request: ScreenRequest) -> StudyTable:
             raise InputError(
                 f"{option}: expected no time before the begin, {scenario.begin_s:g} s, got {time:g} s"
             )
-        settings[name] = time - scenario.begin_s
-    content = {
-        "scenarios": [request.scenario if built_in else str(path.resolve())],
-        "controllers": [NOBODY],
-        "seeds": request.seeds,
-        "record": EVERYBODY,
-        "set": settings,
-    }
-    return study_of(content, "cosim screen")
-
-
-def notes(request: ScreenRequest) -> list[str]:
-    """Return what a user has to know of a request that was not refused, in one line each."""
-    scenario = library.load(request.scenario)
-    if not _is_too_coarse(scenario, request):
-        return []
-    return [
-        f"steps of {JUDGED_STEP_S:g} s are simulated: conflicts cannot be judged with those of "
-        f"{scenario.step_s:g} s that the configuration asks for; --set step_s={scenario.step_s:g} keeps them"
-    ]
-
-
-def _is_too_coarse(scenario: library.Scenario, request: ScreenRequest) -> bool:
-    return "step_s" not in request.settings and scenario.step_s > COARSE_STEP_S
+        found[name] = time - scenario.begin_s
+    return found
 
 
 def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -379,7 +379,7 @@ class _Reader:
             )
         return tuple(chain)
 
-    def _crossing(self, name: str) -> NetCrossing:
+    def _crossing(self, name: str, islands: Set[str]) -> NetCrossing:
         lane = self.lanes[f"{name}_0"]
         entries = self.entries[name]
         signal = next((entry.attrib["tl"] for entry in entries if entry.get("tl")), "")
@@ -393,12 +393,13 @@ class _Reader:
         kind = CrossingKind.SIGNAL if signal else CrossingKind.ZEBRA if zebra else CrossingKind.UNMARKED
         edges = self.crossing_edges[name]
         numbers = tuple(sorted(indices))
-        refuge = any(name in beside and self._is_island(beside) for beside in self.beside_area.values())
-        return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, numbers, refuge)
+        return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, numbers, name in islands)
 
-    def _is_island(self, beside: set[str]) -> bool:
-        """Return whether nothing but several crossings begins beside a walking area."""
-        return len(beside) > 1 and beside <= self.crossing_edges.keys()
+    def _at_islands(self) -> set[str]:
+        """Return the crossings beside a walking area from which nothing but several crossings begins."""
+        crossings = self.crossing_edges.keys()
+        islands = (beside for beside in self.beside_area.values() if len(beside) > 1 and beside <= crossings)
+        return set().union(*islands)
 
     def network(self) -> Network:
         connections = {
@@ -418,7 +419,8 @@ class _Reader:
             for source, links in self.links.items()
             if not source.startswith(":")
         }
-        crossings = {name: self._crossing(name) for name in self.crossing_edges}
+        islands = self._at_islands()
+        crossings = {name: self._crossing(name, islands) for name in self.crossing_edges}
         lanes = {name: lane for name, lane in self.lanes.items() if lane.edge in self.edges}
         return Network(
             lanes, self.edges, connections, crossings, self.walking_areas, self.requests, self.geographic
