@@ -260,6 +260,8 @@ class JunctionFoe:
     """Distance that the foe has to drive until its rear bumper has left the conflict [m]."""
     foe_speed: float
     must_yield: bool
+    waiting_place: float | None = None
+    """Where vehicles wait inside the junction for the foe; ``None`` without such a place [m]."""
 
 
 @dataclass(frozen=True, slots=True)

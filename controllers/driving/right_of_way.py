@@ -106,9 +106,15 @@ class RightOfWay:
 
     @staticmethod
     def _before(foe: JunctionFoe, perception: Perception) -> StopPlace | None:
-        """Return the last place before the conflict where the ego can still stop."""
+        """Return the first place before the conflict where the ego can still stop.
+
+        Who has passed the line waits where everybody waits in that junction: others take a vehicle beyond it
+        for one that goes first, and stop for it, however far it is from their way.
+        """
         ego = perception.ego
-        for place, overshoot in ((foe.stop_line, OVERSHOOT), (foe.entry - CONFLICT_GAP, 0.0)):
+        before = foe.entry - CONFLICT_GAP
+        middle = before if foe.waiting_place is None else min(foe.waiting_place, before)
+        for place, overshoot in ((foe.stop_line, OVERSHOOT), (middle, 0.0), (before, 0.0)):
             if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
                 return StopPlace(foe.name, place)
         return None

@@ -28,8 +28,8 @@ FloatArray = NDArray[np.float64]
 
 NEAR = 60.0
 """Junctions that begin further ahead of the front bumper are not looked at [m]."""
-FOE_RANGE = 80.0
-"""Vehicles further away from the conflict are no foes yet [m]."""
+FOE_RANGE = 120.0
+"""Vehicles further away from the conflict are no foes yet; at 50 km/h they need 8 s, a slow turn less [m]."""
 CLEARANCE = 2.0
 """Ways nearer to each other than this are in conflict: a car's width and 0.2 m [m]."""
 SAMPLE = 0.5
@@ -108,6 +108,7 @@ class FoeFinder:
         lights: Lights,
     ) -> list[JunctionFoe]:
         start = junction.start - origin
+        waits = None if junction.waiting_place is None else junction.waiting_place - origin
         own = junction.connection
         has_priority = lights.letter(own.signal, own.signal_index) == "G"
         found = []
@@ -133,6 +134,7 @@ class FoeFinder:
                             # A vehicle that cannot pass the one before it in its lane comes no sooner.
                             self._approaches.pace(row) if before_line else float(cars.speed[row]),
                             conflict.must_yield and not has_priority and not first,
+                            waits,
                         )
                     )
         return found

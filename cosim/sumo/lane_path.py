@@ -78,6 +78,8 @@ class PathJunction:
     start: float
     """End of the lane before it; also the stop line [m]."""
     end: float
+    waiting_place: float | None = None
+    """Where SUMO's vehicles wait in the middle of it; ``None`` where they do not [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +229,12 @@ class LanePath:
             if connection.signal and connection.source in end_of
         )
         self.junctions = tuple(
-            PathJunction(connection, end_of[connection.source], end_of[connection.via[-1]])
+            PathJunction(
+                connection,
+                end_of[connection.source],
+                end_of[connection.via[-1]],
+                end_of[connection.via[0]] if len(connection.via) > 1 else None,
+            )
             for connection in connections
             if connection.via and connection.source in end_of
         )

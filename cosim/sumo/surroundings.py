@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 PERSON_RANGE = 80.0
 """[m]"""
-VEHICLE_RANGE = 100.0
+VEHICLE_RANGE = 120.0
 """[m]"""
 PEDESTRIAN_RADIUS = 0.25
 """Assumed, see docs/conventions.md [m]."""

@@ -81,6 +81,13 @@ def test_past_the_stop_line_the_conflict_itself_is_kept_free() -> None:
     assert _stops(seen) == [StopPlace("foe", 8.0)]
 
 
+def test_past_the_stop_line_the_ego_waits_where_others_wait_in_that_junction() -> None:
+    foe = replace(_foe(12.0, 10.0), stop_line=1.0, entry=14.0, exit=19.0)
+    for waiting_place, stop in ((9.0, 9.0), (13.5, 13.0), (2.0, 13.0)):
+        seen = perception(ego(4.0), foes=[replace(foe, waiting_place=waiting_place)])
+        assert _stops(seen) == [StopPlace("foe", stop)], waiting_place
+
+
 def test_an_ego_in_the_conflict_clears_it() -> None:
     seen = perception(ego(3.0), foes=[replace(_foe(12.0, 10.0), stop_line=-5.0, entry=2.0, exit=8.0)])
     assert _stops(seen) == []

@@ -179,6 +179,8 @@ def test_oncoming_cars_are_foes_of_a_left_turn(open_world: OpenWorld) -> None:
             assert foe.name.startswith("f.")
             assert foe.must_yield
             assert foe.stop_line < foe.entry < foe.exit
+            assert foe.waiting_place is not None
+            assert foe.stop_line < foe.waiting_place
             assert foe.foe_entry < foe.foe_exit
             entries.append(foe.foe_entry)
 
