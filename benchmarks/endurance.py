@@ -34,7 +34,7 @@ VEHICLES, BICYCLES, PEOPLE = "15_16_veh.trips.xml.gz", "15_16_bicycle.trips.xml"
 BEGIN_S = 15 * HOUR_S
 PERIODS_S = {BICYCLES: 250.0, PEOPLE: 60.0}
 """Between two of a flow; 25 and 15 as shipped."""
-HOURS, EGO_SHARE, STEP_S, SEED, CONTROLLER = 12.0, 0.2, 0.5, 1, "vo_mpc"
+HOURS, EGO_SHARE, STEP_S, SEED, CONTROLLER = 12.0, 0.2, 1.0, 1, "vo_mpc"
 SETTLED_S = 2.0 * HOUR_S
 MOST_MB_PER_HOUR = 20.0
 
