@@ -70,11 +70,14 @@ def read_counts(folder: Path) -> Counts:
     place = {name: number for number, name in enumerate(names)}
     column = {seed: number for number, seed in enumerate(seeds)}
     shape = (len(names), len(seeds))
-    each = {name: np.zeros(shape) for name in (*_USED, *_MET)}
+    each = {name: np.zeros(shape) for name in (*_USED, *_MET, "vehicle_speed_sum_mps")}
     for row in used:
         at = place[row["crossing_id"]], column[int(row["seed"])]
         for name in _USED:
             each[name][at] = float(row[name])
+        if row["vehicle_speed_mean_mps"]:
+            total = float(row["n_vehicles"]) * float(row["vehicle_speed_mean_mps"])
+            each["vehicle_speed_sum_mps"][at] = total
     ttc: list[list[float]] = [[] for _ in names]
     pet: list[list[float]] = [[] for _ in names]
     for row in read_csv(folder / TRAFFIC_ENCOUNTERS.file):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from analysis.files import write_csv, write_json
 from analysis.screening import geojson
+from analysis.screening.changes import CHANGES, change_rows
 from analysis.screening.counts import read_counts
 from analysis.screening.crossings_table import CROSSINGS, crossing_rows
 from analysis.screening.ranking import rank
@@ -16,6 +17,7 @@ from analysis.tables.cells import Row, cells
 from analysis.tables.datapackage import describe
 
 PACKAGE = "crossings.datapackage.json"
+CHANGES_PACKAGE = "crossing_changes.datapackage.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,3 +63,36 @@ def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
         removed[0].unlink(missing_ok=True)
     seal(folder, files, removed)
     return Screened(rows, counts.seeds, files)
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """What an alternative changes."""
+
+    rows: Sequence[Row]
+    """As in crossing_changes.csv."""
+    files: Sequence[Path]
+
+
+def write_changes(folder: Path, against: Path) -> Changed:
+    """Compare the runs of two folders; write crossing_changes.csv and its dictionary into the first.
+
+    Parameters
+    ----------
+    folder, against
+        Of studies whose runs recorded everybody: the base and the alternative.
+
+    Raises
+    ------
+    StudyError
+        When they have no valid seed or no crossing in common.
+    OSError
+        When a file cannot be read or written.
+    """
+    rows = change_rows(read_counts(folder), read_counts(against))
+    files = [
+        write_csv(folder / CHANGES.file, CHANGES.names(), cells(CHANGES, rows)),
+        write_json(folder / CHANGES_PACKAGE, describe([CHANGES], "what an alternative changes")),
+    ]
+    seal(folder, files, [])
+    return Changed(rows, files)

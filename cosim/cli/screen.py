@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cosim.cli import terminal
 from cosim.cli.batch import show_result
 from cosim.cli.options import Debug, Jobs, Scheduler, here_or_elsewhere
+from cosim.cli.screen_tables import show_changes, show_ranking
 
 if TYPE_CHECKING:
-    from analysis.screening.writing import Screened
-    from analysis.tables.cells import Row
+    from cosim.screening.screen import Plan, ScreenRequest
 
-SHOWN = 10
-"""Crossings of the ranking that are printed."""
 LEAST_PEDESTRIANS = 30
 
 
@@ -61,27 +58,36 @@ def screen(
             metavar="N", min=0, help="Crossings with fewer pedestrians in all runs are listed, not ranked."
         ),
     ] = LEAST_PEDESTRIANS,
+    against: Annotated[
+        str | None,
+        typer.Option(metavar="TOWN", help="Compare with this configuration, on the same seeds."),
+    ] = None,
+    alt: Annotated[
+        list[str] | None,
+        typer.Option("--alt", metavar="KEY=VALUE", help="Compare with this scenario parameter; repeatable."),
+    ] = None,
     debug: Debug = False,
 ) -> int:
     """Rank a network's crossings by their conflicts between vehicles and pedestrians.
 
-    SUMO's own traffic is simulated, no ego is needed. Repeat the command to resume.
+    SUMO's own traffic is simulated, no ego is needed. --against and --alt screen an alternative too and
+    say what it changes at each crossing. Repeat the command to resume.
 
     \b
     Examples:
       cosim screen town.sumocfg --out results/town
       cosim screen town.sumocfg --seeds 1-20 --from 07:00 --to 08:00 --set step_s=0.1
       cosim screen midblock_zebra --seeds 1-5 --from 60 --to 600
+      cosim screen today.sumocfg --against zone30.sumocfg
+      cosim screen midblock_zebra --alt pedestrians_per_hour=600
 
     \b
     Exit codes: 0 ranked, 2 bad input (nothing is run), 3 a run failed or is invalid, or the screening was
     interrupted; what is finished is ranked.
     """
-    from cosim.batches.batch import prepared
-    from cosim.batches.progress import shown_checks, shown_tally
     from cosim.running.request import parse_settings
     from cosim.screening.clock import seconds
-    from cosim.screening.screen import ScreenRequest, planned, ranked
+    from cosim.screening.screen import ScreenRequest, alternative, compared, planned
 
     here_or_elsewhere(jobs, scheduler)
     request = ScreenRequest(
@@ -95,46 +101,43 @@ def screen(
         scheduler,
         shlex.join(["cosim", *sys.argv[1:]]),
     )
-    plan = planned(request)
-    for note in plan.notes:
+    requests = [request]
+    if against is not None or alt:
+        requests.append(alternative(request, against, parse_settings(alt or [])))
+    plans = [planned(one) for one in requests]
+    for note in dict.fromkeys(note for plan in plans for note in plan.notes):
         typer.echo(f"cosim: note: {note}", err=True)
+    if len(plans) > 1:
+        _checked(plans[-1])
+    codes = []
+    for one, plan in zip(requests, plans, strict=True):
+        code, stopped = _screened(one, plan, min_pedestrians)
+        codes.append(code)
+        if stopped:
+            return code
+    if len(requests) > 1:
+        show_changes(compared(*requests))
+    return max(codes)
+
+
+def _checked(plan: Plan) -> None:
+    """Refuse an alternative that cannot be run before the base runs."""
+    from cosim.batches.batch import prepared
+    from cosim.batches.progress import shown_checks
+
+    with prepared(plan.batch, shown_checks()):
+        pass
+
+
+def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bool]:
+    """Make the runs and print the ranking; return the exit code and whether it was stopped."""
+    from cosim.batches.batch import prepared
+    from cosim.batches.progress import shown_checks, shown_tally
+    from cosim.screening.screen import ranked
+
     with prepared(plan.batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
         code = show_result(batch, result)
     if result.tally.done:
-        _show_ranking(ranked(request, min_pedestrians), min_pedestrians)
-    return code
-
-
-def _show_ranking(found: Screened, least: float) -> None:
-    from rich.table import Table
-
-    rows = [row for row in found.rows if row["rank"] is not None]
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("rank", "95 %", "crossing", "conflicts per 1000 pedestrians", "expected", "why"):
-        table.add_column(heading, overflow="fold")
-    for row in rows[:SHOWN]:
-        table.add_row(*_line(row))
-    console = terminal.console()
-    if rows:
-        console.print(table)
-    worse, left_out = sum(bool(row["worse"]) for row in rows), len(found.rows) - len(rows)
-    typer.echo(
-        f"{len(found.rows)} crossings, {len(rows)} ranked over {len(found.seeds)} seeds, "
-        f"{worse} significantly worse than the others; {left_out} with fewer than {least:g} pedestrians"
-    )
-    if not any(row["pedestrians_per_h"] for row in found.rows):
-        typer.echo("cosim: note: nobody walked over a crossing; does the demand have persons?", err=True)
-    if len(found.seeds) == 1:
-        typer.echo("cosim: note: a rank has no interval with a single seed: use --seeds 1-10", err=True)
-    if not any(file.suffix == ".geojson" for file in found.files):
-        typer.echo("cosim: note: the network has no projection: places are in metres, no GeoJSON", err=True)
-    typer.echo(f"files: {', '.join(map(str, found.files))}")
-
-
-def _line(row: Row) -> list[str]:
-    known = row["rank_lo"] is not None
-    interval = f"{row['rank_lo']:.0f}–{row['rank_hi']:.0f}" if known else ""
-    rates = [f"{row[name]:.1f}" for name in ("conflicts_per_1000_ped", "expected_conflicts_per_1000_ped")]
-    name = f"{row['crossing_id']} (worse)" if row["worse"] else str(row["crossing_id"])
-    return [f"{row['rank']:g}", interval, name, *rates, str(row["reasons"])]
+        show_ranking(ranked(request, least), least)
+    return code, bool(result.stopped)

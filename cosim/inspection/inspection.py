@@ -54,15 +54,15 @@ def inspect(path: Path) -> Inspection:
     return inspect_source(read_source(path))
 
 
-def has_crossings(path: Path) -> bool:
-    """Return whether there is a crossing in a network, or in that of a SUMO configuration.
+def crossing_ids(path: Path) -> frozenset[str]:
+    """Return the ids of the crossings of a network, or of that of a SUMO configuration.
 
     Raises
     ------
     InputError
         As `inspect`.
     """
-    return bool(read_network(read_source(path).net_file).crossings)
+    return frozenset(read_network(read_source(path).net_file).crossings)
 
 
 def inspect_source(source: Source) -> Inspection:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analysis.errors import AnalysisError
 from analysis.recording.extent import EVERYBODY
-from analysis.screening.writing import Screened, write_ranking
+from analysis.screening.writing import Changed, Screened, write_changes, write_ranking
 from cosim.batches.batch import BatchRequest
 from cosim.batches.study import study_of
 from cosim.errors import InputError, SimulationError, reason_of
-from cosim.inspection.inspection import has_crossings
+from cosim.inspection.inspection import crossing_ids
 from cosim.presentation.notes import COARSE_STEP_S, JUDGED_STEP_S
 from cosim.recording.folders import DEFAULT_PARENT
 from sumo_scenarios import library
 
+AGAINST = "against"
+"""Folder of the alternative, within that of the base."""
 NOBODY = "sumo"
 """Controller of runs without egos."""
 
@@ -43,6 +45,45 @@ class ScreenRequest:
         return DEFAULT_PARENT / f"screen-{Path(self.scenario).stem}" if self.out is None else self.out
 
 
+def alternative(request: ScreenRequest, scenario: str | None, settings: Mapping[str, str]) -> ScreenRequest:
+    """Return the request for what a screening is compared with, on the same seeds and hours.
+
+    Parameters
+    ----------
+    request
+        The base.
+    scenario
+        ``None``: that of the base.
+    settings
+        Scenario parameters that differ from the base's.
+
+    Raises
+    ------
+    InputError
+        When two networks have no crossing in common.
+    """
+    other = replace(
+        request,
+        scenario=request.scenario if scenario is None else scenario,
+        settings={**request.settings, **settings},
+        out=request.folder / AGAINST,
+    )
+    known = [_crossings(one.scenario) for one in (request, other)]
+    if known[0] and known[1] and not known[0] & known[1]:
+        few = [", ".join(sorted(names)[:3]) for names in known]
+        raise InputError(
+            f"--against {other.scenario}: no crossing in common with {request.scenario}: "
+            f"{few[0]} there, {few[1]} here; crossings are compared by their id"
+        )
+    return other
+
+
+def _crossings(scenario: str) -> frozenset[str]:
+    """Return the ids of the crossings of a SUMO configuration; none for what is no configuration."""
+    path = Path(scenario)
+    return crossing_ids(path) if path.is_file() and path.name != library.DEFINITION else frozenset()
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
     """Runs to be ranked."""
@@ -65,11 +106,13 @@ def planned(request: ScreenRequest) -> Plan:
     except (library.ScenarioError, OSError) as error:
         raise InputError(str(error)) from error
     path = Path(request.scenario)
-    if path.is_file() and path.name != library.DEFINITION and not has_crossings(path):
+    if path.is_file() and path.name != library.DEFINITION and not crossing_ids(path):
         raise InputError(
             f"{request.scenario}: the network has no crossings to rank; cosim inspect prints the command "
             "that adds them"
         )
+    if "ego_share" in request.settings:
+        raise InputError("ego_share: a screening has no egos; vary ego_share in a study file for cosim batch")
     settings: dict[str, str | float] = {**request.settings, "ego_share": 0.0, **_times(request, scenario)}
     notes = []
     if "step_s" not in settings and scenario.step_s > COARSE_STEP_S:
@@ -128,3 +171,17 @@ def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:
         return write_ranking(request.folder, least_pedestrians)
     except (AnalysisError, OSError) as error:
         raise SimulationError(f"no ranking: {reason_of(error)}") from error
+
+
+def compared(request: ScreenRequest, other: ScreenRequest) -> Changed:
+    """Compare the finished runs of an alternative with those of the base, and write the differences.
+
+    Raises
+    ------
+    SimulationError
+        When there are no runs to compare, or the differences cannot be written.
+    """
+    try:
+        return write_changes(request.folder, other.folder)
+    except (AnalysisError, OSError) as error:
+        raise SimulationError(f"no comparison: {reason_of(error)}") from error

@@ -91,6 +91,51 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.sumo
+def test_an_alternative_is_compared_crossing_by_crossing(tmp_path: Path) -> None:
+    configuration, out = town(tmp_path), tmp_path / "out"
+    slow = tmp_path / "slow.sumocfg"
+    net = (tmp_path / "t.net.xml").read_text()
+    (tmp_path / "slow.net.xml").write_text(net.replace('speed="13.89"', 'speed="5.00"'))
+    slow.write_text(CONFIGURATION.replace("t.net.xml", "slow.net.xml"))
+    arguments = ("screen", configuration, "--seeds", "1-3", "--to", 100, "--against", slow, "--out", out)
+    told = ended(*arguments, "--min-pedestrians", 5)
+    rows = {(row["crossing_id"], row["metric"]): row for row in read_csv(out / "crossing_changes.csv")}
+    speed = rows["total", "vehicle_speed_mean_mps"]
+    assert (speed["changed"], speed["n_pairs"]) == ("1", "3")
+    assert float(speed["alt_mean"]) < 5.1 < float(speed["base_mean"])
+    assert "vehicle_speed_mean_mps" in told.stdout
+    assert "the alternative moves trips" in told.stderr
+    assert (out / "against" / "crossings.csv").is_file()
+    # Both sides are what their own tables say.
+    for folder, side in ((out, "base_mean"), (out / "against", "alt_mean")):
+        for row in read_csv(folder / "crossings.csv"):
+            for metric in ("pedestrians_per_h", "conflicts_per_1000_ped", "vehicle_speed_mean_mps"):
+                value = rows[row["crossing_id"], metric][side]
+                assert (value == "") == (row[metric] == "")
+                assert not value or float(value) == pytest.approx(float(row[metric]), rel=1e-3)
+    before = (out / "crossing_changes.csv").read_bytes()
+    ended(*arguments)
+    assert (out / "crossing_changes.csv").read_bytes() == before
+    ended("verify", out)
+
+
+@pytest.mark.sumo
+def test_an_alternative_that_cannot_be_compared_is_refused(tmp_path: Path) -> None:
+    configuration = town(tmp_path)
+    net = (tmp_path / "t.net.xml").read_text()
+    (tmp_path / "other.net.xml").write_text(net.replace("_c", "_d"))
+    other = tmp_path / "other.sumocfg"
+    other.write_text(CONFIGURATION.replace("t.net.xml", "other.net.xml"))
+    told = ended("screen", configuration, "--against", other, "--out", tmp_path / "out", code=2).stderr
+    assert "no crossing in common" in told
+    told = ended("screen", configuration, "--alt", "ego_share=0.2", "--out", tmp_path / "out", code=2).stderr
+    assert "a screening has no egos" in told
+    told = ended("screen", configuration, "--alt", "wind=3", "--out", tmp_path / "out", code=2).stderr
+    assert "wind" in told
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.sumo
 def test_a_town_without_pedestrians_has_no_rates(tmp_path: Path) -> None:
     configuration, out = town(tmp_path), tmp_path / "out"
     (tmp_path / "t.rou.xml").write_text(CARS)
