@@ -19,7 +19,7 @@ from cosim.conformance.stage import rectangle, separation
 from cosim.errors import InputError
 from cosim.pedestrians.behaviour import RADIUS
 from cosim.running.request import parse_settings
-from cosim.sumo.network import read_network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.scripted_persons import ScriptedPersons
 from sumo_scenarios.library import Scenario, ScenarioError, load, prepare, with_parameters
 

@@ -107,7 +107,15 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
     thresholds = thresholds or Thresholds()
     grid = make_grid(run, thresholds)
     egos, vehicles = ego_tracks(run, grid, thresholds), object_tracks(run, grid, "vehicle")
-    return _case(run, thresholds, grid, egos, vehicles, find_encounters, find_overlaps(egos, vehicles, grid))
+    return _case(
+        run,
+        thresholds,
+        grid,
+        egos,
+        vehicles,
+        find_encounters,
+        find_overlaps(egos, vehicles, grid, run.levels),
+    )
 
 
 def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
@@ -134,7 +142,7 @@ def _case(
     overlaps: Sequence[VehicleOverlap],
 ) -> Case:
     persons = object_tracks(run, grid, "pedestrian")
-    passed = traversals(egos, run.crossings(), grid)
+    passed = traversals(egos, run, grid)
     kinds = {area.name: area.crossing_kind for area in run.crossings()}
     around = Surroundings(run, grid, thresholds, passed, kinds)
     encounters = find(egos, persons, around)

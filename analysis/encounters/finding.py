@@ -139,7 +139,10 @@ def _of_pair(
     own, other = _slice(ego, first, last), _slice(person, first, last)
     reach = around.thresholds.encounter_range_m
     accepted: list[Encounter] = []
+    apart = around.run.levels.apart
     for area in sorted(areas, key=lambda one: max(one.time_between, 0.0)):
+        if apart[ego.level[area.ego.first], person.level[area.person.first]]:
+            continue
         near = np.hypot(ego.x[own] - area.x, ego.y[own] - area.y) <= reach
         near &= np.hypot(person.x[other] - area.x, person.y[other] - area.y) <= reach
         stretch = _nearest_stretch(near, first, ego.first + area.ego.first, person.first + area.person.first)

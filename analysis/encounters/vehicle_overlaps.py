@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import FloatArray, gap_along, rectangle_separation
+from analysis.recording.levels import Levels
 from analysis.recording.tracks import Grid, Track
 
 IntArray = NDArray[np.int64]
@@ -40,16 +41,18 @@ class VehicleOverlap:
     y: float
 
 
-def find_overlaps(egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid) -> list[VehicleOverlap]:
-    """Return all overlaps, sorted by time and names."""
+def find_overlaps(
+    egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid, levels: Levels
+) -> list[VehicleOverlap]:
+    """Return all overlaps on the same level, sorted by time and names."""
     found = []
     for ego in egos:
         for vehicle in vehicles:
-            found.extend(_of_pair(ego, vehicle, grid))
+            found.extend(_of_pair(ego, vehicle, grid, levels))
     return sorted(found, key=lambda one: (one.start, one.ego_id, one.vehicle_id))
 
 
-def _of_pair(ego: Track, vehicle: Track, grid: Grid) -> list[VehicleOverlap]:
+def _of_pair(ego: Track, vehicle: Track, grid: Grid, levels: Levels) -> list[VehicleOverlap]:
     first, last = max(ego.first, vehicle.first), min(ego.last, vehicle.last)
     if first > last or vehicle.name == ego.name:
         return []
@@ -57,7 +60,8 @@ def _of_pair(ego: Track, vehicle: Track, grid: Grid) -> list[VehicleOverlap]:
     b = slice(first - vehicle.first, last - vehicle.first + 1)
     reach = 0.5 * float(np.hypot(ego.length, ego.width) + np.hypot(vehicle.length, vehicle.width))
     dx, dy = ego.x[a] - vehicle.x[b], ego.y[a] - vehicle.y[b]
-    near = np.flatnonzero(dx * dx + dy * dy <= reach * reach)
+    together = ~levels.apart[ego.level[a], vehicle.level[b]]
+    near = np.flatnonzero((dx * dx + dy * dy <= reach * reach) & together)
     if len(near) == 0:
         return []
     own = near + first - ego.first

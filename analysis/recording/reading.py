@@ -25,6 +25,7 @@ from analysis.recording.columns import (
     RecordedTable,
 )
 from analysis.recording.extent import EVERYBODY
+from analysis.recording.levels import Levels, levels_of
 from analysis.recording.opening import opened_table
 
 IntArray = NDArray[np.int64]
@@ -76,6 +77,8 @@ class Area:
     crossing_kind: str
     width_m: float
     shape: FloatArray
+    crossed: tuple[str, ...] = ()
+    """Edges that lead over or under it."""
     facts: Mapping[str, Any] = field(default_factory=dict)
     """Further values of a crossing, by their names in map.json; recordings of before have none."""
 
@@ -93,12 +96,18 @@ class RecordedRun:
     neighbours: Columns
     timing: Columns
     areas: tuple[Area, ...]
+    levels: Levels
+    """Which edges of the map lead over or under each other."""
     sensing: Columns | None = None
     """What egos knew of pedestrians; ``None`` where they knew the truth."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""
         return tuple(area for area in self.areas if area.kind == "crossing")
+
+
+def _edge_of(area: Area) -> str:
+    return area.name.rpartition("_")[0] if area.kind == "lane" else area.name
 
 
 def read_run(folder: Path) -> RecordedRun:
@@ -134,7 +143,8 @@ def read_run(folder: Path) -> RecordedRun:
     areas = _read_areas(folder / "map.json")
     perfect = str(meta.get("sensing") or _PERFECT) == _PERFECT
     sensing = None if perfect else read_table(folder, SENSING)
-    return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, sensing)
+    levels = levels_of({_edge_of(area): area.crossed for area in areas if area.crossed})
+    return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, levels, sensing)
 
 
 def _read_json(path: Path) -> dict[str, Any]:
@@ -249,6 +259,7 @@ def _area(path: Path, number: int, entry: Any) -> Area:
             str(entry.get("crossing_kind") or ""),
             float(entry["width_m"]),
             shape,
+            tuple(str(name) for name in entry.get("crossed") or ()),
             {name: entry[name] for name in _FACTS if entry.get(name) is not None},
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:

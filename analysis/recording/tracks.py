@@ -58,6 +58,8 @@ class Track:
     """Recorded acceleration of an ego [m/s^2]; nan for others."""
     path: FloatArray
     """Way from the first sample on [m]."""
+    level: IntArray
+    """Number of the edge it is on, as ``RecordedRun.levels`` counts."""
     length: float
     width: float
 
@@ -94,6 +96,7 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
     """
     tracks = []
     rows = run.egos
+    levels = run.levels.of_all(rows.texts["lane"].names, rows.texts["lane"].codes)
     for name, index in _by_name(rows, "ego_id"):
         number = {key: values[index] for key, values in rows.numbers.items()}
         for piece in _pieces(
@@ -132,6 +135,7 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
                     speed=fine_speed,
                     acceleration=_refine(number["acceleration_mps2"][piece], grid.factor),
                     path=arc_lengths(np.column_stack([x, y])),
+                    level=levels[_row_of_sample(index[piece], grid.factor)],
                     length=length,
                     width=width,
                 )
@@ -142,6 +146,8 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
 def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
     """Return the tracks of all pedestrians or all vehicles, straight between recorded instants."""
     rows = run.neighbours
+    places = rows.texts["edge_or_lane"]
+    levels = run.levels.of_all(places.names, places.codes)
     chosen = np.flatnonzero(rows.texts["object_kind"].equal(kind))
     tracks = []
     for name, index in _by_name(rows, "object_id", chosen):
@@ -173,6 +179,7 @@ def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
                     speed=np.hypot(x_speed, y_speed),
                     acceleration=np.full_like(x, np.nan),
                     path=arc_lengths(np.column_stack([x, y])),
+                    level=levels[_row_of_sample(index[piece], grid.factor)],
                     length=length,
                     width=width,
                 )

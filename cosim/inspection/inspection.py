@@ -12,7 +12,8 @@ from cosim.inspection.ego_routes import EgoRoute, passing, suggest
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source, read_source
 from cosim.inspection.ways import Ways
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 
 
 @dataclass(frozen=True, slots=True)

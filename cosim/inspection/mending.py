@@ -13,7 +13,7 @@ from cosim.errors import InputError
 from cosim.inspection.carry_over import CarryOver
 from cosim.inspection.inspection import Inspection, inspect_source
 from cosim.inspection.roads import any_sidewalk, car_edges, guess_command, guess_options, with_crossings
-from cosim.sumo.network import read_network
+from cosim.sumo.network_file import read_network
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.sumo_installation import netconvert, sumo_home
 

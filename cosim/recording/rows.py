@@ -95,6 +95,7 @@ def map_entry(area: MapArea) -> dict[str, Any]:
         "crossing_kind": area.crossing_kind,
         "width_m": round(area.width, 3),
         "shape_m": np.round(area.shape, 3).tolist(),
+        **({"crossed": list(area.crossed)} if area.crossed else {}),
         **({} if area.facts is None else _facts(area.facts)),
     }
 

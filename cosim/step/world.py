@@ -209,6 +209,8 @@ class MapArea:
     """``CrossingKind`` value for a crossing."""
     facts: CrossingFacts | None = None
     """Of a crossing, where they are known."""
+    crossed: tuple[str, ...] = ()
+    """Edges that lead over or under it."""
 
 
 class World(Protocol):

@@ -165,6 +165,10 @@ class LanePath:
         index = np.clip(np.searchsorted(starts, self.curve.along, side="right") - 1, 0, None)
         return np.array([piece.lane.width for piece in self.pieces])[index]
 
+    def between(self, start: float, end: float) -> list[Piece]:
+        """Return the parts of the path between two places."""
+        return [piece for piece in self.pieces if piece.start < end and piece.end > start]
+
     def piece_at(self, along: float) -> Piece:
         """Return the piece there; the first or last one beyond the ends."""
         for piece in self.pieces:
@@ -181,7 +185,7 @@ class LanePath:
 
     def _path_bend(self, bend: Bend) -> PathBend:
         start, end = self.curve.station_along(bend.start), self.curve.station_along(bend.end)
-        on_it = [piece for piece in self.pieces if piece.start < end and piece.end > start]
+        on_it = self.between(start, end)
         inside = [piece for piece in on_it if piece.lane.internal]
         lane = (inside or on_it or [self.piece_at(start)])[0].lane.name
         return PathBend(lane, start, end, bend.off)

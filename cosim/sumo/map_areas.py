@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,12 @@ def cells_of_crossings(network: Network) -> set[tuple[int, int]]:
     return {(int(x), int(y)) for some in cells for x, y in some}
 
 
-def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: ToDegrees) -> list[MapArea]:
+def areas_near(
+    network: Network,
+    cells: Iterable[tuple[int, int]],
+    to_degrees: ToDegrees,
+    crossed: Mapping[str, Collection[str]],
+) -> list[MapArea]:
     """Return lanes, crossings and walking areas near cells.
 
     Parameters
@@ -36,6 +41,7 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: T
     network
     cells : world positions divided by `CELL`, rounded
     to_degrees : asked only where the network has a projection
+    crossed : by edge, those that lead over or under it
     """
     places = CELL * np.array(sorted(cells), dtype=np.float64).reshape(-1, 2)
 
@@ -44,7 +50,7 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: T
         return bool(((places >= low) & (places <= high)).all(axis=1).any())
 
     lanes = [
-        MapArea(lane.name, "lane", lane.width, lane.shape)
+        MapArea(lane.name, "lane", lane.width, lane.shape, crossed=_sorted(crossed.get(lane.edge)))
         for lane in network.lanes.values()
         if near(lane.shape)
     ]
@@ -56,6 +62,7 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: T
             crossing.axis,
             crossing.kind.value,
             _facts(network, crossing, to_degrees),
+            _sorted(crossed.get(crossing.name)),
         )
         for crossing in network.crossings.values()
         if near(crossing.axis)
@@ -66,6 +73,10 @@ def areas_near(network: Network, cells: Iterable[tuple[int, int]], to_degrees: T
         if near(area.outline)
     ]
     return [*lanes, *crossings, *walking_areas]
+
+
+def _sorted(names: Collection[str] | None) -> tuple[str, ...]:
+    return tuple(sorted(names or ()))
 
 
 def _facts(network: Network, crossing: NetCrossing, to_degrees: ToDegrees) -> CrossingFacts:

@@ -22,8 +22,10 @@ from cosim.sumo.egos import EgoSources
 from cosim.sumo.everybody import Everybody
 from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
+from cosim.sumo.levels import Levels
 from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.placement import Executed, Method, Placement
 from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.road_users import KnownState
@@ -106,6 +108,7 @@ class SumoWorld:
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
+            self._levels = Levels(self._network)
             self._observer = Observer(self._sumo, self._network, self.step)
             self._everybody = Everybody(self._sumo, self._network, self.step) if everybody else None
             self._scripted.join(self._sumo, self.step)
@@ -132,9 +135,10 @@ class SumoWorld:
         if self._steps % self._plan_every:
             return ()
         with self._connection.reporting(f"sensing at {self._time:.2f} s"):
-            plants = {ego.name: ego.plant for ego in self._egos.values()}
-            known = self._knowledge.believed(plants, self._time, self._surroundings)
-            return self._perceiver.perceive(list(self._egos.values()), self._time, known)
+            egos = list(self._egos.values())
+            met = self._levels.met(self._surroundings, egos)
+            known = self._knowledge.believed({ego.name: ego.plant for ego in egos}, self._time, met)
+            return self._perceiver.perceive(egos, self._time, known)
 
     def act(self, name: str, command: Command) -> None:
         """Set what the ego tries to do from now on."""
@@ -208,7 +212,7 @@ class SumoWorld:
         seen = (
             self._visited if self._everybody is None else {*self._visited, *cells_of_crossings(self._network)}
         )
-        return areas_near(self._network, seen, self._sumo.simulation.convertGeo)
+        return areas_near(self._network, seen, self._sumo.simulation.convertGeo, self._levels.crossed)
 
     def close(self) -> None:
         """End the simulation."""

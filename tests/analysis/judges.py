@@ -263,6 +263,7 @@ def _track(start: Array, velocity: Array, heading: float, length: float, width: 
         speed=np.hypot(*velocity) * ones,
         acceleration=0.0 * ones,
         path=arc_lengths(position),
+        level=np.zeros(len(ones), dtype=np.int64),
         length=length,
         width=width,
     )

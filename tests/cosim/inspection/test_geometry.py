@@ -15,7 +15,8 @@ from cosim.inspection.inspection import inspect
 from cosim.inspection.options import step_length
 from cosim.inspection.scaffold import write_scaffold
 from cosim.inspection.source import read_source
-from cosim.sumo.network import Network, WalkingArea, read_network
+from cosim.sumo.network import Network, WalkingArea
+from cosim.sumo.network_file import read_network
 from cosim.sumo.path import Path
 from tests.cosim.inspection.towns import build, configure
 

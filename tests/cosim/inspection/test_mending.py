@@ -13,7 +13,8 @@ from cosim.cli import main
 from cosim.inspection.inspection import inspect
 from cosim.inspection.scaffold import write_scaffold
 from cosim.inspection.xml_elements import elements
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from tests.cosim.inspection.towns import build
 
 PLACES = """

@@ -10,7 +10,8 @@ import pytest
 import sumo
 
 from controllers.interface import Command, Perception, constant_command
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.world import SumoWorld
 from sumo_scenarios.library import load, prepare
 from sumo_scenarios.model import Egos

@@ -15,7 +15,8 @@ from cosim.sumo.approaches import Approaches
 from cosim.sumo.foes import FoeFinder
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.road_users import Cars
 
 LENGTH, WIDTH = 5.0, 1.8

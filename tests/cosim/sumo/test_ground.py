@@ -11,7 +11,8 @@ import pytest
 import shapely
 
 from cosim.sumo.ground import OUTSIDE, Ground
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from sumo_scenarios.library import load, prepare
 
 

@@ -1,12 +1,15 @@
 """Reading networks."""
 
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from controllers.interface import CrossingKind
 from cosim.errors import InputError
-from cosim.sumo.network import Network, read_network
+from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
+from sumo_scenarios.sumo_installation import netconvert
 
 ROAD = (
     '<net><edge id="e"><lane id="e_0" index="0" length="{length}" speed="1" shape="{shape}"/></edge>'
@@ -46,6 +49,18 @@ def test_a_left_turn_yields_to_oncoming_traffic_and_not_the_other_way_round(town
     (oncoming,) = town.follow("bj_1", "jm", "passenger")
     assert (oncoming, True) in town.foes(left_turn)
     assert (left_turn, False) in town.foes(oncoming)
+
+
+def test_in_an_unregulated_junction_everybody_whose_way_meets_is_yielded_to(tmp_path: Path) -> None:
+    path = tmp_path / "net.xml"
+    options = ["--grid", "--grid.number", "3", "--default-junction-type", "unregulated", "--no-turnarounds"]
+    netgenerate = netconvert().with_name("netgenerate")
+    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
+    network = read_network(path)
+    (own,) = network.follow("B0B1_0", "B1B2", "passenger")
+    foes = network.foes(own)
+    assert all(yields for _, yields in foes)
+    assert {foe.source for foe, _ in foes} == {"A1B1_0", "B2B1_0", "C1B1_0"}
 
 
 def test_the_measured_intersection_is_read(braunschweig: Network) -> None:

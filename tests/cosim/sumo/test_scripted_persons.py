@@ -14,7 +14,7 @@ import pytest
 from cosim.conformance.stage import separation
 from cosim.errors import InputError
 from cosim.step.frames import heading_of
-from cosim.sumo.network import read_network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.present import everybody_present
 from cosim.sumo.scripted_persons import ScriptedPersons
 from cosim.sumo.surroundings import Observer

@@ -10,7 +10,7 @@ import sumo
 
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
-from cosim.sumo.network import read_network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.route import Route
 
 pytestmark = pytest.mark.sumo

@@ -1,0 +1,109 @@
+"""Roads that lead over or under each other.
+
+SUMO's ways meet in junctions only, and its coordinates are flat: where two edges cross without a junction in
+common, one is a bridge over the other. Nobody on the one is in the way of anybody on the other.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import STRtree, get_parts
+from shapely.geometry import LineString, Point
+
+from cosim.sumo.driven_ego import DrivenEgo
+from cosim.sumo.network import Network
+from cosim.sumo.surroundings import VEHICLE_RANGE, Surroundings
+
+IntArray = NDArray[np.int64]
+
+BEHIND = 30.0
+"""The ego's way begins so far behind it [m]."""
+
+AT_AN_END = 5.0
+"""Edges that cross nearer than this to the end of one are a junction that is drawn badly [m]."""
+LEAST_ANGLE = np.radians(20.0)
+"""Edges that cross at a smaller angle lie beside each other."""
+NOBODY: frozenset[str] = frozenset()
+
+
+class Levels:
+    """Keeps from each ego whoever is above or below its way.
+
+    Parameters
+    ----------
+    network
+    """
+
+    def __init__(self, network: Network) -> None:
+        self._lanes = network.lanes
+        self.crossed = other_levels(network)
+        """By edge: those that lead over or under it."""
+
+    def met(self, surroundings: Surroundings, egos: Collection[DrivenEgo]) -> Surroundings:
+        """Return the surroundings without those near an ego whom it cannot meet."""
+        if not self.crossed:
+            return surroundings
+        persons, cars = dict(surroundings.persons_near), dict(surroundings.cars_near)
+        for ego in egos:
+            own = {piece.lane.edge for piece in ego.track.path.between(*self._view(ego))}
+            apart = NOBODY.union(*(self.crossed.get(edge, NOBODY) for edge in own)) - own
+            if apart:
+                persons[ego.name] = _on_others(persons[ego.name], surroundings.persons.edge, apart)
+                cars[ego.name] = _on_others(cars[ego.name], self._edges(surroundings.cars.lane), apart)
+        return replace(surroundings, persons_near=persons, cars_near=cars)
+
+    def _edges(self, lanes: Sequence[str]) -> list[str]:
+        return [self._lanes[lane].edge if lane in self._lanes else "" for lane in lanes]
+
+    @staticmethod
+    def _view(ego: DrivenEgo) -> tuple[float, float]:
+        return ego.track.along - BEHIND, ego.track.along + VEHICLE_RANGE
+
+
+def _on_others(rows: IntArray, edges: Sequence[str], apart: Collection[str]) -> IntArray:
+    return np.array([row for row in rows.tolist() if edges[row] not in apart], dtype=np.int64)
+
+
+def other_levels(network: Network) -> Mapping[str, frozenset[str]]:
+    """Return for each edge those that lead over or under it; edges without any are left out.
+
+    What is inside junctions counts, crossings too.
+    """
+    lines = [
+        *((lane.edge, LineString(lane.shape)) for lane in network.lanes.values()),
+        *((crossing.name, LineString(crossing.axis)) for crossing in network.crossings.values()),
+    ]
+    if not lines:
+        return {}
+    shapes = [line for _, line in lines]
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    pairs = STRtree(shapes).query(shapes, predicate="crosses").T
+    for i, j in pairs[pairs[:, 0] < pairs[:, 1]].tolist():
+        (one, line), (other, line_of_other) = lines[i], lines[j]
+        if other in found[one] or network.junctions[one] & network.junctions[other]:
+            continue
+        places = [place for place in get_parts(line.intersection(line_of_other)) if isinstance(place, Point)]
+        if any(_is_a_bridge(place, line, line_of_other) for place in places):
+            found[one].add(other)
+            found[other].add(one)
+    return {edge: frozenset(others) for edge, others in found.items() if others}
+
+
+def _is_a_bridge(place: Point, *lines: LineString) -> bool:
+    stations = [line.project(place) for line in lines]
+    if any(not AT_AN_END < at < line.length - AT_AN_END for at, line in zip(stations, lines, strict=True)):
+        return False
+    turns = [_direction(line, at) for at, line in zip(stations, lines, strict=True)]
+    # Lines have no sense: 170 degrees are 10.
+    angle = abs((turns[0] - turns[1] + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+    return bool(angle > LEAST_ANGLE)
+
+
+def _direction(line: LineString, at: float) -> float:
+    (x, y), (to_x, to_y) = line.interpolate(at - 0.5).coords[0], line.interpolate(at + 0.5).coords[0]
+    return float(np.arctan2(to_y - y, to_x - x))

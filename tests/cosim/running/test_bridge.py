@@ -1,0 +1,95 @@
+"""A street under a bridge on which a car stands and people walk, all of them above the street's traffic."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import sumo
+
+from analysis.encounters.case import prepare
+from analysis.files import read_csv
+from analysis.recording.levels import levels_of
+from analysis.recording.reading import read_run
+from cosim.running.execution import execute
+from cosim.running.request import RunRequest
+from cosim.sumo.levels import other_levels
+from cosim.sumo.network_file import read_network
+
+pytestmark = pytest.mark.sumo
+
+NODES = (
+    '<nodes><node id="a" x="0" y="0"/><node id="b" x="400" y="0"/>'
+    '<node id="c" x="200" y="-100"/><node id="d" x="200" y="100"/></nodes>'
+)
+EDGES = (
+    '<edges><edge id="street" from="a" to="b" numLanes="2" speed="13.89"/>'
+    '<edge id="bridge" from="c" to="d" numLanes="1" speed="13.89"/></edges>'
+)
+# Whoever stands on the bridge stands over the street's right lane, and over the left one.
+DEMAND = """<routes>
+  <vType id="car" vClass="passenger" sigma="0" speedDev="0"/>
+  <vehicle id="above" type="car" depart="0" departPos="95" departSpeed="0">
+    <route edges="bridge"/><stop lane="bridge_1" endPos="98" duration="100"/>
+  </vehicle>
+  <person id="walker" depart="0" departPos="88"><walk edges="bridge" speed="0.4"/></person>
+  <vehicle id="ego" type="car" depart="5" departLane="1" departSpeed="13"><route edges="street"/></vehicle>
+  <vehicle id="other" type="car" depart="9" departLane="1" departSpeed="13"><route edges="street"/></vehicle>
+</routes>"""
+CONFIGURATION = (
+    '<configuration><input><net-file value="town.net.xml"/><route-files value="town.rou.xml"/></input>'
+    '<time><end value="45"/><step-length value="0.1"/></time></configuration>'
+)
+
+
+@pytest.fixture(scope="module")
+def town(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the configuration."""
+    folder = tmp_path_factory.mktemp("bridge")
+    for name, text in (("nod", NODES), ("edg", EDGES)):
+        (folder / f"{name}.xml").write_text(text)
+    options = ["-n", "nod.xml", "-e", "edg.xml", "--sidewalks.guess", "--sidewalks.guess.max-speed", "20"]
+    netconvert = str(Path(sumo.SUMO_HOME) / "bin" / "netconvert")
+    subprocess.run([netconvert, *options, "-o", "town.net.xml"], cwd=folder, check=True, capture_output=True)
+    (folder / "town.rou.xml").write_text(DEMAND)
+    path = folder / "town.sumocfg"
+    path.write_text(CONFIGURATION)
+    return path
+
+
+def test_edges_that_cross_without_a_junction_are_on_different_levels(town: Path) -> None:
+    network = read_network(town.with_name("town.net.xml"))
+    assert other_levels(network) == {"street": frozenset({"bridge"}), "bridge": frozenset({"street"})}
+
+
+def test_nobody_on_a_bridge_is_in_the_way_or_struck(town: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    outcome = execute(RunRequest(str(town), controller="vo_mpc", ego_vehicle="ego", out=out))
+    assert not outcome.invalid_reason
+    egos, neighbours = (pd.read_parquet(out / f"{name}.parquet") for name in ("egos", "neighbours"))
+    # The ego passes below both of them, and at their places in the plane.
+    assert {"above", "walker"} <= set(neighbours.object_id)
+    below = egos[(egos.front_x_m > 150.0) & (egos.front_x_m < 250.0)]
+    assert below.speed_mps.min() > 12.0
+    assert below.front_x_m.iloc[-1] > 230.0
+    case = prepare(read_run(out))
+    assert (len(case.overlaps), len(case.encounters), len(case.contacts)) == (0, 0, 0)
+
+
+def test_traffic_on_both_levels_is_judged_apart(town: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    outcome = execute(RunRequest(str(town), controller="sumo", ego_share=0.0, record="everybody", out=out))
+    assert not outcome.invalid_reason
+    assert read_csv(out / "traffic_encounters.csv") == []
+
+
+def test_without_the_bridge_the_same_two_would_have_been_struck(town: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    execute(RunRequest(str(town), controller="vo_mpc", ego_vehicle="ego", out=out))
+    flat = replace(read_run(out), levels=levels_of({}))
+    case = prepare(flat)
+    assert [one.vehicle_id for one in case.overlaps] == ["above"]
+    assert [one.person.name for one in case.encounters] == ["walker"]
