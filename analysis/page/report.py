@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.errors import RecordingError, StudyError
 from analysis.files import write_text
-from analysis.page import origin, tables
+from analysis.page import origin, tables, town
 from analysis.page.distributions import distributions
 from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
 from analysis.page.replay import has_recording, read_recording, write_replays
@@ -93,11 +93,13 @@ def write_report(
     listed = [found.at(row) for row in pick(order, found, study, rows, OF_EACH)]
     replayed, problems, damaged = _replays(listed, data / REPLAYS, replays)
     lines = origin.run_lines(study, out)
+    screened = town.screening(root, study.runs)
     page = _environment().get_template("page.html.jinja")
     content = page.render(
         title=title or out.resolve().name,
-        question=_question(study, baseline),
-        answers=_answers(study, made, say, found),
+        question=_question(study, baseline) if screened is None else _question_of_town(study),
+        answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
+        town=screened,
         facts=_facts(study, found, root),
         criteria=origin.criteria(root),
         failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
@@ -142,6 +144,11 @@ def _question(study: Study, baseline: str | None) -> str:
     bases, others = ([*dict.fromkeys(pair[side] for pair in pairs)] for side in (0, 1))
     verb = "Is" if len(others) == 1 else "Are"
     return f"{verb} {_listed(others)} safer than {_listed(bases)} on {scenarios}, and slower?"
+
+
+def _question_of_town(study: Study) -> str:
+    scenarios = ", ".join(sorted({run.scenario_id for run in study.runs}))
+    return f"Which crossings of {scenarios} are dangerous?"
 
 
 def _listed(names: Sequence[str]) -> str:

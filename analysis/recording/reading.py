@@ -140,7 +140,7 @@ def read_run(folder: Path) -> RecordedRun:
     neighbours = read_table(folder, NEIGHBOURS)
     timing = read_table(folder, TIMING)
     times = np.unique(np.round(np.concatenate([egos.numbers["time_s"], neighbours.numbers["time_s"]]), 6))
-    areas = _read_areas(folder / "map.json")
+    areas = read_map(folder)
     perfect = str(meta.get("sensing") or _PERFECT) == _PERFECT
     sensing = None if perfect else read_table(folder, SENSING)
     levels = levels_of({_edge_of(area): area.crossed for area in areas if area.crossed})
@@ -243,7 +243,15 @@ def _require_forward_time(path: Path, time: FloatArray, *keys: Texts) -> None:
         )
 
 
-def _read_areas(path: Path) -> tuple[Area, ...]:
+def read_map(folder: Path) -> tuple[Area, ...]:
+    """Return lanes, crossings and walking areas of a run's folder.
+
+    Raises
+    ------
+    RecordingError
+        When map.json is missing or not what it should be.
+    """
+    path = folder / "map.json"
     listed = _read_json(path).get("areas")
     if not isinstance(listed, list):
         raise RecordingError(f"{path}: no list 'areas'")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -75,6 +76,33 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(tmp_path: Path) ->
     ended("verify", out)
     (out / "crossings.csv").write_text("altered")
     assert "crossings.csv" in ended("verify", out, code=3).stderr
+
+
+@pytest.mark.sumo
+def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    ended("screen", town(tmp_path), "--seeds", "1-2", "--to", 150, "--min-pedestrians", 3, "--out", out)
+    ended("report", out)
+    page = (out / "report.html").read_text("utf-8")
+    rows = read_csv(out / "crossings.csv")
+    assert "Which crossings of t are dangerous?" in page
+    assert page.count("<circle") == len(rows)
+    for row in rows:
+        name = row["crossing_id"]
+        assert f'href="#crossing-{name}"' in page
+        assert f'<tr id="crossing-{name}"' in page
+    assert page.count("crossing c0") == sum(row["rank"] == "" for row in rows)
+    found = re.findall(r"(\S+) and (\S+), seed (\d+), from", page)
+    conflicts = [
+        (row["vehicle_id"], row["ped_id"], row["seed"])
+        for row in read_csv(out / "traffic_encounters.csv")
+        if row["severity"] in ("serious", "severe", "collision")
+    ]
+    assert found
+    assert {*found} <= {*conflicts}
+    ended("report", out)
+    assert (out / "report.html").read_text("utf-8") == page
+    ended("verify", out)
 
 
 @pytest.mark.sumo

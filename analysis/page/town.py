@@ -1,0 +1,172 @@
+"""The crossings of a screened network: a map of its own geometry, their table, their worst encounters."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.encounters.severity_scale import CONFLICTS
+from analysis.errors import RecordingError
+from analysis.files import read_csv
+from analysis.geometry import FloatArray
+from analysis.page.tables import read_rows
+from analysis.recording.reading import Area, read_map
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
+from analysis.screening.changes import CHANGES, TOTAL
+from analysis.screening.crossings_table import CROSSINGS
+from analysis.study.runs import StudyRun
+
+RATE = "expected_conflicts_per_1000_ped"
+"""What colour and size of a crossing say."""
+COLOURS = 5
+OF_EACH = 3
+"""So many of a crossing's worst encounters are listed."""
+SMALLEST, LARGEST = 0.006, 0.018
+"""Radii of crossings on the map, as shares of its larger side."""
+MARGIN = 0.03
+"""Around the map, the same."""
+LENGTHS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
+"""Of the scale bar [m]."""
+
+Row = Mapping[str, Any]
+
+
+def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | None:
+    """Return what the page says of the crossings; ``None`` where none were ranked.
+
+    Raises
+    ------
+    StudyError
+        When a table of the screening cannot be read.
+    """
+    if root is None or not (root / CROSSINGS.file).is_file():
+        return None
+    rows = read_rows(root / CROSSINGS.file, CROSSINGS)
+    ranked = [row for row in rows if row["rank"] is not None]
+    return {
+        "rows": rows,
+        "ranked": ranked,
+        "seeds": len({run.seed for run in runs if run.valid}),
+        "map": _map(rows, _areas(runs)),
+        "worst": _worst(root / TRAFFIC_ENCOUNTERS.file, {run.run_id: run for run in runs}),
+        "changes": _changes(root / CHANGES.file),
+    }
+
+
+def answers(found: Mapping[str, Any]) -> list[str]:
+    """Return the answers at the top of the page, a sentence each."""
+    rows, ranked = found["rows"], found["ranked"]
+    worse = [row["crossing_id"] for row in ranked if row["worse"]]
+    told = [f"{len(ranked)} of {len(rows)} crossings had enough pedestrians to be ranked."]
+    if ranked:
+        first = ranked[0]
+        interval = ""
+        if first["rank_lo"] is not None:
+            interval = f" (rank 1, 95 % {first['rank_lo']:.0f} to {first['rank_hi']:.0f})"
+        why = f": {first['reasons']}" if first["reasons"] else ""
+        told.append(
+            f"Most conflicts are expected at {first['crossing_id']}, "
+            f"{first[RATE]:.1f} per 1000 pedestrians{interval}{why}."
+        )
+        few = ", ".join(worse[:5]) + (f" and {len(worse) - 5} more" if len(worse) > 5 else "")
+        told.append(f"Significantly worse than the others: {few or 'none'}.")
+    return told
+
+
+def _areas(runs: Iterable[StudyRun]) -> list[Area]:
+    """Return the lanes that any valid run's map knows, each once."""
+    known: dict[str, Area] = {}
+    for run in runs:
+        try:
+            listed = read_map(run.folder) if run.valid else ()
+        except RecordingError:
+            continue  # its recording was not kept
+        known |= {area.name: area for area in listed if area.kind == "lane" and area.name not in known}
+    return list(known.values())
+
+
+def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any] | None:
+    """Return lines and circles in a plane whose y leads down."""
+    places = np.array([[row["x_m"], row["y_m"]] for row in rows])
+    low, high = _box(np.concatenate([places, *(lane.shape for lane in lanes)]))
+    side = float((high - low).max())
+    low, high = low - MARGIN * side, high + MARGIN * side
+    most = max((row[RATE] for row in rows if row["rank"] is not None), default=0.0) or 1.0
+    size = high - low
+    return {
+        "width": size[0],
+        "height": size[1],
+        "roads": [
+            {"width": width, "path": " ".join(_path(lane.shape, low, high) for lane in some)}
+            for width, some in groupby(sorted(lanes, key=lambda one: one.width_m), lambda one: one.width_m)
+        ],
+        "crossings": [
+            {
+                "row": row,
+                "x": row["x_m"] - low[0],
+                "y": high[1] - row["y_m"],
+                "radius": side * (SMALLEST + (LARGEST - SMALLEST) * _share(row, most)),
+                "colour": 0
+                if row["rank"] is None
+                else 1 + min(COLOURS - 1, int(COLOURS * _share(row, most))),
+            }
+            # The worst are drawn last, above the others.
+            for row in reversed(rows)
+        ],
+        "bar": max((length for length in LENGTHS if length <= 0.2 * size[0]), default=LENGTHS[0]),
+        "line": 0.002 * side,
+        "steps": [most * number / COLOURS for number in range(COLOURS + 1)],
+    }
+
+
+def _box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _share(row: Row, most: float) -> float:
+    return 0.0 if row["rank"] is None else float(row[RATE] / most)
+
+
+def _path(shape: FloatArray, low: FloatArray, high: FloatArray) -> str:
+    x, y = shape[:, 0] - low[0], high[1] - shape[:, 1]
+    return "M" + "L".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+
+
+def _worst(path: Path, runs: Mapping[str, StudyRun]) -> dict[str, list[dict[str, Any]]]:
+    """Return the worst conflicts of motor vehicles and pedestrians at each crossing."""
+    by_crossing: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
+    for cells in read_csv(path) if path.is_file() else ():
+        if cells["severity"] in CONFLICTS and cells["run_id"] in runs and cells["crossing_id"]:
+            ttc, pet = (float(cells[name]) if cells[name] else None for name in ("min_ttc_s", "pet_area_s"))
+            by_crossing[cells["crossing_id"]].append(
+                {
+                    "severity": cells["severity"],
+                    "ttc": ttc,
+                    "pet": pet,
+                    "vehicle": cells["vehicle_id"],
+                    "person": cells["ped_id"],
+                    "at": float(cells["t_start_s"]),
+                    "run": runs[cells["run_id"]],
+                }
+            )
+    return {name: sorted(some, key=_badness)[:OF_EACH] for name, some in by_crossing.items()}
+
+
+def _badness(one: Mapping[str, Any]) -> tuple[int, float, float, int, float]:
+    ttc, pet = (np.inf if one[name] is None else one[name] for name in ("ttc", "pet"))
+    return -CONFLICTS.index(one["severity"]), ttc, pet, one["run"].seed, one["at"]
+
+
+def _changes(path: Path) -> dict[str, list[dict[str, Any]]] | None:
+    if not path.is_file():
+        return None
+    rows = read_rows(path, CHANGES)
+    return {
+        "total": [row for row in rows if row["crossing_id"] == TOTAL],
+        "changed": [row for row in rows if row["changed"] and row["crossing_id"] != TOTAL],
+    }
