@@ -15,6 +15,7 @@ from analysis.errors import StudyError
 from analysis.files import as_given
 from analysis.geometry import FloatArray
 from analysis.results.run_tables import ENCOUNTERS
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.study.design import Study
 from analysis.study.runs import StudyRun
 
@@ -35,6 +36,24 @@ _NUMBERS = (
     "preventable_r157",
 )
 _TEXTS = ("ego_id", "ped_id", "crossing_id", "severity", "contact_place", "contact_class")
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """The table of a run that lists encounters, and the names that its columns have for the page's."""
+
+    file: str
+    renamed: Mapping[str, str]
+
+    def name(self, column: str) -> str:
+        """Return the name that a column has there."""
+        return self.renamed.get(column, column)
+
+
+OF_EGOS = Listing(ENCOUNTERS.file, {})
+OF_TRAFFIC = Listing(
+    TRAFFIC_ENCOUNTERS.file, {"encounter_id": "traffic_encounter_id", "ego_id": "vehicle_id"}
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +114,8 @@ class Encounters:
         return Found(self.runs[int(self.owner[row])], values)
 
 
-def read_encounters(study: Study) -> Encounters:
-    """Read the encounters.csv of every valid run.
+def read_encounters(study: Study, listing: Listing = OF_EGOS) -> Encounters:
+    """Read the encounters of every valid run.
 
     Raises
     ------
@@ -104,7 +123,7 @@ def read_encounters(study: Study) -> Encounters:
         For a file that cannot be read.
     """
     runs = [run for run in study.runs if run.valid]
-    tables = [_read(run.folder / ENCOUNTERS.file) for run in runs]
+    tables = [_read(run.folder / listing.file, listing) for run in runs]
     owner = np.repeat(np.arange(len(runs)), [len(table) for table in tables])
     whole = pa.concat_tables(tables) if tables else None
     if whole is None:
@@ -117,15 +136,16 @@ def read_encounters(study: Study) -> Encounters:
     )
 
 
-def _read(path: Path) -> pa.Table:
+def _read(path: Path, listing: Listing) -> pa.Table:
+    kinds = {**dict.fromkeys(_NUMBERS, pa.float64()), **dict.fromkeys(_TEXTS, pa.string())}
     options = pa_csv.ConvertOptions(
-        include_columns=[*_NUMBERS, *_TEXTS],
-        column_types={**dict.fromkeys(_NUMBERS, pa.float64()), **dict.fromkeys(_TEXTS, pa.string())},
+        include_columns=[listing.name(column) for column in kinds],
+        column_types={listing.name(column): kind for column, kind in kinds.items()},
         null_values=[""],
         strings_can_be_null=True,
     )
     try:
-        return pa_csv.read_csv(path, convert_options=options)
+        return pa_csv.read_csv(path, convert_options=options).rename_columns(list(kinds))
     except (OSError, pa.ArrowException, KeyError) as error:
         raise StudyError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
 

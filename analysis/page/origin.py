@@ -16,10 +16,9 @@ from analysis.files import read_csv
 from analysis.page.replay import has_recording
 from analysis.page.tables import read_rows
 from analysis.study.design import Study
-from analysis.study.runs import StudyRun
+from analysis.study.runs import STUDY_FILE, StudyRun
 
 FAILED = "failed.csv"
-STUDY = "study.toml"
 NOTE = "job.json"
 MOST_CRITERIA = 400
 """Rows of criteria.csv on the page, those that decide against it first."""
@@ -75,7 +74,7 @@ def made_with(study: Study, root: Path | None) -> dict[str, Any]:
     networks = {
         (one.get("scenario_id"), (one.get("inputs") or {}).get("network", "")): None for one in described
     }
-    study_file = None if root is None else root / STUDY
+    study_file = None if root is None else root / STUDY_FILE
     return {
         "versions": list(dict.fromkeys(_versions(one) for one in described)),
         "commits": sorted({str(one["git_sha"]) for one in described if one.get("git_sha")}),

@@ -58,8 +58,12 @@ function begin(key) {
   part("replay-title").textContent =
     `${row.dataset.controller} · ${data.scenario_id} · seed ${data.seed} · encounter ${data.encounter_id}`;
   part("replay-source").textContent =
-    `Rows of ${row.dataset.folder}: egos.parquet (ego_id ${data.ego_id}), neighbours.parquet ` +
-    `(pedestrian with object_id ${data.ped_id}), plans.parquet; encounters.csv, encounter_id ${data.encounter_id}.`;
+    `Rows of ${row.dataset.folder}: ` +
+    (EGOS
+      ? `egos.parquet (ego_id ${data.ego_id}), neighbours.parquet (pedestrian with object_id ${data.ped_id}), ` +
+        `plans.parquet; encounters.csv, encounter_id ${data.encounter_id}.`
+      : `traffic.parquet (vehicle with object_id ${data.ego_id}, pedestrian with object_id ${data.ped_id}); ` +
+        `traffic_encounters.csv, traffic_encounter_id ${data.encounter_id}.`);
   part("replay-scrub").max = String(data.time_s.length - 1);
   const names = new Set(data.plans.flatMap((plan) => plan.overlay.map((one) => one.name)));
   part("overlay-names").textContent = names.size ? ": " + [...names].join(", ") : ": nothing";

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
-from analysis.encounters.case import Case, prepare
+from analysis.encounters.case import Case, prepare, prepare_traffic
 from analysis.errors import DamageError, RecordingError
-from analysis.files import read_json, write_text
+from analysis.files import read_csv, read_json, write_text
 from analysis.geometry import FloatArray
 from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
-from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, RecordedTable
+from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
 from analysis.recording.reading import read_run
+from analysis.recording.traffic import read_traffic
+from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.thresholds import Thresholds, names
 
 BEFORE_S, AFTER_S = 2.0, 2.0
@@ -61,6 +63,8 @@ class Recording:
     egos: pd.DataFrame
     neighbours: pd.DataFrame
     plans: pd.DataFrame
+    listed: Mapping[int, int]
+    """From the number of an encounter in its table to its index in the case."""
 
 
 def read_recording(folder: Path) -> Recording:
@@ -72,7 +76,47 @@ def read_recording(folder: Path) -> Recording:
         When the recording cannot be read.
     """
     case = prepare(read_run(folder), _thresholds(folder))
-    return Recording(case, *(_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS)))
+    egos, neighbours, plans = (_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS))
+    return Recording(case, egos, neighbours, plans, {index + 1: index for index in range(len(case))})
+
+
+def read_traffic_recording(folder: Path) -> Recording:
+    """Read a run that recorded everybody as one in which every vehicle but the egos is an ego without plans.
+
+    Raises
+    ------
+    RecordingError
+        When the recording cannot be read.
+    """
+    case = prepare_traffic(read_traffic(read_run(folder)).run, _thresholds(folder))
+    rows = _rows(folder, TRAFFIC)
+    vehicles = rows[rows["object_kind"] == "vehicle"]
+    driven = vehicles.rename(columns={"object_id": "ego_id", "x_m": "front_x_m", "y_m": "front_y_m"}).assign(
+        speed_mps=np.hypot(vehicles["x_speed_mps"], vehicles["y_speed_mps"])
+    )
+    columns = [column.name for column in EGOS.columns]
+    return Recording(
+        case,
+        driven.reindex(columns=columns).reset_index(drop=True),
+        rows,
+        pd.DataFrame({column.name: [] for column in PLANS.columns}),
+        _listed(case, folder / TRAFFIC_ENCOUNTERS.file),
+    )
+
+
+def _listed(case: Case, path: Path) -> dict[int, int]:
+    """Return the index of each encounter in a table, found by who met and when it began."""
+    start = case.grid.time
+    index = {
+        (one.ego.name, one.person.name, round(float(start[one.first]), 3)): number
+        for number, one in enumerate(case.encounters)
+    }
+    found = {}
+    for cells in read_csv(path):
+        key = cells["vehicle_id"], cells["ped_id"], round(float(cells["t_start_s"]), 3)
+        if key in index:
+            found[int(cells["traffic_encounter_id"])] = index[key]
+    return found
 
 
 def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
@@ -108,11 +152,13 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
         When the recording holds no such encounter.
     """
     case = recording.case
-    if not 1 <= encounter_id <= len(case):
+    if encounter_id not in recording.listed:
         raise RecordingError(
-            f"{case.run.folder}: the recording has {len(case)} encounters, number {encounter_id} is asked for"
+            f"{case.run.folder}: the recording has {len(recording.listed)} encounters, "
+            f"number {encounter_id} is asked for"
         )
-    one = case.encounters[encounter_id - 1]
+    index = recording.listed[encounter_id]
+    one = case.encounters[index]
     start, end = (float(case.grid.time[i]) for i in (one.first, one.last))
     time = recording.egos["time_s"]
     own = recording.egos["ego_id"] == one.ego.name
@@ -120,7 +166,7 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
         own & (time >= start - BEFORE_S - 1e-6) & (time <= end + AFTER_S + 1e-6)
     ].reset_index(drop=True)
     times = np.round(mine["time_s"].to_numpy(dtype=np.float64), 6)
-    ttc, distance = _measured(case, encounter_id - 1, times)
+    ttc, distance = _measured(case, index, times)
     front = mine[["front_x_m", "front_y_m"]].to_numpy(dtype=np.float64)
     meta = case.run.meta
     return {

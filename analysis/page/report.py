@@ -15,8 +15,23 @@ from analysis.errors import RecordingError, StudyError
 from analysis.files import write_text
 from analysis.page import origin, tables, town
 from analysis.page.distributions import distributions
-from analysis.page.encounters import SEVERITIES, Encounters, Found, pick, read_encounters, worst_first
-from analysis.page.replay import has_recording, read_recording, write_replays
+from analysis.page.encounters import (
+    OF_EGOS,
+    OF_TRAFFIC,
+    SEVERITIES,
+    Encounters,
+    Found,
+    pick,
+    read_encounters,
+    worst_first,
+)
+from analysis.page.replay import (
+    Recording,
+    has_recording,
+    read_recording,
+    read_traffic_recording,
+    write_replays,
+)
 from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
 from analysis.study.runs import StudyRun, find_run_folders
@@ -88,18 +103,30 @@ def write_report(
     data = out / DATA
     data.mkdir(parents=True, exist_ok=True)
     made = tables.study_tables(study, root, data, folders, baseline)
-    found = read_encounters(study)
-    order = worst_first(found)
-    listed = [found.at(row) for row in pick(order, found, study, rows, OF_EACH)]
-    replayed, problems, damaged = _replays(listed, data / REPLAYS, replays)
-    lines = origin.run_lines(study, out)
     screened = town.screening(root, study.runs)
+    listing = OF_EGOS if screened is None else OF_TRAFFIC
+    found = read_encounters(study, listing)
+    order = worst_first(found)
+    worst = {} if screened is None else town.worst_of_each(found, order)
+    of_places = {row for some in worst.values() for row in some}
+    chosen = of_places | {*pick(order, found, study, rows, OF_EACH)}
+    listed = [found.at(row) for row in order if row in chosen]
+    first = {found.at(row).key for row in of_places}
+    replayed, problems, damaged = _replays(
+        sorted(listed, key=lambda one: one.key not in first),
+        data / REPLAYS,
+        replays,
+        read_recording if screened is None else read_traffic_recording,
+    )
+    lines = origin.run_lines(study, out)
     page = _environment().get_template("page.html.jinja")
     content = page.render(
         title=title or out.resolve().name,
         question=_question(study, baseline) if screened is None else _question_of_town(study),
         answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
         town=screened,
+        worst={name: [found.at(row) for row in some] for name, some in worst.items()},
+        replayed=replayed,
         facts=_facts(study, found, root),
         criteria=origin.criteria(root),
         failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
@@ -108,6 +135,7 @@ def write_report(
         comparisons=tables.comparison_blocks(made.comparisons),
         tables_folder=_prefix(origin.relative(made.folder, out)),
         distributions=distributions(study, found),
+        listing=listing,
         encounters=[_line(one, study, out, replayed, problems) for one in listed],
         total=len(found),
         controllers=study.all_labels(),
@@ -215,7 +243,7 @@ def _preventable(found: Encounters) -> int:
 
 
 def _replays(
-    listed: Sequence[Found], folder: Path, most: int
+    listed: Sequence[Found], folder: Path, most: int, read: Callable[[Path], Recording]
 ) -> tuple[set[str], dict[str, str], dict[Path, str]]:
     """Write the replays of the worst encounters that have a recording.
 
@@ -233,7 +261,7 @@ def _replays(
     ):
         mine = list(group)
         try:
-            write_replays(read_recording(place), [(one.number, one.key) for one in mine], folder)
+            write_replays(read(place), [(one.number, one.key) for one in mine], folder)
             done |= {one.key for one in mine}
         except RecordingError as error:
             problems |= {one.key: str(error) for one in mine}

@@ -69,8 +69,11 @@ function replayableRows() {
 }
 
 applyFilters(); // a browser may have kept the fields of an earlier visit
-if (location.hash.startsWith("#replay=")) {
+function openLinked() {
+  if (!location.hash.startsWith("#replay=")) return;
   const key = decodeURIComponent(location.hash.slice("#replay=".length));
   const row = Array.from(body.rows).find((one) => one.dataset.key === key);
   if (row && row.querySelector("button.open")) openReplay(row);
 }
+openLinked();
+window.addEventListener("hashchange", openLinked);

@@ -12,11 +12,10 @@ import numpy as np
 
 from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import RecordingError
-from analysis.files import read_csv
 from analysis.geometry import FloatArray
+from analysis.page.encounters import Encounters
 from analysis.page.tables import read_rows
 from analysis.recording.reading import Area, read_map
-from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.screening.changes import CHANGES, TOTAL
 from analysis.screening.crossings_table import CROSSINGS
 from analysis.study.runs import StudyRun
@@ -53,7 +52,6 @@ def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | N
         "ranked": ranked,
         "seeds": len({run.seed for run in runs if run.valid}),
         "map": _map(rows, _areas(runs)),
-        "worst": _worst(root / TRAFFIC_ENCOUNTERS.file, {run.run_id: run for run in runs}),
         "changes": _changes(root / CHANGES.file),
     }
 
@@ -137,29 +135,20 @@ def _path(shape: FloatArray, low: FloatArray, high: FloatArray) -> str:
     return "M" + "L".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
 
 
-def _worst(path: Path, runs: Mapping[str, StudyRun]) -> dict[str, list[dict[str, Any]]]:
-    """Return the worst conflicts of motor vehicles and pedestrians at each crossing."""
-    by_crossing: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
-    for cells in read_csv(path) if path.is_file() else ():
-        if cells["severity"] in CONFLICTS and cells["run_id"] in runs and cells["crossing_id"]:
-            ttc, pet = (float(cells[name]) if cells[name] else None for name in ("min_ttc_s", "pet_area_s"))
-            by_crossing[cells["crossing_id"]].append(
-                {
-                    "severity": cells["severity"],
-                    "ttc": ttc,
-                    "pet": pet,
-                    "vehicle": cells["vehicle_id"],
-                    "person": cells["ped_id"],
-                    "at": float(cells["t_start_s"]),
-                    "run": runs[cells["run_id"]],
-                }
-            )
-    return {name: sorted(some, key=_badness)[:OF_EACH] for name, some in by_crossing.items()}
+def worst_of_each(found: Encounters, order: Sequence[int]) -> dict[str, list[int]]:
+    """Return the rows of each crossing's worst conflicts.
 
-
-def _badness(one: Mapping[str, Any]) -> tuple[int, float, float, int, float]:
-    ttc, pet = (np.inf if one[name] is None else one[name] for name in ("ttc", "pet"))
-    return -CONFLICTS.index(one["severity"]), ttc, pet, one["run"].seed, one["at"]
+    Parameters
+    ----------
+    found : all encounters
+    order : their rows, the worst first
+    """
+    rows: defaultdict[str, list[int]] = defaultdict(list)
+    for row in order:
+        crossing = found.texts["crossing_id"][row]
+        if crossing and found.texts["severity"][row] in CONFLICTS and len(rows[crossing]) < OF_EACH:
+            rows[crossing].append(row)
+    return rows
 
 
 def _changes(path: Path) -> dict[str, list[dict[str, Any]]] | None:

@@ -19,6 +19,8 @@ from analysis.sealing import damages
 from analysis.statistics.intervals import FloatArray
 from analysis.study.run_numbers import numbers_in, read_cells, table_text, tallies_and_samples
 
+STUDY_FILE = "study.toml"
+"""In the folder of a study, what was asked for."""
 _NEEDED = ("run_id", "config_id", "scenario_id", "controller", "seed", "valid")
 
 
@@ -51,13 +53,23 @@ class StudyRun:
     """Defined values of the encounter measures."""
 
 
-def find_run_folders(root: Path) -> list[Path]:
+def find_run_folders(root: Path, *, nested: bool = False) -> list[Path]:
     """Return the folders of runs at or below a folder, also of those that lost their ``run.json``, sorted.
 
     Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are skipped.
+
+    Parameters
+    ----------
+    root
+    nested
+        Also those of a study within the folder of another one.
     """
     found = []
+    alone = not nested and (root / STUDY_FILE).is_file()
     for place, folders, files in os.walk(root):
+        if alone and STUDY_FILE in files and Path(place) != root:
+            folders.clear()
+            continue
         if "run.json" in files or (MANIFEST in files and any(map(_is_of_a_run, files))):
             found.append(Path(place))
             folders.clear()

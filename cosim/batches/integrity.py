@@ -36,7 +36,7 @@ def verify_folder(folder: Path) -> Verified:
     """
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
-    runs = find_run_folders(folder)
+    runs = find_run_folders(folder, nested=True)
     ledgers = [Ledger(place) for place in _folders_with(STUDY, folder) if (place / RUNS).is_dir()]
     of_batches = {one.run_folder(name) for one in ledgers for name in one.finished()}
     found = [told for run in sorted(of_batches) for told in run_damages(run)]

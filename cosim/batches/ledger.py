@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.files import PART, write_csv, write_json, write_text
+from analysis.study.runs import STUDY_FILE
 from cosim.batches.identity import Identity, differences
 from cosim.batches.job import Job
 from cosim.batches.outcome import RUN, Outcome
@@ -21,7 +22,7 @@ from cosim.batches.stored import DAMAGED, FAILURE, read_failure, read_made, run_
 from cosim.errors import InputError
 from cosim.recording import folders
 
-STUDY = "study.toml"
+STUDY = STUDY_FILE
 """Copy of the study file; marks the folder of a study."""
 RUNS = "runs"
 FAILED = "failed"

@@ -92,13 +92,16 @@ def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(t
         assert f'href="#crossing-{name}"' in page
         assert f'<tr id="crossing-{name}"' in page
     assert page.count("crossing c0") == sum(row["rank"] == "" for row in rows)
-    found = re.findall(r"(\S+) and (\S+), seed (\d+), from", page)
+    found = re.findall(r"(\S+) and (\S+), seed (\d+), at", page)
     conflicts = [
         (row["vehicle_id"], row["ped_id"], row["seed"])
         for row in read_csv(out / "traffic_encounters.csv")
         if row["severity"] in ("serious", "severe", "collision")
     ]
     assert found
+    replays = re.findall(r'href="#replay=([^"]+)"', page)
+    assert len(replays) == len(found)
+    assert all((out / "report_data" / "replays" / f"{key}.js").is_file() for key in replays)
     assert {*found} <= {*conflicts}
     ended("report", out)
     assert (out / "report.html").read_text("utf-8") == page
@@ -144,6 +147,10 @@ def test_an_alternative_is_compared_crossing_by_crossing(tmp_path: Path) -> None
     before = (out / "crossing_changes.csv").read_bytes()
     ended(*arguments)
     assert (out / "crossing_changes.csv").read_bytes() == before
+    ended("report", out)
+    page = (out / "report.html").read_text("utf-8")
+    assert 'id="changes"' in page
+    assert "against/runs" not in page  # what is listed and replayed is the base
     ended("verify", out)
 
 
