@@ -21,6 +21,7 @@ from analysis.page.encounters import (
     SEVERITIES,
     Encounters,
     Found,
+    Listing,
     pick,
     read_encounters,
     worst_first,
@@ -127,14 +128,14 @@ def write_report(
         town=screened,
         worst={name: [found.at(row) for row in some] for name, some in worst.items()},
         replayed=replayed,
-        facts=_facts(study, found, root),
+        facts=_facts(study, found, root, listing),
         criteria=origin.criteria(root),
         failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
         runs=lines,
         blocks=tables.configuration_blocks(made.configs),
         comparisons=tables.comparison_blocks(made.comparisons),
         tables_folder=_prefix(origin.relative(made.folder, out)),
-        distributions=distributions(study, found),
+        distributions=distributions(study, found) if screened is None else [],
         listing=listing,
         encounters=[_line(one, study, out, replayed, problems) for one in listed],
         total=len(found),
@@ -216,7 +217,7 @@ def _smallest(found: Encounters, column: str) -> float | None:
     return float(known.min()) if len(known) else None
 
 
-def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str, str]]:
+def _facts(study: Study, found: Encounters, root: Path | None, listing: Listing) -> list[dict[str, str]]:
     """Return the few numbers at the top of the page."""
     severity = list(found.texts.get("severity", ()))
     bad = sum(SEVERITIES.index(text) <= SEVERITIES.index("serious") for text in severity)
@@ -229,7 +230,7 @@ def _facts(study: Study, found: Encounters, root: Path | None) -> list[dict[str,
         {"name": "encounters", "value": str(len(found))},
         {"name": "collisions", "value": str(severity.count("collision"))},
         {"name": "preventable collisions", "value": str(_preventable(found))},
-        {"name": "standing contacts", "value": str(standing)},
+        *([{"name": "standing contacts", "value": str(standing)}] if listing is OF_EGOS else []),
         {"name": "serious or worse", "value": str(bad)},
         {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},
         {"name": "smallest distance", "value": "–" if distance is None else f"{distance:.2f} m"},

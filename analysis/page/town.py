@@ -88,10 +88,11 @@ def _areas(runs: Iterable[StudyRun]) -> list[Area]:
     return list(known.values())
 
 
-def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any] | None:
+def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any]:
     """Return lines and circles in a plane whose y leads down."""
     places = np.array([[row["x_m"], row["y_m"]] for row in rows])
-    low, high = _box(np.concatenate([places, *(lane.shape for lane in lanes)]))
+    points = np.concatenate([places, *(lane.shape for lane in lanes)])
+    low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max())
     low, high = low - MARGIN * side, high + MARGIN * side
     most = max((row[RATE] for row in rows if row["rank"] is not None), default=0.0) or 1.0
@@ -120,10 +121,6 @@ def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any] | None:
         "line": 0.002 * side,
         "steps": [most * number / COLOURS for number in range(COLOURS + 1)],
     }
-
-
-def _box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return points.min(axis=0), points.max(axis=0)
 
 
 def _share(row: Row, most: float) -> float:

@@ -20,7 +20,7 @@ from analysis.statistics.intervals import FloatArray
 from analysis.study.run_numbers import numbers_in, read_cells, table_text, tallies_and_samples
 
 STUDY_FILE = "study.toml"
-"""In the folder of a study, what was asked for."""
+"""Copy of the study file; marks the folder of a study."""
 _NEEDED = ("run_id", "config_id", "scenario_id", "controller", "seed", "valid")
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from analysis.manifest import MANIFEST
 from analysis.sealing import damages, has_hashes
-from analysis.study.runs import find_run_folders
-from cosim.batches.ledger import RUNS, STUDY, Ledger
+from analysis.study.runs import STUDY_FILE, find_run_folders
+from cosim.batches.ledger import RUNS, Ledger
 from cosim.batches.stored import run_damages
 from cosim.errors import InputError
 from cosim.presentation.notes import unverified
@@ -37,7 +37,7 @@ def verify_folder(folder: Path) -> Verified:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     runs = find_run_folders(folder, nested=True)
-    ledgers = [Ledger(place) for place in _folders_with(STUDY, folder) if (place / RUNS).is_dir()]
+    ledgers = [Ledger(place) for place in _folders_with(STUDY_FILE, folder) if (place / RUNS).is_dir()]
     of_batches = {one.run_folder(name) for one in ledgers for name in one.finished()}
     found = [told for run in sorted(of_batches) for told in run_damages(run)]
     found += [told for run in runs if run not in of_batches for told in damages(run)]

@@ -22,8 +22,6 @@ from cosim.batches.stored import DAMAGED, FAILURE, read_failure, read_made, run_
 from cosim.errors import InputError
 from cosim.recording import folders
 
-STUDY = STUDY_FILE
-"""Copy of the study file; marks the folder of a study."""
 RUNS = "runs"
 FAILED = "failed"
 WORK = ".work"
@@ -55,7 +53,7 @@ class Ledger:
         folders.check_links(folder)
         try:
             if folder.is_dir():
-                foreign = any(path.name not in (LOCK, STUDY + PART) for path in folder.iterdir())
+                foreign = any(path.name not in (LOCK, STUDY_FILE + PART) for path in folder.iterdir())
                 if foreign and not _is_study(folder):
                     raise InputError(
                         f"--out {folder}: expected an empty or new folder, or the one of this study; "
@@ -87,7 +85,7 @@ class Ledger:
             except BlockingIOError as error:
                 raise InputError(f"--out {self.folder}: another batch is at work in this folder") from error
             try:
-                write_text(self.folder / STUDY, study_file.read_text("utf-8") if text is None else text)
+                write_text(self.folder / STUDY_FILE, study_file.read_text("utf-8") if text is None else text)
                 for name in (RUNS, FAILED):
                     (self.folder / name).mkdir(exist_ok=True)
                 self._clear()
@@ -257,7 +255,7 @@ class Ledger:
 
 def _is_study(folder: Path) -> bool:
     """Return whether a folder is one of a study, also where the copy of the study file was lost."""
-    return (folder / STUDY).is_file() or ((folder / LOCK).is_file() and (folder / RUNS).is_dir())
+    return (folder / STUDY_FILE).is_file() or ((folder / LOCK).is_file() and (folder / RUNS).is_dir())
 
 
 def _first(told: Sequence[str]) -> str:

@@ -13,11 +13,12 @@ from analysis.criteria.table import CRITERIA
 from analysis.files import write_csv, write_json
 from analysis.manifest import MANIFEST
 from analysis.sealing import seal_tables
+from analysis.study.runs import STUDY_FILE
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
 from cosim.batches import batch as batches
 from cosim.batches.batch import Batch, BatchRequest, Shown
-from cosim.batches.ledger import LOCK, STUDY
+from cosim.batches.ledger import LOCK
 from cosim.checks.baseline import Baseline, check_common, check_same_road, compare, read_baseline
 from cosim.checks.evaluation import Evaluation
 from cosim.checks.finding import Finding, exit_code
@@ -194,7 +195,7 @@ def _check_folder(folder: Path, out: Path | None) -> None:
             raise InputError(f"--out {out}: expected a folder, this is a file")
         for path in folder.iterdir():
             ours = path.name in (CRITERIA.file, PACKAGE, MANIFEST, "junit.xml") or path.suffix == ".xml"
-            if not ours and not (path / STUDY).is_file() and not (path / LOCK).is_file():
+            if not ours and not (path / STUDY_FILE).is_file() and not (path / LOCK).is_file():
                 raise InputError(
                     f"--out {out}: expected an empty or new folder, or the one of this check; "
                     f"this one has {path.name} in it"

@@ -87,7 +87,7 @@ def screen(
     """
     from cosim.running.request import parse_settings
     from cosim.screening.clock import seconds
-    from cosim.screening.screen import ScreenRequest, alternative, compared, planned
+    from cosim.screening.screen import ScreenRequest, alternative, check_comparable, compared, planned
 
     here_or_elsewhere(jobs, scheduler)
     request = ScreenRequest(
@@ -108,6 +108,7 @@ def screen(
     for note in dict.fromkeys(note for plan in plans for note in plan.notes):
         typer.echo(f"cosim: note: {note}", err=True)
     if len(plans) > 1:
+        check_comparable(*plans)
         _checked(plans[-1])
     codes = []
     for one, plan in zip(requests, plans, strict=True):

@@ -56,32 +56,13 @@ def alternative(request: ScreenRequest, scenario: str | None, settings: Mapping[
         ``None``: that of the base.
     settings
         Scenario parameters that differ from the base's.
-
-    Raises
-    ------
-    InputError
-        When two networks have no crossing in common.
     """
-    other = replace(
+    return replace(
         request,
         scenario=request.scenario if scenario is None else scenario,
         settings={**request.settings, **settings},
         out=request.folder / AGAINST,
     )
-    known = [_crossings(one.scenario) for one in (request, other)]
-    if known[0] and known[1] and not known[0] & known[1]:
-        few = [", ".join(sorted(names)[:3]) for names in known]
-        raise InputError(
-            f"--against {other.scenario}: no crossing in common with {request.scenario}: "
-            f"{few[0]} there, {few[1]} here; crossings are compared by their id"
-        )
-    return other
-
-
-def _crossings(scenario: str) -> frozenset[str]:
-    """Return the ids of the crossings of a SUMO configuration; none for what is no configuration."""
-    path = Path(scenario)
-    return crossing_ids(path) if path.is_file() and path.name != library.DEFINITION else frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +72,8 @@ class Plan:
     batch: BatchRequest
     notes: list[str]
     """What a user has to know, in one line each."""
+    crossings: frozenset[str]
+    """Ids of the crossings of a SUMO configuration; none for a scenario, whose network is not made yet."""
 
 
 def planned(request: ScreenRequest) -> Plan:
@@ -106,7 +89,9 @@ def planned(request: ScreenRequest) -> Plan:
     except (library.ScenarioError, OSError) as error:
         raise InputError(str(error)) from error
     path = Path(request.scenario)
-    if path.is_file() and path.name != library.DEFINITION and not crossing_ids(path):
+    configured = path.is_file() and path.name != library.DEFINITION
+    crossings = crossing_ids(path) if configured else frozenset()
+    if configured and not crossings:
         raise InputError(
             f"{request.scenario}: the network has no crossings to rank; cosim inspect prints the command "
             "that adds them"
@@ -137,7 +122,24 @@ def planned(request: ScreenRequest) -> Plan:
         table=study_of(content, "cosim screen"),
         again=request.again,
     )
-    return Plan(batch, notes)
+    return Plan(batch, notes, crossings)
+
+
+def check_comparable(base: Plan, alt: Plan) -> None:
+    """Refuse two networks that are known to have no crossing in common.
+
+    Raises
+    ------
+    InputError
+        If they have none.
+    """
+    known = (base.crossings, alt.crossings)
+    if all(known) and not base.crossings & alt.crossings:
+        few = [", ".join(sorted(names)[:3]) for names in known]
+        raise InputError(
+            f"--against {alt.batch.study}: no crossing in common with {base.batch.study}: "
+            f"{few[0]} there, {few[1]} here; crossings are compared by their id"
+        )
 
 
 def _times(request: ScreenRequest, scenario: library.Scenario) -> dict[str, float]:

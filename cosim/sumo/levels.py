@@ -49,12 +49,13 @@ class Levels:
         if not self.crossed:
             return surroundings
         persons, cars = dict(surroundings.persons_near), dict(surroundings.cars_near)
+        edges_of_cars = self._edges(surroundings.cars.lane)
         for ego in egos:
             own = {piece.lane.edge for piece in ego.track.path.between(*self._view(ego))}
             apart = NOBODY.union(*(self.crossed.get(edge, NOBODY) for edge in own)) - own
             if apart:
                 persons[ego.name] = _on_others(persons[ego.name], surroundings.persons.edge, apart)
-                cars[ego.name] = _on_others(cars[ego.name], self._edges(surroundings.cars.lane), apart)
+                cars[ego.name] = _on_others(cars[ego.name], edges_of_cars, apart)
         return replace(surroundings, persons_near=persons, cars_near=cars)
 
     def _edges(self, lanes: Sequence[str]) -> list[str]:
