@@ -17,6 +17,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.own_part import OwnPart
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -393,6 +395,8 @@ class Plan:
     """Largest violation of a soft constraint [m]."""
     solves: Solves | None = None
     """``None``: nothing was solved for it."""
+    own: OwnPart | None = None
+    """What of it is the method's own; ``None`` for a controller that has no method for pedestrians."""
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Horizon [s from now]; the next three have its length, in the route frame, rear axle."""
     along: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -400,6 +404,11 @@ class Plan:
     speed: FloatArray = field(default_factory=lambda: np.zeros(0))
     overlay: Mapping[str, FloatArray] = field(default_factory=dict)
     """What a replay may draw: cones, fields, candidates; by name."""
+
+    @property
+    def states_own(self) -> bool:
+        """Whether ``own`` is given."""
+        return self.own is not None
 
 
 class Controller(Protocol):

@@ -86,6 +86,13 @@ def _flag(name: str, source: str, description: str, judged: bool = True) -> Reco
     return RecordedColumn(name, "boolean", "1", description, source, judged=judged)
 
 
+def _own(name: str, description: str) -> RecordedColumn:
+    """Return a column about the method's own part in a plan; null where it has none."""
+    source = f"planned.plan.own.{name}"
+    name = f"method_{name}"
+    return RecordedColumn(name, "boolean", "1", description, source, judged=True, added=True)
+
+
 def _lane(name: str, source: str, description: str, judged: bool = False) -> RecordedColumn:
     return RecordedColumn(name, "integer", "1", description, source, judged=judged)
 
@@ -166,6 +173,19 @@ EGOS = RecordedTable(
         _text("plan_status", "planned.plan.status", "what became of the plan", judged=True),
         _text("passing", "planned.plan.passing", "on which side whom the plan passes", judged=True),
         _number("slack_m", "m", "planned.plan.slack", "violation of soft constraints", judged=True),
+        RecordedColumn(
+            "method_stated",
+            "boolean",
+            "1",
+            "the controller says which part of the plan is its method's own: the next four columns",
+            "planned.plan.states_own",
+            judged=True,
+            added=True,
+        ),
+        _own("applies", "what the method's source demands for it to act holds"),
+        _own("acts", "the command carries out the method's own plan for these pedestrians"),
+        _own("deviates", "the command differs from that of free driving"),
+        _own("overridden", "emergency braking, a last check or a fallback has the last word"),
     ),
     ("ego_id",),
 )

@@ -23,10 +23,13 @@ from controllers.drivable_area.pareto_search import Budget, Front, search
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.driving import lane_keeping
+from controllers.driving.following import limit_now
 from controllers.interface import FloatArray, Perception
 
 CREEPING = 2.0
 """A car slower than this may speed up to it to get past [m/s]."""
+GAINED = 4.0
+"""A candidate may be so much faster than the car now, within the speed limit [m/s]."""
 SHORTEST = 5.0
 """Length of the shortest avoidance path [m]."""
 FURTHEST = 4.0
@@ -162,7 +165,7 @@ def scene_of(
         limits=limits,
         start=PathStart(ego.across, slope, bend),
         speed=max(ego.speed, 0.0),
-        fastest=max(ego.speed, CREEPING),
+        fastest=max(ego.speed, CREEPING, min(limit_now(road, body.front), ego.speed + GAINED)),
         acceleration=ego.acceleration,
         length=max(conflict.along - body.front, SHORTEST),
         braking_distance=max(conflict.place - body.front, 0.0),

@@ -10,7 +10,7 @@ from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watc
 from controllers.conflicts.path_conflicts import Conflicts, find
 from controllers.drivable_area.clearances import Boxes, Shape
 from controllers.geometry.footprints import footprints
-from controllers.interface import FloatArray, Perception
+from controllers.interface import FloatArray, IntArray, Perception
 from controllers.prediction.social_force_model import Walkers
 
 SHIFTING = 1.3
@@ -118,11 +118,7 @@ def first_conflict(
     when = met[whom].argmax(axis=1)
     first = int(np.argmin(when))
     person, k = int(whom[first]), int(when[first])
-    front = shape.body.front
-    lines = people.stop_line[whom]
-    meeting = np.minimum(x[whom, when], people.along[whom])
-    beside = meeting - shape.pedestrian_radius - standoff
-    places = np.where(np.isfinite(lines) & (lines > front), np.minimum(lines, beside), beside)
+    places = stopping_place(people, whom, x[whom, when], shape, standoff)
     return Conflict(
         people.names[person],
         float(expected.times[k]),
@@ -130,6 +126,23 @@ def first_conflict(
         float(y[person, k]),
         float(places.min()),
     )
+
+
+def stopping_place(
+    people: Conflicts, whom: IntArray, met: FloatArray, shape: Shape, standoff: float
+) -> FloatArray:
+    """Return where a front bumper would have to stop for some of the people, shape (m,) [m].
+
+    Parameters
+    ----------
+    people, whom : all of them, and the indices of those to stop for
+    met : where these are when they are met [m]
+    shape, standoff : as in :func:`first_conflict`
+    """
+    lines = people.stop_line[whom]
+    beside = np.minimum(met, people.along[whom]) - shape.pedestrian_radius - standoff
+    ahead = np.isfinite(lines) & (lines > shape.body.front)
+    return np.asarray(np.where(ahead, np.minimum(lines, beside), beside))
 
 
 def boxes(perception: Perception, times: FloatArray) -> Boxes:

@@ -84,6 +84,8 @@ class Course:
     """The pedestrian who matters most."""
     passing: str
     """Who is passed on which side."""
+    pushed: bool
+    """Whether anybody has to be gone round: where the ego will be level with them, they are in its path."""
     met: Meetings
     ellipses: FloatArray
     """Outlines of the obstacles' ellipses at one half-axis, shape (k, 2) [m]."""
@@ -150,6 +152,7 @@ class CourseFinder:
             stop_within,
             perception.pedestrians.names[int(np.argmax(pushes)) if pushes.any() else first],
             _sides(perception, met, drives, max(chosen, 1), pushes > 0.0),
+            bool(pushes.any()),
             met,
             _ellipses(shape, max(chosen, 1), count),
         )

@@ -27,6 +27,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.own_part import OwnPart
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.speed_plans.actuator_prediction import CommandHistory, PredictedState, predicted_state
@@ -313,8 +314,11 @@ def _told(made: Made, command: Command, offset: float) -> Plan:
     along = ahead[0, 1:] - ahead[0, 0] + moment.state.delay * (moment.state.speed - speed)
     emergency = ego.speed > STANDING and (not kept.plan.safe or made.threat != "")
     places = [(ego.body.front + one.gap, ego.across) for one in made.obstacles]
+    applies = bool(made.yielding.names)
+    governs = kept.target.name in made.yielding.names
     return Plan(
         command,
+        own=OwnPart(applies, applies and not emergency, governs or made.threat != "", emergency),
         solved=not emergency,
         status="emergency_braking" if emergency else "ok",
         passing=made.yielding.passing,

@@ -14,6 +14,7 @@ from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, Perception, Plan
+from controllers.own_part import OwnPart, differ
 from controllers.prediction import by_name
 from controllers.prediction.by_name import PredictorName
 from controllers.prediction.forecast import Predictor
@@ -27,17 +28,21 @@ class EmergencyBrakingDriver:
     def __init__(self, style: DrivingStyle, rule: BrakingRule, predictor: Predictor | None) -> None:
         self._traffic = TrafficDriver(style)
         self._brake = EmergencyBraking(rule, predictor)
+        self._threat = ""
 
     def decide(self, perception: Perception) -> Decision:
         """Say which lane to be in, and who is braked or waited for."""
-        return self._traffic.decide(perception, self._brake.watch(perception))
+        self._threat = self._brake.watch(perception)
+        return self._traffic.decide(perception, self._threat)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Drive towards the target lane; the emergency brake has the last word along."""
         times = lane_keeping.instants(perception.ego)
         allowed = self._traffic.accelerations(perception, decision)
         acceleration = np.minimum(allowed, self._brake.accelerations(perception.ego, times))
-        return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
+        command = Command(times, acceleration, self._traffic.steering(perception, decision, acceleration))
+        someone = self._threat in perception.pedestrians.names
+        return Plan(command, own=OwnPart(someone, someone, someone and differ(acceleration, allowed)))
 
 
 RULE = BrakingRule()

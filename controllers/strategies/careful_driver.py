@@ -18,6 +18,7 @@ from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.geometry.contact_times import disc_contact_times
 from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
+from controllers.own_part import OwnPart, differ
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
 BoolArray = NDArray[np.bool_]
@@ -72,7 +73,9 @@ class CarefulDriver:
         times = instants(perception.ego)
         allowed = self._traffic.accelerations(perception, decision)
         acceleration = np.minimum(allowed, self._braking(perception.ego, times))
-        return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
+        command = Command(times, acceleration, self._traffic.steering(perception, decision, acceleration))
+        risk = self._since is not None
+        return Plan(command, own=OwnPart(risk, risk, risk and differ(acceleration, allowed)))
 
     def _risk(self, perception: Perception) -> str:
         """Return the pedestrian who would be met first, among those who are perceived as a risk."""

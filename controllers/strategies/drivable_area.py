@@ -10,6 +10,7 @@ added. Where no candidate is possible the car brakes fully in its way.
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import StrEnum
 from typing import Annotated, Final
 
 import numpy as np
@@ -17,9 +18,10 @@ from pydantic import Field, model_validator
 
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts
+from controllers.drivable_area.activation import in_reaction_space
 from controllers.drivable_area.avoidance import AvoidanceSettings, Found, plan
 from controllers.drivable_area.clearances import Shape
-from controllers.drivable_area.conflict import Conflict, first_conflict, outlook, relevant
+from controllers.drivable_area.conflict import Conflict, Outlook, first_conflict, outlook, relevant
 from controllers.drivable_area.costs import CostWeights, SpeedRisk
 from controllers.drivable_area.course import Course, steering
 from controllers.drivable_area.drivable_entropy import EntropyMode
@@ -40,6 +42,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.own_part import ANGLE, IDLE, OwnPart, differ
 from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative
 
@@ -60,11 +63,32 @@ RELEASE = 0.3
 """So much more room than at the beginning of an avoidance ends it [m]."""
 
 
+LASTING = 1.3
+"""While the method acts, the reaction space reaches so many times as far."""
+
+
+class Activation(StrEnum):
+    """Whom the method acts for."""
+
+    REACTION_SPACE = "reaction_space"
+    """Whoever will be on the road in the reaction space, and who is on a collision course."""
+    COLLISION_COURSE = "collision_course"
+    """Who would come nearer than the margin if both went on as expected."""
+
+
 class DrivableAreaDriver:
     """Drives as traffic asks, and along a chosen candidate while a pedestrian is in the way."""
 
-    def __init__(self, settings: AvoidanceSettings, replan: float, style: DrivingStyle, seed: int) -> None:
+    def __init__(
+        self,
+        settings: AvoidanceSettings,
+        activation: Activation,
+        replan: float,
+        style: DrivingStyle,
+        seed: int,
+    ) -> None:
         self._settings = settings
+        self._activation = activation
         self._replan = replan
         self._traffic = TrafficDriver(style)
         self._brake = EmergencyBraking(BrakingRule(settings.friction))
@@ -78,6 +102,7 @@ class DrivableAreaDriver:
         self._failed = False
         self._conflict: Conflict | None = None
         self._people: Conflicts | None = None
+        self._threat = ""
 
     def decide(self, perception: Perception) -> Decision:
         """Say which lane to be in, and who is in the way."""
@@ -88,11 +113,9 @@ class DrivableAreaDriver:
         lane = perception.road.lane(decision.target_lane)
         expected = outlook(perception, times, allowed, lane.offset if lane else 0.0)
         self._people = relevant(perception, self._watch, self._settings.rules.horizon, self._assume)
-        margin = self._margins(self._people)
-        self._conflict = first_conflict(expected, self._people, Shape(perception.ego.body), margin, STANDOFF)
-        threat = self._brake.watch(replace(perception, pedestrians=NOBODY))
-        if self._conflict is not None:
-            threat = threat or self._conflict.name
+        self._conflict = self._in_conflict(perception, expected, self._people)
+        self._threat = self._brake.watch(replace(perception, pedestrians=NOBODY))
+        threat = self._threat or (self._conflict.name if self._conflict is not None else "")
         return replace(decision, because=threat) if threat else decision
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
@@ -103,7 +126,8 @@ class DrivableAreaDriver:
         allowed = np.minimum(allowed, self._brake.accelerations(ego, times))
         if self._conflict is None or self._people is None:
             self._course, self._found, self._failed = None, None, False
-            return Plan(Command(times, allowed, self._traffic.steering(perception, decision, allowed)))
+            angles = self._traffic.steering(perception, decision, allowed)
+            return Plan(Command(times, allowed, angles), own=IDLE)
         if self._due(ego.time):
             self._search(perception, self._people, self._conflict)
         if self._course is None:
@@ -111,6 +135,9 @@ class DrivableAreaDriver:
         acceleration = np.minimum(allowed, self._course.accelerations(ego, times))
         lateral = self._settings.friction * GRAVITY
         angles = steering(perception, self._course, acceleration, lateral)
+        free = self._traffic.steering(perception, decision, allowed)
+        deviates = differ(acceleration, allowed) or differ(angles, free, ANGLE)
+        braked = self._threat != ""
         ahead = self._settings.rules.times[::2]
         along, across, _, speed = self._course.states(ahead)
         return Plan(
@@ -120,7 +147,18 @@ class DrivableAreaDriver:
             across=across,
             speed=speed,
             overlay=self._overlay(ego),
+            own=OwnPart(True, not braked, deviates, braked),
         )
+
+    def _in_conflict(self, perception: Perception, expected: Outlook, people: Conflicts) -> Conflict | None:
+        """Return whom the method acts for: who would be met, else who will be in the reaction space."""
+        shape = Shape(perception.ego.body)
+        met = first_conflict(expected, people, shape, self._margins(people), STANDOFF)
+        if met is not None or self._activation is Activation.COLLISION_COURSE:
+            return met
+        stretch = LASTING if self._course is not None else 1.0
+        friction = self._settings.friction
+        return in_reaction_space(expected, people, shape, perception.road, friction, STANDOFF, stretch)
 
     def _follow_up(self, perception: Perception) -> None:
         """Move the course to where the car is now."""
@@ -178,7 +216,8 @@ class DrivableAreaDriver:
         full = min(self._settings.friction * GRAVITY, ego.drive.max_deceleration)
         braking = np.full(len(times), -full if ego.speed > STANDING else HOLDING)
         angles = lane_keeping.steering(perception, ego.across, braking)
-        return Plan(Command(times, braking, angles), solved=False, status=NO_CANDIDATE)
+        own = OwnPart(applies=True, acts=False, deviates=True, overridden=True)
+        return Plan(Command(times, braking, angles), solved=False, status=NO_CANDIDATE, own=own)
 
     def _overlay(self, ego: EgoState) -> dict[str, FloatArray]:
         """Return what a replay may draw: reaction space, conflict, chosen path and others of the front."""
@@ -227,6 +266,9 @@ class Settings(ControllerSettings):
     """Distance to pedestrians' discs."""
     horizon_s: Annotated[float, Field(ge=1.0, allow_inf_nan=False)] = RULES.horizon
     """How far ahead conflicts and candidates are looked at."""
+    activation: Activation = Activation.REACTION_SPACE
+    """For whom the method acts: everybody who will be on the road in the reaction space, where the paper's
+    entropy is more than 0; or only those on a collision course."""
     replan_s: NotNegative = 1.0
     """A new candidate is chosen once in this time while somebody is in the way."""
     population: Annotated[int, Field(ge=4)] = BUDGET.population
@@ -270,4 +312,4 @@ def build(settings: Settings) -> Controller:
     )
     avoidance = AvoidanceSettings(rules, Budget(settings.population, settings.generations), settings.friction)
     style = DrivingStyle(headway=settings.headway_s)
-    return DrivableAreaDriver(avoidance, settings.replan_s, style, settings.seed)
+    return DrivableAreaDriver(avoidance, settings.activation, settings.replan_s, style, settings.seed)

@@ -28,6 +28,7 @@ from controllers.interface import (
     Perception,
     Plan,
 )
+from controllers.own_part import ANGLE, OwnPart, differ
 from controllers.potential_field.field import Gains
 from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
 from controllers.potential_field.road_field import FieldSettings
@@ -77,12 +78,14 @@ class PotentialFieldDriver:
         else:
             steering = self._traffic.steering(perception, decision, acceleration)
         command = Command(times, acceleration, steering)
+        own = self._own(course, acceleration, steering, perception, decision)
         if course is None:
-            return Plan(command)
+            return Plan(command, own=own)
         drives, row = course.drives, course.chosen
         return Plan(
             command,
             solved=course.free,
+            own=own,
             status="ok" if course.free else NO_FREE_PATH,
             passing=course.passing if course.free else "",
             times=drives.times,
@@ -97,6 +100,23 @@ class PotentialFieldDriver:
                 ),
             },
         )
+
+
+    def _own(
+        self,
+        course: Course | None,
+        acceleration: FloatArray,
+        steering: FloatArray,
+        perception: Perception,
+        decision: Decision,
+    ) -> OwnPart:
+        """Return what the field, and not the brakes behind it, does about pedestrians."""
+        braked = differ(acceleration, self._allowed)
+        if course is None:
+            return OwnPart(False, False, braked, braked)
+        free = self._traffic.steering(perception, decision, acceleration)
+        deviates = braked or differ(steering, free, ANGLE)
+        return OwnPart(course.pushed, course.pushed and course.free and not braked, deviates, braked)
 
 
 class Brakes:

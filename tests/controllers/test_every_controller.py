@@ -12,7 +12,7 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import Command, Controller, Decision, Perception, Plan
-from tests.controllers.scenes import ego, golden, perception, straight_road
+from tests.controllers.scenes import Walker, ego, golden, perception, straight_road
 
 SCENES = MappingProxyType(golden())
 CROWD = "five hundred pedestrians"
@@ -128,3 +128,27 @@ def test_extreme_speeds_are_survived(name: str, speed: float) -> None:
     scene = perception(ego(speed), straight_road(3, 1))
     for _, plan in _answers(name, _moments(scene)):
         _assert_possible(plan.command, scene)
+
+
+BLIND = frozenset({"constant_speed", "septic_lane_change", "sumo"})
+"""They have no method for pedestrians."""
+
+
+@every_controller
+def test_a_method_says_what_its_part_is_with_somebody_before_the_car(name: str) -> None:
+    """They stand 6 m before the bumper of a car at 8 m/s: whatever the method, it has to do something."""
+    scene = perception(ego(8.0), straight_road(), [Walker(10.0, 0.3)])
+    parts = [plan.own for _, plan in _answers(name, _moments(scene, 10))]
+    if name in BLIND:
+        assert parts == [None] * len(parts)
+        return
+    assert all(part is not None and part.applies and (part.acts or part.overridden) for part in parts)
+    # Drivers react after a dead time, which is less than these 0.9 s.
+    assert parts[-1] is not None and parts[-1].deviates
+
+
+@every_controller
+def test_a_method_has_no_part_in_an_empty_street(name: str) -> None:
+    scene = perception(ego(8.0), straight_road())
+    for _, plan in _answers(name, _moments(scene)):
+        assert plan.own is None or not (plan.own.applies or plan.own.acts)

@@ -33,6 +33,7 @@ from controllers.interface import (
 )
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, Tally
+from controllers.own_part import OwnPart
 from controllers.prediction.forecast import Predictor
 from controllers.safety.last_check import LastCheck
 from controllers.safety.rollout import STEERED_FROM
@@ -151,9 +152,10 @@ class VelocityObstacleMpc:
         plan, chosen = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        return self._last_check.checked(
+        checked = self._last_check.checked(
             seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
         )
+        return replace(checked, own=_own(plan, checked, chosen))
 
     def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:
         """Return the plan before the last check, and the speed plan that it is made of."""
@@ -359,6 +361,12 @@ def _speed_program(dt: tuple[float, ...], *arguments: Any) -> LongitudinalProgra
 @lru_cache(maxsize=32)
 def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
     return LateralProgram(np.array(dt), *arguments)
+
+
+def _own(plan: Plan, checked: Plan, chosen: Chosen) -> OwnPart:
+    """Return what the programs, and not a fallback or the last check, do about pedestrians."""
+    applies, own = len(chosen.conflicts) > 0, plan.solved and checked.status == plan.status
+    return OwnPart(applies, applies and own, not own or chosen.bound, not own)
 
 
 def _overlay(conflicts: Conflicts, horizon: float) -> dict[str, FloatArray]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers.interface import Controller, Decision, Perception, Plan
+from controllers.own_part import IDLE
 from controllers.velocity_obstacle.mpc.plan_memory import rest_of
 
 LEAST_VIEW = 40.0
@@ -46,7 +47,7 @@ class Unhurried:
         """Return what is left of the last plan's command while it may stand, a new plan otherwise."""
         if self._last is not None:
             made, _, plan = self._last
-            return Plan(rest_of(plan.command, perception.ego.time - made))
+            return Plan(rest_of(plan.command, perception.ego.time - made), own=IDLE)
         plan = self.driver.plan(perception, decision)
         if plan.solved and not plan.passing:
             self._last = (perception.ego.time, decision, plan)

@@ -19,7 +19,12 @@ from controllers.prediction.forecast import Forecast, Predictor
 from controllers.velocity_obstacle.mpc import passing_classes
 from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds, position_bounds
 from controllers.velocity_obstacle.mpc.lateral import SteeringPlan
-from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
+from controllers.velocity_obstacle.mpc.longitudinal import (
+    LongitudinalProgram,
+    SpeedLimits,
+    SpeedPlan,
+    SpeedTask,
+)
 from controllers.velocity_obstacle.mpc.passing_classes import ClassBounds
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
@@ -27,6 +32,8 @@ from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, swep
 
 FloatArray = NDArray[np.float64]
 
+REACHED = 0.3
+"""A bound nearer to a plan than this has shaped it [m]."""
 STUCK_WITHIN = 0.5
 """Who cannot go as far as this cannot go anywhere [m]."""
 FORECAST_SPACING = 0.1
@@ -50,6 +57,8 @@ class Chosen:
     """How far the front bumper may go until it has to wait for a light, or for whoever will go on [m]."""
     stuck: bool = False
     """Whether those who stay where they are keep the ego from going anywhere in that room."""
+    bound: bool = False
+    """Whether what the class asks for because of pedestrians reaches the plan, which would differ without."""
 
 
 @dataclass(slots=True)
@@ -167,6 +176,9 @@ class SpeedPlanner:
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
         """Return a plan with what it makes of those who are let pass, and of those who stand in the way."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
+        if len(conflicts):
+            bounds = self._class_bounds(perception, task, conflicts)
+            chosen = replace(chosen, bound=_reaches(bounds, behind, chosen.plan, self.program.limits))
         farthest, too_far = float(min(task.upper.min(), task.headway.min())), 0.0
         if behind:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
@@ -323,6 +335,14 @@ class SpeedPlanner:
         times = self.memory.times
         none = np.zeros(len(times))
         return SpeedPlan(False, speed * times, none + speed, none, none, np.inf, 0.0, 0.0, none)
+
+
+def _reaches(bounds: ClassBounds, behind: int, plan: SpeedPlan, limits: SpeedLimits) -> bool:
+    """Return whether the bounds of a class, or the braking they ask for, come within reach of a plan."""
+    stopped = plan.position + plan.speed**2 / (2.0 * limits.emergency_braking)
+    late = plan.position > bounds.upper[behind] - REACHED
+    early = plan.position < bounds.lower[behind] + REACHED
+    return bool((late | early | (stopped > bounds.freeze[behind] - REACHED)).any())
 
 
 def with_margins(perception: Perception, gain: float) -> Perception:

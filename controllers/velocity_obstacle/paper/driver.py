@@ -31,6 +31,7 @@ from controllers.interface import (
     Plan,
     Solves,
 )
+from controllers.own_part import OwnPart, differ
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.velocity_obstacle.decision_rules import Rule
@@ -203,14 +204,28 @@ class AvoidanceDriver:
             acceleration = self._traffic.accelerations(perception, decision, free_speed=math.inf)
             asked = _tracked(ego, kept, times) if kept.avoids else _fallback(perception, kept, times)
             acceleration = np.minimum(acceleration, asked)
+        wanted = acceleration
         if self._brake is not None:
             acceleration = np.minimum(acceleration, self._brake.accelerations(ego, times))
+        own = self._own(perception, decision, wanted, acceleration)
         acceleration = np.clip(acceleration, -drive.max_deceleration, drive.max_acceleration)
         command = Command(times, acceleration, self._steering(perception, decision, acceleration))
         plan = Plan(command) if kept is None else self._told(perception, kept, command)
+        plan = replace(plan, own=own)
         programs, unsolved = self._optimiser.tally.take()
         solver = self._optimiser.solver
         return plan if solver is None else replace(plan, solves=Solves(solver.name, programs, unsolved))
+
+    def _own(
+        self, perception: Perception, decision: Decision, wanted: FloatArray, commanded: FloatArray
+    ) -> OwnPart:
+        """Return what the plan, and neither its fallback nor the brake, does about pedestrians."""
+        kept, braked = self._kept, differ(wanted, commanded)
+        if kept is None:
+            return OwnPart(False, False, braked, braked)
+        steers = kept.path is not None and decision.target_lane == kept.path.lane
+        deviates = steers or differ(commanded, self._traffic.accelerations(perception, decision))
+        return OwnPart(True, kept.avoids and not braked, deviates, braked or not kept.avoids)
 
     def _due(self, perception: Perception, lane: Lane, conflicts: Conflicts) -> bool:
         """Say whether a new plan is needed."""

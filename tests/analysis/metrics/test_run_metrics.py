@@ -199,3 +199,26 @@ def test_the_stop_of_an_ego_that_came_later_is_counted_as_well(tmp_path: Path) -
     # 2 s after somebody far away was recorded first; it stands over the crossing for 3 s.
     run = summary(tmp_path, Ego(stops(3.0, 6.0), start=2.0), Person(line(32.5, -80, 0, 0)))
     assert run["n_stopped_on_crossing"] == 1
+
+
+def test_the_part_of_a_method_is_counted_over_the_plans_of_encounters(tmp_path: Path) -> None:
+    """Two pedestrians wait where the ego passes; of ten seconds some belong to an encounter."""
+    ego = recorded(
+        method_stated=lambda t: True,
+        method_applies=lambda t: t < 4.0,
+        method_acts=lambda t: t < 1.0,
+        method_deviates=lambda t: True,
+        method_overridden=lambda t: False,
+    )
+    run = summary(tmp_path, ego, Person(line(40, 3, 0, -0.5)))
+    assert run["method_deviates_share"] == pytest.approx(1.0)
+    assert run["method_overridden_share"] == pytest.approx(0.0)
+    # The encounter begins with the run: 39 plans end before 4 s, 9 of them before 1 s.
+    assert run["method_acts_where_applies_share"] == pytest.approx(9 / 39, abs=0.03)
+    assert run["method_applies_share"] * run["n_plans_near_ped"] == pytest.approx(39, abs=1)
+    assert run["n_plans_near_ped"] > 39
+
+
+def test_a_controller_without_a_method_has_no_share(tmp_path: Path) -> None:
+    run = summary(tmp_path, recorded(), Person(line(40, 3, 0, -0.5)))
+    assert "method_applies_share" not in run

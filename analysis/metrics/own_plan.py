@@ -1,0 +1,54 @@
+"""How often a method itself drives near pedestrians, rather than free driving or an emergency brake.
+
+Counted are the plans that an ego makes during its encounters: in how many the condition holds under which the
+method's source has it act (applies), the method's own plan is carried out (acts), the command differs from
+that of free driving (deviates), and emergency braking, a last check or a fallback has the last word
+(overridden). The controller says so itself, plan by plan.
+
+Undefined: empty without such plans, and for controllers without a method for pedestrians;
+method_acts_where_applies_share also if the condition never holds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.encounters.case import Case, Values
+from analysis.geometry import BoolArray
+from analysis.tables import column
+
+UNIT = "1"
+WORSE = "neither"
+SOURCE = "own definition"
+OF_CONTROLLER = True
+RUN_COLUMNS = (
+    column.count("n_plans_near_ped", "plans made during encounters"),
+    column.at_least_0("method_applies_share", "1", "share of them in which the method's condition holds"),
+    column.at_least_0("method_acts_share", "1", "share of them in which the method's own plan is driven"),
+    column.at_least_0("method_deviates_share", "1", "share of them that differ from free driving"),
+    column.at_least_0(
+        "method_overridden_share", "1", "share of them in which braking or a fallback overrules"
+    ),
+    column.at_least_0(
+        "method_acts_where_applies_share",
+        "1",
+        "share of the plans whose condition holds in which the method's own plan is driven",
+    ),
+)
+_FLAGS = ("applies", "acts", "deviates", "overridden")
+
+
+def compute(case: Case) -> Values:
+    """Return the shares of the run."""
+    rows = np.unique(np.concatenate([*case.ego_rows, np.zeros(0, dtype=np.int64)])).astype(np.int64)
+    flags = case.run.egos.flags
+    near = rows[flags["planned"][rows]]
+    said: dict[str, BoolArray] = {one: flags[f"method_{one}"][near] for one in _FLAGS}
+    known = flags["method_stated"][near]
+    if not known.any():
+        return {"n_plans_near_ped": len(near)}
+    shares = {f"method_{one}_share": float(flag[known].mean()) for one, flag in said.items()}
+    applies = said["applies"] & known
+    if applies.any():
+        shares["method_acts_where_applies_share"] = float(said["acts"][applies].mean())
+    return {"n_plans_near_ped": len(near), **shares}
