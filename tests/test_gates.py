@@ -71,7 +71,10 @@ CLEAN = (
     "controllers/strategies/first.py",
     "controllers/strategies/second.py",
     "controllers/velocity_obstacle/mpc/arithmetic/first.py",
-    *(f"controllers/{name}.py" for name in ("annotations", "interface", "parameters", "settings")),
+    *(
+        f"controllers/{name}.py"
+        for name in ("annotations", "interface", "own_part", "parameters", "settings")
+    ),
     *(f"controllers/{room}/__init__.py" for room in ("conflicts", "drivable_area", "driving", "geometry")),
     *(f"controllers/{room}/__init__.py" for room in ("optimisation", "potential_field", "prediction")),
     *(f"controllers/{room}/__init__.py" for room in ("safety", "speed_plans", "velocity_obstacle/paper")),
