@@ -30,7 +30,8 @@ def test_it_acts_for_somebody_who_crosses_within_reach_though_nobody_would_be_me
     """6 m before the bumper the space is 2.1 m wide to each side; they are there and walk away."""
     acts, met = _found(Walker(FRONT + 6.0, 1.9, 0.0, 1.0))
     assert met is None
-    assert acts is not None and acts.name == "person0"
+    assert acts is not None
+    assert acts.name == "person0"
 
 
 def test_it_acts_before_whoever_will_be_in_the_space_is_there() -> None:
