@@ -101,7 +101,6 @@ class PotentialFieldDriver:
             },
         )
 
-
     def _own(
         self,
         course: Course | None,
