@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import importlib
 import os
+import pkgutil
 from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -15,7 +16,8 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from tests.fuzz.cases import Case, cases, prepare
 from tests.fuzz.harness import judge
 
-LOADED = ("cosim.cli.command_line", "cosim.running.execution", "cosim.inspection.inspection", "libsumo")
+PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios")
+FROM_OUTSIDE = ("libsumo", "pandas", "pyarrow.pandas_compat", "rich.progress")
 
 
 @dataclass
@@ -31,10 +33,20 @@ class Fuzzed:
         return self.endings.total()
 
 
+def load() -> None:
+    """Load the product, so that no case, each of them a copy of this process, has to."""
+    for package in PACKAGES:
+        folder = importlib.import_module(package).__path__
+        for module in pkgutil.walk_packages(folder, f"{package}."):
+            if not module.name.endswith("__main__"):
+                importlib.import_module(module.name)
+    for name in FROM_OUTSIDE:
+        importlib.import_module(name)
+
+
 def run_cases(folder: Path, count: int, number: int, keep: Path | None = None) -> Fuzzed:
     """Run so many cases of a seed in ``folder``, and return how they ended."""
-    for name in (*LOADED, "cosim.batches.matrix", "cosim.checks.check", "pandas"):
-        importlib.import_module(name)
+    load()
     os.environ["COSIM_CACHE_DIR"] = str(folder / "networks")
     prepare(folder)
     found = Fuzzed()

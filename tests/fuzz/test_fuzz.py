@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -29,44 +30,48 @@ def test_two_hundred_cases_behave() -> None:
         assert f"  {kind} " in done.stdout
 
 
+CRITERION = b"[[criteria]]\nscope = 'run'\nmetric = 'n_collisions'\noperator = '=='\nthreshold = 0\n"
+STUDY = b"scenarios = ['midblock_zebra']\ncontrollers = ['sumo']\nseeds = '1-2'\n"
 JUDGED = """
+import json
 import sys
 from pathlib import Path
 from tests.fuzz.cases import Case, prepare
 from tests.fuzz.harness import judge
+from tests.fuzz.running import load
 
 folder = Path(sys.argv[1])
 prepare(folder)
-print(judge(Case(*eval(sys.argv[2])), folder))
+load()
+found = {}
+for kind, file, content, command in eval(sys.argv[2]):
+    content = content or (folder / kind / file).read_bytes()
+    found[kind] = judge(Case(kind, file, content, command), folder)
+print(json.dumps(found))
 """
 
 
-def judged(case: Case, folder: Path) -> str:
-    """Return how a case is judged, by a process of its own."""
-    arguments = (case.kind, case.file, case.content, case.command)
-    command = [sys.executable, "-c", JUDGED, str(folder), repr(arguments)]
+@pytest.fixture(scope="module")
+def judged(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """Return how files without a mistake are judged, each by a copy of one process without threads."""
+    right = (
+        ("scenario", "scenario.toml", b"", ("run", "{}", *SHORT)),
+        ("tracks", "tracks.csv", TRACKS.encode(), ("run", "{}", *SHORT)),
+        ("study", "study.toml", STUDY, (TARGET, "{}/study.toml")),
+        ("criteria", "criteria.toml", CRITERION, CRITERIA),
+        ("sumo", "town.rou.xml", b"", TOWN),
+    )
+    command = [sys.executable, "-c", JUDGED, str(tmp_path_factory.mktemp("right") / "cases"), repr(right)]
     done = subprocess.run(
         command, cwd=ROOT, env=source_environment(), capture_output=True, text=True, check=True
     )
-    return done.stdout.strip()
+    found: dict[str, list[str]] = json.loads(done.stdout)
+    return found
 
 
 @pytest.mark.parametrize("kind", ["scenario", "tracks", "study", "criteria", "sumo"])
-def test_files_without_a_mistake_are_taken(kind: str, tmp_path: Path) -> None:
-    prepare(tmp_path / "right")
-    criterion = b"[[criteria]]\nscope = 'run'\nmetric = 'n_collisions'\noperator = '=='\nthreshold = 0\n"
-    study = b"scenarios = ['midblock_zebra']\ncontrollers = ['sumo']\nseeds = '1-2'\n"
-    right = {
-        "scenario": ("scenario.toml", ("run", "{}", *SHORT)),
-        "tracks": ("tracks.csv", ("run", "{}", *SHORT)),
-        "study": ("study.toml", (TARGET, "{}/study.toml")),
-        "criteria": ("criteria.toml", CRITERIA),
-        "sumo": ("town.rou.xml", TOWN),
-    }
-    file, command = right[kind]
-    given = {"tracks": TRACKS.encode(), "study": study, "criteria": criterion}
-    content = given.get(kind) or (tmp_path / "right" / kind / file).read_bytes()
-    assert judged(Case(kind, file, content, command), tmp_path / "case") == "('exit 0', '')"
+def test_files_without_a_mistake_are_taken(kind: str, judged: dict[str, list[str]]) -> None:
+    assert judged[kind] == ["exit 0", ""]
 
 
 def test_a_case_that_does_not_behave_is_noticed(tmp_path: Path) -> None:
