@@ -17,6 +17,7 @@ from analysis.study.design import Study
 from analysis.study.tables import COMPARISONS, CONFIGS
 from analysis.study.writing import write_tables
 from analysis.tables.column import Column, Table
+from analysis.wording import p_value
 
 Row = Mapping[str, Any]
 
@@ -197,7 +198,6 @@ def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
         interval = "–"
         if row["ci95_lo"] is not None:
             interval = f"{shown(row['ci95_lo'], measure, '+')} … {shown(row['ci95_hi'], measure, '+')}"
-        p = row["p_holm"]
         blocks.setdefault(where, []).append(
             {
                 "text": label(measure),
@@ -206,7 +206,7 @@ def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
                 "alt": shown(row["alt_mean"], measure),
                 "difference": shown(row["diff_mean"], measure, "+"),
                 "interval": interval,
-                "p": "–" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}",
+                "p": p_value(row["p_holm"]),
                 "pairs": row["n_pairs"],
                 "verdict": _WORDS.get(row["verdict"], row["verdict"]),
                 "level": row["verdict"] if row["verdict"] in ("better", "worse") else "none",

@@ -19,6 +19,7 @@ from analysis.recording.reading import Area, read_map
 from analysis.screening.changes import CHANGES, TOTAL
 from analysis.screening.crossings_table import CROSSINGS
 from analysis.study.runs import StudyRun
+from analysis.wording import some
 
 RATE = "expected_conflicts_per_1000_ped"
 """What colour and size of a crossing say."""
@@ -71,8 +72,7 @@ def answers(found: Mapping[str, Any]) -> list[str]:
             f"Most conflicts are expected at {first['crossing_id']}, "
             f"{first[RATE]:.1f} per 1000 pedestrians{interval}{why}."
         )
-        few = ", ".join(worse[:5]) + (f" and {len(worse) - 5} more" if len(worse) > 5 else "")
-        told.append(f"Significantly worse than the others: {few or 'none'}.")
+        told.append(f"Significantly worse than the others: {some(worse, 5) or 'none'}.")
     return told
 
 

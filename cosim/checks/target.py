@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from analysis.criteria.criterion import Criterion
 from analysis.criteria.reading import EXAMPLE, CriterionError, read_criteria
+from analysis.wording import some
 from cosim.batches.job import Configuration
 from cosim.batches.matrix import Matrix, build_matrix
 from cosim.batches.study import DEFAULT_TIMEOUT_S, StudyTable, read_study, study_of
@@ -149,8 +150,7 @@ def _part(names: list[str], wishes: Wishes, where: str) -> list[str]:
         return names
     found = [name for name in names if wanted in name or fnmatch.fnmatchcase(name, wanted)]
     if not found:
-        shown = ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
-        raise InputError(f"--filter {wanted}: nothing in {where} matches; there are {shown}")
+        raise InputError(f"--filter {wanted}: nothing in {where} matches; there are {some(names, 12)}")
     return found
 
 

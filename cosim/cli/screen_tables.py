@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import typer
 
+from analysis.wording import p_value, some
 from cosim.cli import terminal
 
 if TYPE_CHECKING:
@@ -64,13 +64,14 @@ def show_changes(found: Changed) -> None:
     changed = [row for row in found.rows if row["changed"] and row["crossing_id"] != TOTAL]
     table = _table("all crossings", "unit", "base", "alternative", "difference (95 %)", "p")
     for row in total:
-        table.add_row(str(row["metric"]), str(row["unit"]), *_difference(row), _p(row["p_value"]))
+        table.add_row(str(row["metric"]), str(row["unit"]), *_difference(row), p_value(row["p_value"], ""))
     console = terminal.console()
     console.print(table)
     if changed:
         table = _table("crossing", "metric", "base", "alternative", "difference (95 %)", "p (adjusted)")
         for row in sorted(changed, key=lambda row: row["p_fdr"])[:SHOWN]:
-            table.add_row(str(row["crossing_id"]), str(row["metric"]), *_difference(row), _p(row["p_fdr"]))
+            p = p_value(row["p_fdr"], "")
+            table.add_row(str(row["crossing_id"]), str(row["metric"]), *_difference(row), p)
         console.print(table)
     crossings = {row["crossing_id"]: row["status"] for row in found.rows if row["crossing_id"] != TOTAL}
     places = {row["crossing_id"] for row in changed}
@@ -81,7 +82,7 @@ def show_changes(found: Changed) -> None:
     for status, which in (("only_in_base", "the base"), ("only_in_alt", "the alternative")):
         alone = sorted(name for name, known in crossings.items() if known == status)
         if alone:
-            typer.echo(f"cosim: note: only in {which}: {_some(alone)}", err=True)
+            typer.echo(f"cosim: note: only in {which}: {some(alone, SHOWN)}", err=True)
     moved = {row["crossing_id"] for row in changed if row["metric"] in EXPOSURE}
     if moved or any(row["changed"] for row in total if row["metric"] in EXPOSURE):
         typer.echo(
@@ -110,13 +111,3 @@ def _difference(row: Row) -> tuple[str, str, str]:
     )
     interval = f" ({low} to {high})" if low else ""
     return base, alt, f"{difference}{interval}"
-
-
-def _p(value: float | None) -> str:
-    if value is None:
-        return ""
-    return "< 0.001" if value < 0.001 else f"{value:.3f}"
-
-
-def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")

@@ -11,6 +11,7 @@ from analysis.results.measures import DELAY, Measure
 from analysis.statistics.intervals import share_upper_bound
 from analysis.study.comparison_rows import Pairs
 from analysis.study.runs import StudyRun
+from analysis.wording import p_value
 
 Row = Mapping[str, Any]
 
@@ -77,7 +78,7 @@ def table(rows: Sequence[Row], measures: Mapping[str, Measure]) -> Table:
             _value(row["alt_mean"], measure),
             _value(row["diff_mean"], measure, "+"),
             _interval(row, measure),
-            "–" if row["p_holm"] is None else f"{row['p_holm']:.3f}" if row["p_holm"] >= 0.001 else "< 0.001",
+            p_value(row["p_holm"]),
             str(row["n_pairs"]),
             _WORDS.get(row["verdict"], row["verdict"]),
         )

@@ -1,0 +1,29 @@
+"""How pages, tables and messages write what several of them write."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+def some(names: Sequence[str], most: int) -> str:
+    """Return names as a list, and how many were left out.
+
+    Examples
+    --------
+    >>> some(["a", "b", "c"], 2)
+    'a, b and 1 more'
+    """
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def p_value(value: float | None, undefined: str = "–") -> str:
+    """Return the p value of a test as statistics are reported.
+
+    Examples
+    --------
+    >>> p_value(0.04), p_value(0.0002)
+    ('0.040', '< 0.001')
+    """
+    if value is None:
+        return undefined
+    return "< 0.001" if value < 0.001 else f"{value:.3f}"
