@@ -33,6 +33,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
     ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "20"),
     ("cosim", "run"): BRIEF,
+    ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2"),
     ("cosim", "check", "suite:"): ONE_CASE,
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance"): ("route",),
