@@ -56,7 +56,8 @@ JUDGE = """
 import json, sys
 from collections import Counter
 from sumo.tools import sumolib
-net = sumolib.net.readNet(sys.argv[1], withInternal=True, withPedestrianConnections=True)
+# With lxml it does not read which edges a crossing crosses.
+net = sumolib.net.readNet(sys.argv[1], withInternal=True, withPedestrianConnections=True, lxml=False)
 def cars(edge): return sum(lane.allows("passenger") for lane in edge.getLanes())
 def walks(edge): return any(l.allows("pedestrian") and not l.allows("passenger") for l in edge.getLanes())
 crossed = Counter()
