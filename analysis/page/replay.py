@@ -43,6 +43,8 @@ _EGO_NUMBERS = (
 )
 _EGO_TEXTS = ("rule", "manoeuvre", "because", "plan_status", "passing")
 _EGO_FLAGS = ("planned", "solved", "intervention", "handed_back")
+_MOVING_VEHICLE = ("x_m", "y_m", "heading_rad")
+_MOVING_PERSON = ("x_m", "y_m", "x_speed_mps", "y_speed_mps")
 RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timing.parquet", "map.json")
 
 
@@ -224,47 +226,57 @@ def _measured(
 
 
 def _objects(
-    rows: pd.DataFrame, times: np.ndarray[Any, Any], front: np.ndarray[Any, Any], ego: str, person: str
+    rows: pd.DataFrame, times: FloatArray, front: FloatArray, ego: str, person: str
 ) -> list[dict[str, Any]]:
     """Return the others near the ego: per object its first frame and one value for each frame from there.
 
     A vehicle and a person with one id are two objects; the ego itself, which is recorded among the vehicles
     where another ego is near, is none.
     """
-    rows = rows[(rows["object_kind"] != "vehicle") | (rows["object_id"] != ego)]
-    frame = pd.Series(np.arange(len(times)), index=times)
-    now = rows["time_s"].round(6)
-    rows = rows[now.isin(frame.index)].assign(frame=lambda some: some["time_s"].round(6).map(frame))
-    at = front[rows["frame"].to_numpy(dtype=np.int64)]
-    gap = np.hypot(rows["x_m"].to_numpy() - at[:, 0], rows["y_m"].to_numpy() - at[:, 1])
-    rows = rows.assign(near=gap < NEAR_M)
+    rows, frames = _shown(rows, times)
+    kept = ((rows["object_kind"] != "vehicle") | (rows["object_id"] != ego)).to_numpy(dtype=np.bool_)
+    rows, frames = rows[kept].reset_index(drop=True), frames[kept]
+    names = {*_MOVING_VEHICLE, *_MOVING_PERSON, "length_m", "width_m"}
+    numbers = {name: rows[name].to_numpy(dtype=np.float64) for name in names}
+    at = front[frames]
+    near = np.hypot(numbers["x_m"] - at[:, 0], numbers["y_m"] - at[:, 1]) < NEAR_M
+    phases = rows["phase"].to_numpy(dtype=object)
     found = []
-    for (name, kind), own in rows.groupby(["object_id", "object_kind"], sort=True):
-        if not own["near"].any():
+    for (name, kind), own in rows.groupby(["object_id", "object_kind"], sort=True).indices.items():
+        if not near[own].any():
             continue
-        frames = own["frame"].to_numpy(dtype=np.int64)
-        first, count = int(frames[0]), int(frames[-1] - frames[0] + 1)
-        whole = own.set_index(frames).reindex(range(first, first + count))
+        first, count = int(frames[own[0]]), int(frames[own[-1]] - frames[own[0]] + 1)
+        place = frames[own] - first
+        shown = _MOVING_VEHICLE if kind == "vehicle" else _MOVING_PERSON
         one: dict[str, Any] = {
             "id": str(name),
             "kind": str(kind),
-            "type": str(own["object_type"].iloc[0]),
-            "length_m": _number(float(own["length_m"].iloc[0])),
-            "width_m": _number(float(own["width_m"].iloc[0])),
+            "type": str(rows["object_type"].iloc[own[0]]),
+            "length_m": _number(float(numbers["length_m"][own[0]])),
+            "width_m": _number(float(numbers["width_m"][own[0]])),
             "first": first,
-            "x_m": _numbers(whole["x_m"]),
-            "y_m": _numbers(whole["y_m"]),
         }
-        if kind == "vehicle":
-            one["heading_rad"] = _numbers(whole["heading_rad"])
-        else:
-            one["x_speed_mps"] = _numbers(whole["x_speed_mps"])
-            one["y_speed_mps"] = _numbers(whole["y_speed_mps"])
-            codes, texts = pd.factorize(whole["phase"])
+        for column in shown:
+            whole = np.full(count, np.nan)
+            whole[place] = numbers[column][own]
+            one[column] = _numbers(whole)
+        if kind != "vehicle":
+            phase = np.full(count, None, dtype=object)
+            phase[place] = phases[own]
+            codes, texts = pd.factorize(phase)
             one["phase"] = {"texts": [str(text) for text in texts], "codes": codes.tolist()}
             one["met"] = int(name == person)
         found.append(one)
     return found
+
+
+def _shown(rows: pd.DataFrame, times: FloatArray) -> tuple[pd.DataFrame, IntArray]:
+    """Return the rows at these instants [s], and the number of the instant of each."""
+    now = np.round(rows["time_s"].to_numpy(dtype=np.float64), 6)
+    within = np.flatnonzero((now >= times[0]) & (now <= times[-1]))
+    number = np.searchsorted(times, now[within])
+    exact = times[number] == now[within]
+    return rows.iloc[within[exact]], number[exact]
 
 
 def _plans(rows: pd.DataFrame, ego: str, times: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
@@ -327,7 +339,10 @@ def _grounds(junctions: Iterable[Sequence[FloatArray]]) -> list[dict[str, Any]]:
 
 
 def _numbers(values: Any) -> list[float | None]:
-    return [_number(value) for value in np.asarray(values, dtype=np.float64).tolist()]
+    array = np.asarray(values, dtype=np.float64)
+    if np.isfinite(array).all():
+        return [round(value, DECIMALS) + 0.0 for value in array.tolist()]
+    return [_number(value) for value in array.tolist()]
 
 
 def _number(value: float) -> float | None:
