@@ -86,7 +86,7 @@ CLEAN = (
     ),
     *(f"analysis/{room}/__init__.py" for room in ("results", "encounters")),
     *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "manifest", "markdown")),
-    *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches")),
+    *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches", "wording")),
     *(f"analysis/{name}.py" for name in ("tables", "thresholds")),
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",

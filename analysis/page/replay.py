@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
+from analysis.encounters.candidates import IntArray
 from analysis.encounters.case import Case, prepare, prepare_traffic
 from analysis.errors import DamageError, RecordingError
 from analysis.files import read_csv, read_json, write_text
@@ -242,7 +243,8 @@ def _objects(
     near = np.hypot(numbers["x_m"] - at[:, 0], numbers["y_m"] - at[:, 1]) < NEAR_M
     phases = rows["phase"].to_numpy(dtype=object)
     found = []
-    for (name, kind), own in rows.groupby(["object_id", "object_kind"], sort=True).indices.items():
+    each: Mapping[Any, IntArray] = rows.groupby(["object_id", "object_kind"], sort=True).indices
+    for (name, kind), own in each.items():
         if not near[own].any():
             continue
         first, count = int(frames[own[0]]), int(frames[own[-1]] - frames[own[0]] + 1)
