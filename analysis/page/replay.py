@@ -243,7 +243,7 @@ def _objects(
     near = np.hypot(numbers["x_m"] - at[:, 0], numbers["y_m"] - at[:, 1]) < NEAR_M
     phases = rows["phase"].to_numpy(dtype=object)
     found = []
-    each: Mapping[Any, IntArray] = rows.groupby(["object_id", "object_kind"], sort=True).indices
+    each: Mapping[Any, Any] = rows.groupby(["object_id", "object_kind"], sort=True).indices
     for (name, kind), own in each.items():
         if not near[own].any():
             continue
