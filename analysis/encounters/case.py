@@ -60,7 +60,9 @@ class Case:
     knowledge: Mapping[tuple[str, str], Knowledge] | None
     """What each ego knew of each pedestrian, by names; ``None`` where it knew the truth."""
     entered: BoolArray
-    """Whether the encounter has a conflict area or the pedestrian was exposed, rather than only waiting."""
+    """Whether the pedestrian was on the crossing or in the ego's path, rather than only waiting.
+
+    So it is with a conflict area, and where the pedestrian was exposed or hit by the moving ego."""
 
     def __len__(self) -> int:
         return len(self.encounters)
@@ -175,8 +177,15 @@ def _case(
         person_enter=np.array([np.nan if area is None else area.person.enter for area in areas]),
         person_leave=np.array([np.nan if area is None else area.person.leave for area in areas]),
         knowledge=knowledge_of(run),
-        entered=np.array([area is not None for area in areas], dtype=np.bool_) | samples.any(samples.exposed),
+        entered=_entered(encounters, samples, contacts),
     )
+
+
+def _entered(encounters: Sequence[Encounter], samples: Samples, contacts: Sequence[Contact]) -> BoolArray:
+    entered = np.array([one.area is not None for one in encounters], dtype=np.bool_)
+    entered |= samples.any(samples.exposed)
+    entered[[contact.encounter for contact in contacts if not contact.standing]] = True
+    return entered
 
 
 def _once(contacts: Sequence[Contact], encounters: Sequence[Encounter], separation_s: float) -> list[Contact]:

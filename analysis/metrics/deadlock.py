@@ -2,42 +2,55 @@
 
 Stretches longer than deadlock_s at or below standing_speed_mps in which no vehicle was ever within
 deadlock_free_gap_m ahead; within deadlock_signal_range_m of a crossing with signals, where a red phase
-may last, longer than deadlock_signal_s.
+may last, longer than deadlock_signal_s. deadlock_where names each ego with the beginning, the end and the
+place: the nearest crossing within deadlock_signal_range_m, otherwise the lane.
 
 Undefined: never. Steps without a recorded gap count as free.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 from analysis.tables import column
 
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
-RUN_COLUMNS = (column.count("deadlock", "egos that stood for too long with a free road", required=True),)
+RUN_COLUMNS = (
+    column.count("deadlock", "egos that stood for too long with a free road", required=True),
+    column.text("deadlock_where", "which ego, from when to when, and where; empty without one"),
+)
 
 
 def compute(case: Case) -> Values:
-    """Return the number of stretches."""
+    """Return the number of stretches, and what they were."""
+    told = [one for track in case.egos for one in _told(case, track)]
+    return {"deadlock": len(told), "deadlock_where": "; ".join(told) or None}
+
+
+def _told(case: Case, track: Track) -> Iterator[str]:
     limits = case.thresholds
     number = case.run.egos.numbers
-    signals = [area.shape for area in case.run.crossings() if area.crossing_kind == "signal"]
-    count = 0
-    for track in case.egos:
-        rows = track.rows[:: case.grid.factor]
-        time, gap = number["time_s"][rows], number["gap_ahead_m"][rows]
-        for first, last in stretches(number["speed_mps"][rows] <= limits.standing_speed_mps):
-            lasted = time[last] - time[first]
-            if lasted <= limits.deadlock_s or (gap[first : last + 1] < limits.deadlock_free_gap_m).any():
-                continue
-            x, y = track.x[first * case.grid.factor], track.y[first * case.grid.factor]
-            near = any(
-                np.hypot(shape[:, 0] - x, shape[:, 1] - y).min() < limits.deadlock_signal_range_m
-                for shape in signals
-            )
-            count += bool(not near or lasted > limits.deadlock_signal_s)
-    return {"deadlock": count}
+    rows = track.rows[:: case.grid.factor]
+    time, gap = number["time_s"][rows], number["gap_ahead_m"][rows]
+    for first, last in stretches(number["speed_mps"][rows] <= limits.standing_speed_mps):
+        lasted = time[last] - time[first]
+        if lasted <= limits.deadlock_s or (gap[first : last + 1] < limits.deadlock_free_gap_m).any():
+            continue
+        x, y = track.x[first * case.grid.factor], track.y[first * case.grid.factor]
+        near = {
+            area.name: (np.hypot(area.shape[:, 0] - x, area.shape[:, 1] - y).min(), area.crossing_kind)
+            for area in case.run.crossings()
+        }
+        near = {name: one for name, one in near.items() if one[0] < limits.deadlock_signal_range_m}
+        if any(kind == "signal" for _, kind in near.values()) and lasted <= limits.deadlock_signal_s:
+            continue
+        lane = case.run.egos.texts["lane"].at(int(rows[first]))
+        place = f"at crossing {min(near, key=lambda name: near[name])}" if near else f"on lane {lane or '?'}"
+        yield f"ego {track.name}, {time[first]:.1f} to {time[last]:.1f} s, {place}"

@@ -1,7 +1,7 @@
 """Delta-V of the pedestrian: the change of their speed in a perfectly inelastic collision.
 
-m_ego / (m_ego + m_ped) times the relative speed at the smallest TTC (at first contact after a
-collision), with ego_mass_kg and pedestrian_mass_kg.
+m_ego / (m_ego + m_ped) times the relative speed at the smallest time to collision, TTC (at first contact
+after a collision), with ego_mass_kg and pedestrian_mass_kg.
 
 Undefined: empty without a collision course.
 """

@@ -24,6 +24,7 @@ SEVERITIES = ("collision", "severe", "serious", "slight", "none")
 _NUMBERS = (
     "encounter_id",
     "t_start_s",
+    "entered",
     "min_ttc_s",
     "pet_area_s",
     "clearance_min_m",

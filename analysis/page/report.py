@@ -21,11 +21,12 @@ from analysis.page.encounters import (
     SEVERITIES,
     Encounters,
     Found,
-    Listing,
     pick,
     read_encounters,
     worst_first,
 )
+from analysis.page.facts import rows_of_tiles
+from analysis.page.names import DATA, PAGE, REPLAYS
 from analysis.page.replay import (
     Recording,
     has_recording,
@@ -33,13 +34,12 @@ from analysis.page.replay import (
     read_traffic_recording,
     write_replays,
 )
+from analysis.page.terms import definitions, known_measures, linked, terms
 from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
 from analysis.study.runs import StudyRun, find_run_folders
+from analysis.study.seeds_needed import MEANING
 
-PAGE = "report.html"
-DATA = "report_data"
-REPLAYS = "replays"
 OF_EACH = 20
 """So many of the worst encounters of each configuration are listed, however good it is."""
 
@@ -109,7 +109,9 @@ def write_report(
     found = read_encounters(study, listing)
     order = worst_first(found)
     worst = {} if screened is None else town.worst_of_each(found, order)
-    of_places = {row for some in worst.values() for row in some}
+    criteria = origin.criteria(root)
+    accused = _accused(criteria, root, found)
+    of_places = {row for some in worst.values() for row in some} | {*accused.values()}
     chosen = of_places | {*pick(order, found, study, rows, OF_EACH)}
     listed = [found.at(row) for row in order if row in chosen]
     first = {found.at(row).key for row in of_places}
@@ -120,6 +122,9 @@ def write_report(
         read_recording if screened is None else read_traffic_recording,
     )
     lines = origin.run_lines(study, out)
+    blocks, compared = tables.configuration_blocks(made.configs), tables.comparison_blocks(made.comparisons)
+    measured = {line["metric"] for block in (*blocks, *compared) for line in block["lines"]}
+    measured |= known_measures() & {one["metric"] for one in (criteria or {}).get("rows", ())}
     page = _environment().get_template("page.html.jinja")
     content = page.render(
         title=title or out.resolve().name,
@@ -128,12 +133,15 @@ def write_report(
         town=screened,
         worst={name: [found.at(row) for row in some] for name, some in worst.items()},
         replayed=replayed,
-        facts=_facts(study, found, root, listing),
-        criteria=origin.criteria(root),
+        valid=f"{len(found.runs)} of {len(study.runs) + len(origin.failed_runs(root))}",
+        facts=rows_of_tiles(study, found, listing),
+        criteria=criteria,
+        accused={where: found.at(row).key for where, row in accused.items()},
         failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
         runs=lines,
-        blocks=tables.configuration_blocks(made.configs),
-        comparisons=tables.comparison_blocks(made.comparisons),
+        blocks=blocks,
+        comparisons=compared,
+        seeds_meaning=MEANING,
         tables_folder=_prefix(origin.relative(made.folder, out)),
         distributions=distributions(study, found) if screened is None else [],
         listing=listing,
@@ -142,6 +150,9 @@ def write_report(
         controllers=study.all_labels(),
         scenarios=sorted({run.scenario_id for run in study.runs}),
         severities=SEVERITIES,
+        terms=terms(),
+        measured=measured,
+        definitions=definitions(measured if screened is None else ()),
         made=origin.made_with(study, root),
         replays=f"{DATA}/{REPLAYS}",
     )
@@ -159,6 +170,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.filters["terms"] = linked
     # Raw texts of the page itself; </ would end the element they stand in.
     folder = Path(__file__).parent
     environment.globals["source"] = lambda name: (folder / name).read_text("utf-8").replace("</", "<\\/")
@@ -200,13 +212,14 @@ def _answers(study: Study, made: tables.Tables, say: Say, found: Encounters) -> 
         return told or ["No comparison is possible: no pair of valid runs has the same seed."]
     if len(found) == 0:
         return ["No statement on safety is possible: no valid run has an encounter."]
-    collisions = sum(text == "collision" for text in found.texts["severity"])
+    hit = np.array(found.texts["severity"]) == "collision"
+    collisions, entered = int(hit.sum()), int(((found.numbers["entered"] == 1.0) | hit).sum())
     runs = len(found.runs)
     ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
     return [
-        f"{len(found)} encounters in {runs} valid run{'s' * (runs != 1)}: "
+        f"{len(found)} encounters in {runs} valid run{'s' * (runs != 1)}, {entered} of them entered: "
         f"{collisions or 'no'} collision{'s' * (collisions != 1)}, "
-        f"smallest TTC {'undefined' if ttc is None else f'{ttc:.2f} s'}, "
+        f"smallest time to collision (TTC) {'undefined' if ttc is None else f'{ttc:.2f} s'}, "
         f"smallest distance {'undefined' if distance is None else f'{distance:.2f} m'}."
     ]
 
@@ -215,32 +228,6 @@ def _smallest(found: Encounters, column: str) -> float | None:
     values = found.numbers[column]
     known = values[np.isfinite(values)]
     return float(known.min()) if len(known) else None
-
-
-def _facts(study: Study, found: Encounters, root: Path | None, listing: Listing) -> list[dict[str, str]]:
-    """Return the few numbers at the top of the page."""
-    severity = list(found.texts.get("severity", ()))
-    bad = sum(SEVERITIES.index(text) <= SEVERITIES.index("serious") for text in severity)
-    ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
-    failed = len(origin.failed_runs(root))
-    # The pedestrian touched the standing ego: no collision, and yet a distance of 0.
-    standing = round(sum(run.numbers.get("n_contacts_standing", 0.0) for run in found.runs))
-    return [
-        {"name": "valid runs", "value": f"{len(found.runs)} of {len(study.runs) + failed}"},
-        {"name": "encounters", "value": str(len(found))},
-        {"name": "collisions", "value": str(severity.count("collision"))},
-        {"name": "preventable collisions", "value": str(_preventable(found))},
-        *([{"name": "standing contacts", "value": str(standing)}] if listing is OF_EGOS else []),
-        {"name": "serious or worse", "value": str(bad)},
-        {"name": "smallest TTC", "value": "–" if ttc is None else f"{ttc:.2f} s"},
-        {"name": "smallest distance", "value": "–" if distance is None else f"{distance:.2f} m"},
-    ]
-
-
-def _preventable(found: Encounters) -> int:
-    """Return the collisions that a careful driver prevents; an undefined one counts as one of them."""
-    hit = np.array([text == "collision" for text in found.texts.get("severity", ())], dtype=np.bool_)
-    return int(np.count_nonzero(hit & (found.numbers["preventable_r157"] != 0.0)))
 
 
 def _replays(
@@ -268,6 +255,23 @@ def _replays(
             problems |= {one.key: str(error) for one in mine}
             damaged[place] = str(error)
     return done, problems, damaged
+
+
+def _accused(
+    criteria: Mapping[str, Any] | None, root: Path | None, found: Encounters
+) -> dict[tuple[str, int], int]:
+    """Return the encounters that failed criteria are about: run and number of criteria.csv, to row."""
+    rows = [] if criteria is None else [one for one in criteria["rows"] if one["status"] == "fail"]
+    wanted = {(one["run"], one["encounter_id"]) for one in rows if one["run"] and one["encounter_id"]}
+    if root is None or not wanted:
+        return {}
+    places = {
+        (run.folder.resolve(), int(number)): row
+        for row, (owner, number) in enumerate(zip(found.owner, found.numbers["encounter_id"], strict=True))
+        for run in (found.runs[int(owner)],)
+    }
+    known = {one: places.get(((root / one[0]).resolve(), one[1])) for one in sorted(wanted)}
+    return {one: row for one, row in known.items() if row is not None}
 
 
 def _line(

@@ -14,6 +14,7 @@ from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.run_tables import RUNS
 from analysis.sealing import damages
 from analysis.study.design import Study
+from analysis.study.seeds_needed import seeds_needed
 from analysis.study.tables import COMPARISONS, CONFIGS
 from analysis.study.writing import write_tables
 from analysis.tables.column import Column, Table
@@ -77,6 +78,9 @@ def _is_current(root: Path, study: Study) -> bool:
     files = [root / table.file for table in (RUNS, CONFIGS, COMPARISONS)]
     if not all(path.is_file() for path in files) or damages(root, recordings=False):
         return False
+    for path, table in zip(files[1:], (CONFIGS, COMPARISONS), strict=True):
+        if tuple(next(iter(read_csv_rows(path)), ())) != table.names():
+            return False  # of another version
     lines = [tuple(row) for row in read_csv_rows(files[0])]
     return sorted(lines[1:]) == sorted(run.cells for run in study.runs if run.cells)
 
@@ -208,6 +212,7 @@ def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
                 "interval": interval,
                 "p": p_value(row["p_holm"]),
                 "pairs": row["n_pairs"],
+                "needed": seeds_needed(row),
                 "verdict": _WORDS.get(row["verdict"], row["verdict"]),
                 "level": row["verdict"] if row["verdict"] in ("better", "worse") else "none",
             }

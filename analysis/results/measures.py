@@ -42,6 +42,9 @@ class Measure:
     """What the quantity cannot be below; ``None`` where it can be anything."""
 
 
+ENTERED = "entered encounter"
+"""Default denominator of a share: the pedestrian was on the crossing or in the ego's path."""
+
 TALLIES = (
     "met",
     "met_collision",
@@ -50,12 +53,12 @@ TALLIES = (
     "met_drac_gt_3p4",
     "met_conflict",
 )
-"""Counts of encounters; *met*: the pedestrian was on the crossing or in the ego's path, or was touched."""
+"""Counts of entered encounters: *met* of all of them, the others of those in which something happened."""
 
 
 def _share(name: str, text: str, numerator: str, key: bool = False) -> Measure:
     return Measure(
-        name, "1", "share", text, numerator, "met", "encounter", group="safety", key=key, worse="higher"
+        name, "1", "share", text, numerator, "met", ENTERED, group="safety", key=key, worse="higher"
     )
 
 
@@ -76,11 +79,11 @@ POOLED = (
         group="safety",
         key=True,
     ),
-    _share("collision_share", "encounters with a collision", "met_collision", key=True),
-    _share("ttc_lt_1p5_share", "encounters with TTC < 1.5 s", "met_ttc_lt_1p5", key=True),
-    _share("pet_lt_1p5_share", "encounters with PET < 1.5 s", "met_pet_lt_1p5", key=True),
-    _share("drac_gt_3p4_share", "encounters with DRAC > 3.4", "met_drac_gt_3p4", key=True),
-    _share("conflict_share", "encounters of severity serious or worse", "met_conflict"),
+    _share("collision_share", "entered encounters with a collision", "met_collision", key=True),
+    _share("ttc_lt_1p5_share", "entered encounters with TTC < 1.5 s", "met_ttc_lt_1p5", key=True),
+    _share("pet_lt_1p5_share", "entered encounters with PET < 1.5 s", "met_pet_lt_1p5", key=True),
+    _share("drac_gt_3p4_share", "entered encounters with DRAC > 3.4 m/s²", "met_drac_gt_3p4", key=True),
+    _share("conflict_share", "entered encounters of severity serious or worse", "met_conflict"),
     _rate("conflicts_per_veh_km", "1/km", "conflicts per km", "n_conflicts", key=True),
     _rate("conflicts_per_veh_h", "1/h", "conflicts per hour of driving", "n_conflicts"),
     Measure(
@@ -108,10 +111,10 @@ POOLED = (
         "yield_rate",
         "1",
         "share",
-        "pedestrians let go first",
+        "pedestrians let go first where the ego could",
         "yields",
         "yieldable",
-        "encounter",
+        "yieldable encounter",
         group="pedestrians",
         key=True,
         worse="lower",

@@ -13,6 +13,7 @@ from analysis.results.measures import Measure, run_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.statistics.paired import Comparison, compare_values, compare_yes_no, holm
 from analysis.statistics.ratios import contributions
+from analysis.statistics.replications import replications_needed
 from analysis.study.configuration_rows import describe, parts
 from analysis.study.design import Condition, Study
 from analysis.study.runs import StudyRun
@@ -137,6 +138,7 @@ def _compared(measure: Measure, pairs: Pairs) -> dict[str, Any]:
         "diff_mean": result.difference,
         "diff_pct": 100.0 * result.difference / base_mean if result.difference and base_mean else None,
         "sd_diff": result.deviation,
+        "n_required_d10pct": _seeds_needed(base_mean, result.deviation),
         "ci95_lo": None if interval is None else interval.low,
         "ci95_hi": None if interval is None else interval.high,
         "ci_method": "none" if interval is None else interval.method,
@@ -160,6 +162,13 @@ def _tested(
     if measure.kind == "yes_no" and not several:
         return compare_yes_no(base, alt)
     return compare_values(base, alt)
+
+
+def _seeds_needed(base_mean: float | None, deviation: float | None) -> int | None:
+    """Return the seeds that tell the difference to 10 % of the base's mean; ``None`` where nothing tells."""
+    if base_mean is None or not deviation:
+        return None
+    return replications_needed(base_mean, deviation)
 
 
 def _verdict(row: Row) -> str:

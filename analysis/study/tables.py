@@ -122,6 +122,11 @@ COMPARISONS = Table(
         _value("diff_mean", "alternative minus base"),
         _number("diff_pct", "%", "the same in percent of the base"),
         _value("sd_diff", "standard deviation of the pairs' differences"),
+        _count(
+            "n_required_d10pct",
+            "seeds for an interval of the difference of 10 % of the base's mean either way",
+            required=False,
+        ),
         _value("ci95_lo", "95 % interval of the difference, lower end"),
         _value("ci95_hi", "upper end"),
         _text("ci_method", "how", "t", "agresti_min", "none"),

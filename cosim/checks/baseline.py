@@ -124,7 +124,7 @@ def compare(
     pairings: list[Pairing] = []
     for evaluation, batch in evaluations:
         for one in batch.matrix.configurations:
-            valid = {run.job.seed: run for run in evaluation.made(one) if not run.reason}
+            valid = {run.seed: run for run in evaluation.made(one) if not run.reason}
             seeds = baseline.seeds(one, list(valid))
             if len(baseline.seeds(one, batch.matrix.seeds)) < FEWEST_SEEDS:
                 continue

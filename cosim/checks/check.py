@@ -10,26 +10,23 @@ from pathlib import Path
 
 from analysis.criteria.reading import EXAMPLE
 from analysis.criteria.table import CRITERIA
-from analysis.files import write_csv, write_json
 from analysis.manifest import MANIFEST
-from analysis.sealing import seal_tables
+from analysis.page.names import DATA, PAGE
 from analysis.study.runs import STUDY_FILE
-from analysis.tables.cells import cells
-from analysis.tables.datapackage import describe
 from cosim.batches import batch as batches
 from cosim.batches.batch import Batch, BatchRequest, Shown
 from cosim.batches.ledger import LOCK
 from cosim.checks.baseline import Baseline, check_common, check_same_road, compare, read_baseline
 from cosim.checks.evaluation import Evaluation
+from cosim.checks.files import PACKAGE, check_junit, write_findings
 from cosim.checks.finding import Finding, exit_code
-from cosim.checks.junit import write_junit
-from cosim.checks.summary import append_step_summary
 from cosim.checks.target import Target, Wishes, read_target
-from cosim.errors import InputError, SimulationError, reason_of
+from cosim.errors import InputError
 from cosim.recording import folders
 
-PACKAGE = "datapackage.json"
 DEFAULT_LEVEL = 0.05
+_OURS = (CRITERIA.file, PACKAGE, MANIFEST, PAGE, DATA)
+"""What a check and a report of it leave in the check's folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,25 +100,8 @@ class Check:
             compared = compare(self.baseline, evaluations, self.request.level, command)
             order = [target.name for target, _ in self.parts]
             findings = sorted([*findings, *compared], key=lambda one: order.index(one.target))
-        self._write(findings)
+        write_findings(self.folder, findings, self.request.junit)
         return Result(self.folder, tuple(findings), stopped)
-
-    def _write(self, findings: Sequence[Finding]) -> None:
-        try:
-            rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
-            self.folder.mkdir(parents=True, exist_ok=True)
-            files = (
-                write_csv(self.folder / CRITERIA.file, CRITERIA.names(), rows),
-                write_json(self.folder / PACKAGE, describe([CRITERIA], "a check")),
-            )
-            seal_tables(self.folder, files)
-            if self.request.junit is not None:
-                write_junit(self.request.junit, findings)
-            append_step_summary(findings)
-        except OSError as error:
-            raise SimulationError(
-                f"the files of the check could not be written: {reason_of(error)}"
-            ) from error
 
 
 @contextmanager
@@ -144,7 +124,7 @@ def prepared(
     folder = request.out or _free_folder(targets)
     folders.check_links(folder)
     _check_folder(folder, request.out)
-    _check_junit(request.junit)
+    check_junit(request.junit)
     baseline = None if request.baseline is None else read_baseline(request.baseline)
     if baseline is not None:
         check_common(baseline, [target.matrix for target in targets])
@@ -194,7 +174,7 @@ def _check_folder(folder: Path, out: Path | None) -> None:
         if not folder.is_dir():
             raise InputError(f"--out {out}: expected a folder, this is a file")
         for path in folder.iterdir():
-            ours = path.name in (CRITERIA.file, PACKAGE, MANIFEST, "junit.xml") or path.suffix == ".xml"
+            ours = path.name in _OURS or path.suffix == ".xml"
             if not ours and not (path / STUDY_FILE).is_file() and not (path / LOCK).is_file():
                 raise InputError(
                     f"--out {out}: expected an empty or new folder, or the one of this check; "
@@ -202,8 +182,3 @@ def _check_folder(folder: Path, out: Path | None) -> None:
                 )
     except OSError as error:
         raise InputError(f"--out {out}: {error.strerror}") from error
-
-
-def _check_junit(path: Path | None) -> None:
-    if path is not None and path.is_dir():
-        raise InputError(f"--junit {path}: expected a file, this is a folder")

@@ -37,6 +37,8 @@ class Finding:
     ego_id: str | None = None
     ped_id: str | None = None
     t_start_s: float | None = None
+    moment_s: float | None = None
+    place: str | None = None
     n_runs: int | None = None
     p_holm: float | None = None
     colour: str | None = None
@@ -60,7 +62,7 @@ class Finding:
         words = [f"{self.scenario_id} with {self.configuration}"]
         if self.seed is not None:
             words.append(f"seed {self.seed}")
-        if self.encounter_id is not None:
+        if self.encounter_id is not None and self.scope == "encounter":
             words.append(f"encounter {self.encounter_id}")
         return ", ".join(words)
 
@@ -76,7 +78,15 @@ class Finding:
         said = f"{name} is undefined" if self.value is None else f"{name} = {self.value:.6g}{unit}"
         if self.threshold is not None:
             said += f", expected {self.operator} {self.threshold:.6g}{unit}"
+        said += f" ({self.where})" if self.where else ""
         return f"{said}: {self.note}" if self.note else said
+
+    @property
+    def where(self) -> str:
+        """Who, when and where, of what failed; empty where that is not known."""
+        if self.ego_id is None or self.moment_s is None:
+            return self.place or ""
+        return f"ego {self.ego_id} and pedestrian {self.ped_id}, {self.moment_s:.1f} s, {self.place}"
 
     def row(self) -> dict[str, Any]:
         """Return the row."""

@@ -52,7 +52,7 @@ def _tag(one: Finding) -> str:
 def _add(suite: ElementTree.Element, one: Finding) -> None:
     subject = "".join(
         f" [{name} {value}]"
-        for name, value in (("seed", one.seed), ("encounter", one.encounter_id))
+        for name, value in (("seed", one.seed), ("encounter", _judged_encounter(one)))
         if value is not None
     )
     where = ".".join(
@@ -68,15 +68,23 @@ def _add(suite: ElementTree.Element, one: Finding) -> None:
         told.text = _clean("\n".join(["", *details(one), ""]))
 
 
+def _judged_encounter(one: Finding) -> int | None:
+    return one.encounter_id if one.scope == "encounter" else None
+
+
 def details(one: Finding) -> list[str]:
     """Return what has to be known of a finding to look into it, line by line."""
     lines = [one.sentence, f"judged: {one.subject}"]
     if one.ego_id:
         lines.append(f"ego {one.ego_id}, pedestrian {one.ped_id}, from {one.t_start_s:g} s")
+    if one.where:
+        lines.append(f"where: {one.where}")
     if one.margin is not None:
         lines.append(f"margin: {one.margin:.6g}")
     if one.run:
         lines.append(f"files: {one.run}")
+    if one.run and one.encounter_id is not None:
+        lines.append(f"replay: in the report (cosim report), {one.run}, encounter_id {one.encounter_id}")
     if one.command:
         lines.append(f"again: {one.command}")
     return lines

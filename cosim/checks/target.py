@@ -167,12 +167,15 @@ def _with_criteria(
     matrix = build_matrix(table, study)
     whole = own
     if wishes.criteria is not None:
-        whole = _read(_tables_in(wishes.criteria), str(wishes.criteria))
+        whole = _read(tables_in(wishes.criteria), str(wishes.criteria))
     if whole is not None:
         _check_names(whole, matrix, wishes, str(wishes.criteria or study))
         found = {one: _applying(whole, one) for one in matrix.configurations}
     else:
-        found = {one: _applying(_of_scenario(one), one) for one in matrix.configurations}
+        found = {
+            one: _applying(criteria_of_scenario(one.place, one.scenario_name), one)
+            for one in matrix.configurations
+        }
     return Target(_UNSAFE.sub("-", name), study, table, changed, matrix, found, cases or {})
 
 
@@ -180,16 +183,33 @@ def _applying(criteria: Sequence[Criterion], one: Configuration) -> tuple[Criter
     return tuple(each for each in criteria if each.applies_to(one.scenario_name, one.controller))
 
 
-def _of_scenario(one: Configuration) -> tuple[Criterion, ...]:
-    table = library.load(one.place).table
-    if table is None or not table.criteria:
-        return ()
-    criteria = _read(table.criteria, one.scenario_name)
-    _check_controllers(criteria, one.scenario_name)
+def criteria_of_scenario(reference: str, name: str) -> tuple[Criterion, ...]:
+    """Return the criteria that a scenario brings along; none for a SUMO configuration."""
+    table = library.load(reference).table
+    return criteria_of_tables(table.criteria, name) if table is not None and table.criteria else ()
+
+
+def criteria_of_tables(tables: Sequence[Mapping[str, Any]], where: str) -> tuple[Criterion, ...]:
+    """Return the criteria that tables describe.
+
+    Raises
+    ------
+    InputError
+        For one that is wrong; ``where`` is named.
+    """
+    criteria = _read(tables, where)
+    _check_controllers(criteria, where)
     return criteria
 
 
-def _tables_in(path: Path) -> list[dict[str, Any]]:
+def tables_in(path: Path) -> list[dict[str, Any]]:
+    """Return the criteria of a file for ``--criteria``, as it has them.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or has anything else in it.
+    """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cosim.cli import terminal
 from cosim.cli.options import Debug, Jobs, Settings
 
+if TYPE_CHECKING:
+    from cosim.checks.finding import Finding
+
 Targets = Annotated[
-    list[str],
+    list[str] | None,
     typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
+]
+Made = Annotated[
+    Path | None,
+    typer.Option(
+        "--results",
+        metavar="DIR",
+        help="Judge the runs that are in this folder instead of making runs.",
+    ),
 ]
 Folder = Annotated[
     Path | None,
@@ -65,7 +77,8 @@ DropRecordings = Annotated[bool, typer.Option("--drop-recordings", help="Keep on
 
 
 def check(
-    targets: Targets,
+    targets: Targets = None,
+    results: Made = None,
     out: Folder = None,
     junit: Junit = None,
     controller: Controllers = None,
@@ -88,6 +101,7 @@ def check(
       cosim check midblock_zebra midblock_unmarked --controller aeb --seeds 1-5 --out checks/aeb
       cosim check study.toml --out checks/today --baseline checks/release --level 0.01
       cosim check town.sumocfg --criteria criteria.toml --set ego_share=0.1 --set duration_s=600
+      cosim check --results results/study --criteria criteria.toml --junit results.xml
 
     \b
     A criterion, in scenario.toml, in a study file, or in a file for --criteria:
@@ -101,8 +115,12 @@ def check(
     Exit codes: 0 all criteria are met, 1 one is not, 2 bad input (nothing is run), 3 a run is invalid:
     an error, a time-out, a teleported ego.
     """
+    if results is not None:
+        options = (targets, controller, seeds, settings, part, baseline, jobs, run_timeout_s)
+        return _check_results(results, out, junit, criteria, any(options) or drop_recordings)
+    if not targets:
+        raise typer.BadParameter("expected a TARGET, or --results DIR")
     from cosim.batches.progress import shown_checks, shown_tally
-    from cosim.checks import summary
     from cosim.checks.check import CheckRequest, prepared
     from cosim.checks.target import Wishes
     from cosim.running.request import parse_settings
@@ -127,13 +145,47 @@ def check(
     )
     with prepared(request, shown_checks()) as one:
         result = one.run(shown_tally)
-    console = terminal.console()
-    console.print(summary.table(result.findings))
-    for line in summary.failures(result.findings):
-        typer.echo(f"cosim: {line}", err=True)
+    _show(result.findings)
     if result.stopped:
         typer.echo(
             f"cosim: {result.stopped}; to resume, repeat the command with --out {result.folder}", err=True
         )
-    console.print(f"\n{summary.verdict(result.findings)}\nfiles: {result.folder}", soft_wrap=True)
+    _show_verdict(result.findings, result.folder, result.folder)
     return result.exit_code
+
+
+def _check_results(
+    results: Path, out: Path | None, junit: Path | None, criteria: Path | None, others: bool
+) -> int:
+    """Judge the runs that are there."""
+    from cosim.checks.existing import Results, judge_results
+    from cosim.checks.files import check_junit, write_findings
+    from cosim.checks.finding import exit_code
+    from cosim.errors import InputError
+
+    if others:
+        raise InputError(
+            "--results judges the runs that are there: only --criteria, --junit and --out go with it"
+        )
+    check_junit(junit)
+    findings = judge_results(Results(results, criteria))
+    folder = results if out is None else out
+    write_findings(folder, findings, junit)
+    _show(findings)
+    _show_verdict(findings, folder, results)
+    return exit_code(findings)
+
+
+def _show(findings: Sequence[Finding]) -> None:
+    from cosim.checks import summary
+
+    terminal.console().print(summary.table(findings))
+    for line in summary.failures(findings):
+        typer.echo(f"cosim: {line}", err=True)
+
+
+def _show_verdict(findings: Sequence[Finding], folder: Path, runs: Path) -> None:
+    from cosim.checks import summary
+
+    told = f"\n{summary.verdict(findings)}\nfiles: {folder}; report with replays: cosim report {runs}"
+    terminal.console().print(told, soft_wrap=True)

@@ -59,12 +59,12 @@ def _derived(rows: Mapping[str, Row]) -> dict[str, list[str]]:
     base = number(rows[BASELINE], "ego_delay_mean_s") if BASELINE in rows else None
     shares, differences = [], []
     for row in rows.values():
-        encounters, near = number(row, "n_encounters"), number(row, "n_ttc_lt_1p5")
-        shares.append("–" if not encounters or near is None else f"{100.0 * near / encounters:.1f} %")
+        entered, near = number(row, "n_entered"), number(row, "n_ttc_lt_1p5")
+        shares.append("–" if not entered or near is None else f"{100.0 * near / entered:.1f} %")
         delay = number(row, "ego_delay_mean_s")
         differences.append("–" if delay is None or base is None else f"{delay - base:+.1f}")
     return {
-        "share of encounters with TTC < 1.5 s": shares,
+        "share of entered encounters with TTC < 1.5 s": shares,
         f"mean delay against {BASELINE}, same seed [s]": differences,
     }
 

@@ -6,7 +6,7 @@ import sys
 
 from rich.console import Console
 
-LOG_WIDTH = 110
+LOG_WIDTH = 132
 
 
 def console() -> Console:

@@ -11,11 +11,12 @@ from analysis.results.measures import DELAY, Measure
 from analysis.statistics.intervals import share_upper_bound
 from analysis.study.comparison_rows import Pairs
 from analysis.study.runs import StudyRun
+from analysis.study.seeds_needed import MEANING, NOT_SHOWN, range_needed, seeds_needed
 from analysis.wording import p_value
 
 Row = Mapping[str, Any]
 
-_WORDS = {"no_difference_shown": "no difference shown"}
+_WORDS = {NOT_SHOWN: "no difference shown"}
 _SHARES = ("share", "yes_no")
 
 
@@ -33,7 +34,7 @@ def sentence(rows: Sequence[Row], measures: Mapping[str, Measure]) -> str:
         if text
     ]
     if not answers:
-        shown = sum(row["verdict"] != "no_difference_shown" for row in rows)
+        shown = sum(row["verdict"] != NOT_SHOWN for row in rows)
         answers = [f"a difference in {shown} of {len(rows)} measures"]
     on = f"{pairs} seed" + ("s" if pairs != 1 else "")
     return f"{first['alt']} against {first['base']} on {where}, {on}: {', and '.join(answers)}."
@@ -50,24 +51,27 @@ def _safety(rows: Sequence[Row], measures: Mapping[str, Measure]) -> str:
         return f"neither safer nor less safe (better: {better}; worse: {worse})"
     if better:
         return f"safer ({better})"
-    return f"less safe ({worse})" if worse else "no difference in safety shown"
+    return f"less safe ({worse})" if worse else "no difference in safety shown" + range_needed(rows)
 
 
 def _delay(rows: Sequence[Row]) -> str:
     if not rows:
         return ""
     row = rows[0]
-    word = {"worse": "slower", "better": "faster"}.get(row["verdict"], "no difference in delay shown")
+    word = {"worse": "slower", "better": "faster"}.get(row["verdict"])
+    next_step = "" if word else range_needed(rows)
+    word = word or "no difference in delay shown"
     if row["ci95_lo"] is None:
-        return word
-    return f"{word} ({row['diff_mean']:+.1f} s, 95 % {row['ci95_lo']:+.1f} … {row['ci95_hi']:+.1f})"
+        return word + next_step
+    interval = f"{row['diff_mean']:+.1f} s, 95 % {row['ci95_lo']:+.1f} … {row['ci95_hi']:+.1f}"
+    return f"{word} ({interval}){next_step}"
 
 
 def table(rows: Sequence[Row], measures: Mapping[str, Measure]) -> Table:
     """Return one line per measure."""
     found = Table(box=None, pad_edge=False, header_style="bold")
     found.add_column("")
-    for name in (rows[0]["base"], rows[0]["alt"], "difference", "95 %", "p (Holm)", "seeds"):
+    for name in (rows[0]["base"], rows[0]["alt"], "difference", "95 %", "p (Holm)", "seeds / needed"):
         found.add_column(name, justify="right")
     found.add_column("verdict")
     for row in rows:
@@ -79,7 +83,7 @@ def table(rows: Sequence[Row], measures: Mapping[str, Measure]) -> Table:
             _value(row["diff_mean"], measure, "+"),
             _interval(row, measure),
             p_value(row["p_holm"]),
-            str(row["n_pairs"]),
+            " / ".join(filter(None, (str(row["n_pairs"]), seeds_needed(row)))),
             _WORDS.get(row["verdict"], row["verdict"]),
         )
     return found
@@ -91,7 +95,7 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
     said = [
         f"Mean differences with 95 % intervals, paired by seed; p is Holm-corrected over the "
         f"{first['n_family']} test{'s' * (first['n_family'] != 1)} of this table. "
-        '"No difference shown" does not mean that there is no difference.'
+        f'"No difference shown" does not mean that there is no difference. {MEANING}'
     ]
     for name, side in ((first["base"], pairs.base), (first["alt"], pairs.alt)):
         hit, met = (
@@ -100,7 +104,7 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
         bound = share_upper_bound(round(hit), round(met))
         if bound is not None:
             said.append(
-                f"{name}: {hit:.0f} collisions in {met:.0f} encounters, at most {bound:.2%} of them "
+                f"{name}: {hit:.0f} collisions in {met:.0f} entered encounters, at most {bound:.2%} of them "
                 "(one-sided 95 %, assuming independent encounters)."
             )
         said.extend(_contacts(str(name), [run for seed in side for run in seed]))

@@ -13,7 +13,7 @@ ORDER = ("vo_mpc", "sumo", "aeb")
 
 _LINES = (
     ("egos", "{egos:.0f}"),
-    ("passages with a pedestrian (encounters)", "{passages:.0f} ({encounters:.0f})"),
+    ("passages with a pedestrian (entered encounters)", "{passages:.0f} ({encounters:.0f})"),
     ("**contacts** (95 % upper bound of the rate)", "**{contacts:.0f}** ({contact_upper_95:.1%})"),
     ("passages with TTC < 1.5 s (95 % upper bound)", "{ttc_lt_1p5_share:.1%} ({ttc_lt_1p5_upper_95:.1%})"),
     (

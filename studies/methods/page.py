@@ -22,9 +22,9 @@ _HEADINGS = (
     "method",
     "valid runs",
     "people at once",
-    "encounters",
+    "entered encounters",
     "contacts",
-    "contacts per encounter (95 %)",
+    "contacts per entered encounter (95 %)",
     "least TTC [s]",
     "TTC < 1.5 s",
     "delay of a trip [s]",
@@ -43,12 +43,12 @@ pedestrians and vehicles, on the same seeds.
 runs `studies/methods/methods.toml` and writes the tables below. Repeat the command to resume.
 
 *People at once* is the mean number of pedestrians within 45 m of an ego while the ego is within 45 m of a
-crossing. *Encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
-Contacts are computed from recorded shapes, continuously between samples. The interval of their share is exact
-for independent encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
-Delay is relative to the speed limit; an unfinished trip counts with its delay so far. Jerk and control step
-are means over runs of the run's 95th percentile. The control step is wall-clock time, measured beside other
-runs.
+crossing. *Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was
+touched. Contacts are computed from recorded shapes, continuously between samples. The interval of their
+share is exact for independent encounters; those of one run may be correlated. *Least TTC* (time to
+collision) is the minimum over all runs. Delay is relative to the speed limit; an unfinished trip counts with
+its delay so far. Jerk and control step are means over runs of the run's 95th percentile. The control step is
+wall-clock time, measured beside other runs.
 """
 
 

@@ -26,7 +26,7 @@ _HEADS = (
     "sensing",
     "latency [ms]",
     "valid runs",
-    "encounters",
+    "entered encounters",
     "contacts",
     "share (95 %)",
     "contacts, preventable",

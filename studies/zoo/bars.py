@@ -86,7 +86,7 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
             max(rest, default=0.0) <= 5.0 if met else None,
         ),
         Bar(
-            "contacts with pedestrians who appeared suddenly: at most 1 in 200 encounters",
+            "contacts with pedestrians who appeared suddenly: at most 1 in 200 entered encounters",
             f"{len(sudden)} in {entered:,}",
             200 * len(sudden) <= entered if met else None,
         ),

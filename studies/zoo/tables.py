@@ -16,7 +16,7 @@ HEADS = (
     "valid runs",
     "entered encounters",
     "contacts",
-    "per encounter (95 %)",
+    "per entered encounter (95 %)",
     "preventable",
     "largest impact [km/h]",
     "touched while standing",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from cosim.conformance.suite import cases
@@ -35,3 +38,18 @@ def test_every_check_of_inspect_is_explained() -> None:
 @pytest.mark.parametrize("key", MISHAPS)
 def test_what_a_run_says_of_itself_is_explained(key: str) -> None:
     assert f"`{key}`" in (ROOT / "docs/architecture.md").read_text("utf-8")
+
+
+SPELLED_OUT = {
+    "TTC": "time to collision",
+    "PET": "post-encroachment time",
+    "DRAC": "deceleration rate to avoid",
+}
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))])
+def test_a_page_spells_an_abbreviation_out_where_it_first_uses_it(page: Path) -> None:
+    text = re.sub(r"```.*?```|`[^`\n]*`", "", page.read_text("utf-8"), flags=re.DOTALL)
+    for short, long in SPELLED_OUT.items():
+        first = re.search(rf"\b{short}\b", text)
+        assert first is None or long in text[: first.end() + 60].lower(), short

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -150,7 +151,17 @@ def test_a_long_stand_is_a_deadlock_where_the_road_is_free(
 ) -> None:
     ego = Ego(stops(2.5, until), columns={"gap_ahead_m": lambda t: gap})
     area = {**ZEBRA, "crossing_kind": kind}
-    assert summary(tmp_path, ego, duration=80.0, step=0.5, areas=[area])["deadlock"] == expected
+    found = summary(tmp_path, ego, duration=80.0, step=0.5, areas=[area])
+    assert found["deadlock"] == expected
+    assert (found["deadlock_where"] is not None) == bool(expected)
+
+
+def test_a_deadlock_says_who_when_and_where(tmp_path: Path) -> None:
+    ego = Ego(stops(2.5, 70.0), columns={"gap_ahead_m": lambda t: None})
+    found = summary(tmp_path, ego, duration=80.0, step=0.5, areas=[ZEBRA])
+    assert re.fullmatch(
+        rf"ego ego, \d+\.\d to 69\.\d s, at crossing {ZEBRA['name']}", found["deadlock_where"]
+    ), found["deadlock_where"]
 
 
 def test_control_time_percentiles_come_from_the_timing_file(tmp_path: Path) -> None:

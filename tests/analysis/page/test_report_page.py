@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
 from analysis.page.report import Written, write_report
+from analysis.page.terms import terms
 from analysis.results.measures import Measure
 from analysis.tables.cells import cells
 from cosim.cli import main
@@ -178,7 +180,10 @@ def test_one_run_is_told_in_numbers_and_compared_with_nobody(tmp_path: Path) -> 
     _, page, _ = written(folder)
     assert page.problems == []
     assert "How safe is sumo on road?" in page.texts
-    told = "4 encounters in 1 valid run: no collisions, smallest TTC 0.83 s, smallest distance 0.41 m."
+    told = (
+        "4 encounters in 1 valid run, 4 of them entered: no collisions, "
+        "smallest time to collision (TTC) 0.83 s, smallest distance 0.41 m."
+    )
     assert told in page.texts
     assert "Comparisons" not in page.texts
 
@@ -210,8 +215,42 @@ def test_each_collision_says_where_it_was_and_whether_a_careful_driver_prevents_
     _, page, _ = written(folder)
     assert "carriageway, appeared, not preventable" in page.texts
     assert "carriageway, preventable" in page.texts
-    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "preventable collisions")]
+    values = [page.texts[page.texts.index(name) - 1] for name in ("collisions", "of them preventable")]
     assert values == ["2", "1"]
+
+
+def test_every_controller_has_its_own_row_of_tiles_and_nothing_is_added_up(tmp_path: Path) -> None:
+    hit = {"collision": True, "severity": "collision"}
+    for name, encounters in (("sumo", [hit, hit]), ("careful", [{"entered": False}, OTHERS[1]])):
+        write_study_run(tmp_path / name, name, 1, encounters=encounters)
+    _, _, text = written(tmp_path)
+    rows = text.split('<section class="fact-row" aria-label="')[1:]
+    assert [row.partition('"')[0] for row in rows] == ["careful", "sumo"]
+    found = [
+        re.findall(r'<span class="value">([^<]*)</span> <span class="name">(.*?)</span></li>', row)
+        for row in rows
+    ]
+    tiles = [{re.sub("<[^>]*>", "", name): value for value, name in row} for row in found]
+    assert [tile["collisions"] for tile in tiles] == ["0", "2"]
+    assert [(tile["encounters"], tile["of them entered"]) for tile in tiles] == [("2", "1"), ("2", "2")]
+
+
+def test_terms_and_measures_lead_to_their_definition_on_the_page(study: tuple[Path, Markup, str]) -> None:
+    _, _, text = study
+    leading = set(re.findall(r'href="#((?:term|def)-[^"]+)"', text))
+    assert {"term-ttc", "term-pet", "term-drac", "def-ttc_lt_1p5_share", "def-ego_delay_mean_s"} <= leading
+    assert leading <= set(re.findall(r'id="([^"]+)"', text))
+    assert "Time to collision (TTC)" in text
+
+
+def test_every_term_of_the_page_stands_in_the_glossary() -> None:
+    glossary = (Path(__file__).parents[3] / "docs/glossary.md").read_text("utf-8")
+    headings = {
+        re.sub(r"[^a-z]+", "-", line[4:].lower()).strip("-")
+        for line in glossary.splitlines()
+        if line.startswith("### ")
+    }
+    assert {term.anchor for term in terms()} <= headings
 
 
 def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:

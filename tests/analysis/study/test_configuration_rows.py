@@ -32,7 +32,7 @@ def test_a_share_counts_encounters_that_entered_over_all_runs(folders: list[Path
     configs, _ = tables(tmp_path / "out", folders)
     row = only(configs, controller="sumo", metric="ttc_lt_1p5_share")
     # Two of four in each of three runs; the one who only waited is not counted.
-    assert (row["numerator"], row["denominator"], row["denominator_unit"]) == ("6", "12", "encounter")
+    assert (row["numerator"], row["denominator"], row["denominator_unit"]) == ("6", "12", "entered encounter")
     assert float(row["mean"]) == 0.5
     assert (row["exact_method"], row["status"]) == ("clopper_pearson", "all_equal")
     assert float(row["exact95_lo"]) == pytest.approx(0.210945, abs=1e-6)

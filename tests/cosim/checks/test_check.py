@@ -69,6 +69,7 @@ def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(
     assert (root.get("failures"), root.get("errors"), root.get("tests")) == ("0", "0", str(len(found)))
     run = next(Path("out/midblock_zebra/runs").iterdir()) / "run.json"
     before, content = run.stat().st_mtime_ns, Path("out/criteria.csv").read_bytes()
+    assert main(["report", "out"]) == 0  # what it writes there is in nobody's way
     check(*arguments, code=0)
     assert run.stat().st_mtime_ns == before
     assert Path("out/criteria.csv").read_bytes() == content

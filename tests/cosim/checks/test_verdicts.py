@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from analysis.protocols.verdict import Verdict
-from cosim.checks.evaluation import with_verdict
 from cosim.checks.finding import exit_code
+from cosim.checks.judged import with_verdict
 from cosim.suites import judging
 from tests.cosim.checks.test_reports import PASSED
 

@@ -54,18 +54,18 @@ def test_the_first_line_says_safer_and_slower_and_by_how_much(
     lines = shown(capsys, str(study), "--base", "sumo", "--alt", "careful")
     # Delays 14 + 1, 2, 0, 1, … − 10: mean 5.0 (ten seeds: 1 2 0 1 2 0 1 2 0 1), deviation 0.8165.
     assert lines[0] == (
-        "careful against sumo on road, 10 seeds: safer (encounters with TTC < 1.5 s, conflicts per km), "
-        "and slower (+5.0 s, 95 % +4.4 … +5.6)."
+        "careful against sumo on road, 10 seeds: safer (entered encounters with TTC < 1.5 s, conflicts "
+        "per km), and slower (+5.0 s, 95 % +4.4 … +5.6)."
     )
-    (row,) = [line for line in lines if line.startswith("encounters with TTC < 1.5 s")]
+    (row,) = [line for line in lines if line.startswith("entered encounters with TTC < 1.5 s")]
     assert "31.2%" in row
     assert "-31.2%" in row
     assert row.rstrip().endswith("better")
     (row,) = [line for line in lines if line.startswith("mean delay of an ego")]
     assert row.split()[-2:] == ["10", "worse"]
-    assert any("careful: 0 collisions in 80 encounters, at most 3.68%" in line for line in lines)
+    assert any("careful: 0 collisions in 80 entered encounters, at most 3.68%" in line for line in lines)
     assert len(lines) <= 24
-    assert max(map(len, lines[2:-4])) <= 110
+    assert max(map(len, lines[2:-4])) <= 132
 
 
 def test_contacts_are_told_apart_by_place_and_by_what_a_careful_driver_prevents(
@@ -104,7 +104,24 @@ def test_the_other_way_round_it_is_less_safe_and_faster(
     study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     first = shown(capsys, str(study), "--base", "careful", "--alt", "sumo")[0]
-    assert "less safe (encounters with TTC < 1.5 s, conflicts per km), and faster (-5.0 s" in first
+    assert "less safe (entered encounters with TTC < 1.5 s, conflicts per km), and faster (-5.0 s" in first
+
+
+def test_beside_no_difference_shown_stands_how_many_seeds_would_tell(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Differences of the delay 2, −2, 2, −2, …: mean 0, deviation 2.108 over ten seeds; 1 = 10 % of the base.
+    # The smallest n with t(0.975, n − 1) · 2.108 / sqrt(n) <= 1 is 20 (t = 2.093; 19: 2.101 · 2.108 > 4.359).
+    for seed in range(1, 11):
+        write(tmp_path, "sumo", seed, 4, 10.0)
+        write(tmp_path, "other", seed, 4, 10.0 + 2.0 * (-1) ** seed)
+    lines = shown(capsys, str(tmp_path), "--alt", "other")
+    assert (
+        "no difference in delay shown (+0.0 s, 95 % -1.5 … +1.5) (seeds needed: 20; there are 10)" in lines[0]
+    )
+    (row,) = [line for line in lines if line.startswith("mean delay of an ego")]
+    assert row.split()[-6:] == ["10", "/", "20", "no", "difference", "shown"]
+    assert any('"Needed" is how many seeds' in line for line in lines)
 
 
 def test_chosen_measures_are_one_family_and_are_written_when_asked(

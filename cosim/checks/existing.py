@@ -1,0 +1,229 @@
+"""Judges runs that are there, without simulating any: ``cosim check --results``."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from analysis.criteria.criterion import Criterion
+from analysis.errors import AnalysisError
+from analysis.files import read_json
+from analysis.study.configuration_rows import configuration_rows
+from analysis.study.design import Study, read_study
+from analysis.study.runs import STUDY_FILE, StudyRun, find_run_folders
+from analysis.study.tables import CONFIGS
+from analysis.tables.cells import cells
+from cosim.batches.ledger import FAILED
+from cosim.batches.outcome import NOTE
+from cosim.batches.stored import FAILURE
+from cosim.batches.study import read_study as read_study_file
+from cosim.checks.finding import VALID, Finding
+from cosim.checks.judged import (
+    Made,
+    Statistics,
+    about_case,
+    judged_rows,
+    judged_statistic,
+    validity,
+    with_culprit,
+    with_verdict,
+)
+from cosim.checks.target import SUITE, criteria_of_scenario, criteria_of_tables, tables_in
+from cosim.errors import InputError
+from sumo_scenarios import library
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """Folder with runs, and the file whose criteria they are held against."""
+
+    folder: Path
+    criteria: Path | None = None
+    """``None``: those of the study file beside the runs, otherwise those of each scenario."""
+
+    def command(self) -> str:
+        """Return the command line that judges the same again."""
+        words = ["cosim", "check", "--results", str(self.folder)]
+        return shlex.join(words + ([] if self.criteria is None else ["--criteria", str(self.criteria)]))
+
+
+def judge_results(results: Results) -> list[Finding]:
+    """Judge every run at or below a folder, in a fixed order.
+
+    Raises
+    ------
+    InputError
+        If there is no run, a run cannot be read, or there is no criterion for any of them.
+    """
+    folder = results.folder
+    if not folder.is_dir():
+        raise InputError(f"--results {folder}: no such folder")
+    found: list[Finding] = []
+    cases: list[tuple[Finding, Made]] = []
+    judged_by_any = False
+    for place in _studies(folder):
+        study = _read(place)
+        by_configuration = _made(study, place, folder)
+        rows = cells(CONFIGS, list(configuration_rows(study)), number="{:.6g}".format)
+        statistics = {
+            (row["config_id"], row["metric"], row["kind"]): row
+            for row in (dict(zip(CONFIGS.names(), row, strict=True)) for row in rows)
+        }
+        target = place.resolve().name
+        for (scenario, controller, label), made in sorted(by_configuration.items()):
+            criteria = _criteria(results, place, scenario, controller)
+            judged_by_any |= bool(criteria)
+            origin = Finding(
+                target=target,
+                scenario_id=scenario,
+                controller=controller,
+                configuration=label,
+                scope="run",
+                criterion_id=VALID,
+                metric=VALID,
+                status="pass",
+                command=results.command(),
+            )
+            found += _findings(origin, criteria, made, statistics)
+            cases += [(origin, run) for run in made]
+    if not found:
+        raise InputError(
+            f"--results {folder}: contains no runs; expected the folder of a run, batch or check"
+        )
+    verdicts = list(_with_cases(cases))
+    if not judged_by_any and not verdicts:
+        raise InputError(
+            f"--results {folder}: no criterion in its study file or in the scenarios; "
+            "name a file with --criteria"
+        )
+    return sorted([*found, *verdicts], key=lambda one: one.target)
+
+
+def _findings(
+    origin: Finding, criteria: Sequence[Criterion], made: Sequence[Made], statistics: Statistics
+) -> Iterator[Finding]:
+    yield from (validity(origin, run) for run in made)
+    for criterion in criteria:
+        if criterion.scope == "configuration":
+            yield judged_statistic(origin, criterion, made, statistics)
+        else:
+            for run in made:
+                yield from judged_rows(origin, criterion, run)
+
+
+def _studies(folder: Path) -> list[Path]:
+    """Return the folders whose runs belong together: of a check its targets, otherwise the folder itself."""
+    if (folder / STUDY_FILE).is_file():
+        return [folder]
+    targets = sorted(path.parent for path in folder.glob(f"*/{STUDY_FILE}"))
+    return targets or [folder]
+
+
+def _read(place: Path) -> Study:
+    try:
+        study = read_study(find_run_folders(place))
+    except AnalysisError as error:
+        raise InputError(f"--results: {error}") from error
+    for told in study.unreadable.values():
+        raise InputError(f"--results: {told}")
+    return study
+
+
+def _made(study: Study, place: Path, root: Path) -> Mapping[tuple[str, str, str], list[Made]]:
+    """Return the runs of each configuration, those that failed in a batch among them."""
+    found: dict[tuple[str, str, str], list[Made]] = {}
+    for run in study.runs:
+        reason = "" if run.valid else run.invalid_reason or "the run did not end"
+        where = _label(study, run)
+        found.setdefault((run.scenario_id, run.controller, where), []).append(
+            Made(
+                run.seed,
+                str(_noted(run.folder).get("command", "")),
+                run.folder,
+                _relative(run.folder, root),
+                reason,
+                {"config_id": run.config_id},
+            )
+        )
+    for path in sorted((place / FAILED).glob(f"*/{FAILURE}")):
+        failure = read_json(path)
+        key = (str(failure["scenario"]), str(failure["controller"]), str(failure["controller"]))
+        lost = Made(
+            int(failure["seed"]),
+            str(failure["command"]),
+            None,
+            _relative(path.parent, root),
+            str(failure["reason"]) or "failed",
+            {},
+        )
+        found.setdefault(key, []).append(lost)
+    return {key: sorted(made, key=lambda one: one.seed) for key, made in found.items()}
+
+
+def _label(study: Study, run: StudyRun) -> str:
+    condition = next(one for one in study.conditions if one.condition_id == run.condition_id)
+    return f"{study.label(run)} {condition.text}".strip()
+
+
+def _relative(folder: Path, root: Path) -> str:
+    name = folder.resolve().relative_to(root.resolve()).as_posix()
+    return "" if name == "." else name
+
+
+def _noted(folder: Path) -> Mapping[str, Any]:
+    """Return how a study asked for a run; nothing for a run that no study asked for."""
+    try:
+        return dict(read_json(folder / NOTE))
+    except (OSError, ValueError):
+        return {}
+
+
+def _criteria(results: Results, place: Path, scenario: str, controller: str) -> tuple[Criterion, ...]:
+    every: tuple[Criterion, ...] = ()
+    file = place / STUDY_FILE
+    if results.criteria is not None:
+        every = criteria_of_tables(tables_in(results.criteria), str(results.criteria))
+    else:
+        study = read_study_file(file) if file.is_file() else None
+        if study is not None and study.criteria:
+            every = criteria_of_tables(study.criteria, str(file))
+        else:
+            every = _of_scenario([scenario] if study is None else study.scenarios, scenario)
+    return tuple(one for one in every if one.applies_to(scenario, controller))
+
+
+def _of_scenario(references: Sequence[str], scenario: str) -> tuple[Criterion, ...]:
+    """Return the criteria of the scenario with that name; none where it is no longer there."""
+    for reference in references:
+        try:
+            if library.load(reference).name == scenario:
+                return criteria_of_scenario(reference, scenario)
+        except ValueError:
+            continue
+    return ()
+
+
+def _with_cases(found: list[tuple[Finding, Made]]) -> Iterator[Finding]:
+    """Return the verdicts on the runs of test protocols, which their notes name."""
+    from cosim.suites import judging
+
+    groups: dict[tuple[str, int], list[tuple[Finding, Made, judging.Case, judging.Verdict]]] = {}
+    for origin, run in found:
+        reference = _noted(run.folder).get("scenario", "") if run.folder else ""
+        if run.folder is None or not str(reference).startswith(SUITE):
+            continue
+        (case,) = judging.cases(str(reference))
+        about = about_case(origin, case, run)
+        if run.reason:
+            yield replace(about, status="invalid", note=run.reason)
+            continue
+        verdict = judging.judge(run.folder, case)
+        groups.setdefault((origin.configuration, run.seed), []).append((about, run, case, verdict))
+    for group in groups.values():
+        settled = judging.settled((case, verdict) for _, _, case, verdict in group)
+        for (about, run, case, _), (_, verdict) in zip(group, settled, strict=True):
+            if run.folder is not None:
+                yield with_culprit(with_verdict(about, case, verdict), run.folder, {})
