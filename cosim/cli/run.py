@@ -25,7 +25,12 @@ Scenario = Annotated[
 ControllerName = Annotated[str, typer.Option(metavar="NAME", help="Controller that drives the egos.")]
 Duration = Annotated[
     float | None,
-    typer.Option("--duration-s", metavar="S", help="Simulated time [s].", show_default="as the scenario"),
+    typer.Option(
+        "--duration-s",
+        metavar="S",
+        help="Recorded time, after the warm-up [s].",
+        show_default="as the scenario",
+    ),
 ]
 Step = Annotated[
     float | None,

@@ -21,6 +21,9 @@ from cosim.inspection.walks import Walk, walks_over
 from sumo_scenarios.sumo_options import kept_options
 
 CONFIGURATION = "scenario.sumocfg"
+"""Of a scenario that is made from a network alone; a configuration keeps its name."""
+STEP_S = 0.1
+"""What a note on the step length advises, and what it is where none is given [s]."""
 WARMUP_S = 60.0
 LONGEST_S = 900.0
 """Of the scenario; its configuration may go on for longer [s]."""
@@ -89,7 +92,8 @@ def _write(found: Inspection, walks: Iterable[Walk], folder: Path, given: Inspec
     end_s = source.begin_s + LONGEST_S if source.end_s is None else source.end_s
     duration_s = min(end_s - source.begin_s, LONGEST_S)
     warmup_s = min(WARMUP_S, round(0.2 * duration_s, 3))
-    taken: set[str] = {"scenario.toml", CONFIGURATION, "persons.rou.xml", "cars.rou.xml"}
+    configuration = given.source.path.name if given.source.configured else CONFIGURATION
+    taken: set[str] = {"scenario.toml", configuration, "persons.rou.xml", "cars.rou.xml"}
     net = _copy(source.net_file, folder, taken)
     additional = [
         os.path.relpath(path, folder) if own and names_files(path) else _copy(path, folder, taken)
@@ -102,8 +106,11 @@ def _write(found: Inspection, walks: Iterable[Walk], folder: Path, given: Inspec
     if found.demand.vehicles.get(CAR, 0.0) < 0.5:
         _text(folder / "cars.rou.xml", _cars(found, source.begin_s, end_s))
         routes.append("cars.rou.xml")
-    _text(folder / CONFIGURATION, _configuration(found, net, routes, additional))
-    _text(folder / "scenario.toml", _scenario(found, given.source.path.name, duration_s, warmup_s))
+    _text(folder / configuration, _configuration(found, net, routes, additional))
+    _text(
+        folder / "scenario.toml",
+        _scenario(found, given.source.path.name, configuration, duration_s, warmup_s),
+    )
 
 
 def _copy(path: Path, folder: Path, taken: set[str]) -> str:
@@ -151,9 +158,11 @@ def _routes(lines: Iterable[str]) -> str:
 
 def _configuration(found: Inspection, net: str, routes: list[str], additional: list[str]) -> str:
     source = found.source
-    # A configuration's own step is kept where a run can have it.
-    impossible = any(one.check == "step length" and one.level == "missing" for one in found.findings)
-    step_s = 0.1 if impossible or "step-length" not in source.options else source.step_s
+    # A configuration's own step is kept where nothing is said against it.
+    kept = "step-length" in source.options and any(
+        one.check == "step length" and one.level == "good" for one in found.findings
+    )
+    step_s = source.step_s if kept else STEP_S
     options = {"net-file": net, "route-files": ",".join(routes), "additional-files": ",".join(additional)}
     options |= {"begin": f"{source.begin_s:g}", "step-length": f"{step_s:g}"}
     if source.end_s is not None:
@@ -172,13 +181,13 @@ def _kept(options: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def _scenario(found: Inspection, origin: str, duration_s: float, warmup_s: float) -> str:
+def _scenario(found: Inspection, origin: str, configuration: str, duration_s: float, warmup_s: float) -> str:
     lines = [
         f"description = {_quoted(f'Made by cosim inspect from {origin}')}",
         f"duration_s = {duration_s:.1f}",
         f"warmup_s = {warmup_s:.1f} # egos enter afterwards",
         'actuation = "hybrid"',
-        f'sumocfg = "{CONFIGURATION}"',
+        f"sumocfg = {_quoted(configuration)}",
         "",
         "[egos]",
         f"count = {max(4, len(found.routes))}",

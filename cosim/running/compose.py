@@ -168,12 +168,20 @@ def _with_parameters(
     """Return the scenario as asked for, and the settings that are none of its parameters."""
     texts = dict(settings)
     if request.duration_s is not None:
-        texts["duration_s"] = f"{request.duration_s!r}"
+        texts["duration_s"] = f"{_warmup(scenario, texts) + request.duration_s!r}"
     if request.step_s is not None:
         texts["step_s"] = f"{request.step_s!r}"
     if request.actuation is not None:
         texts["actuation"] = request.actuation
     return library.with_parameters(scenario, texts)
+
+
+def _warmup(scenario: Scenario, texts: Mapping[str, str]) -> float:
+    """Return the warm-up that is asked for [s]; 0 for a text that is none, which is refused later."""
+    try:
+        return float(texts.get("warmup_s", scenario.warmup_s))
+    except ValueError:
+        return 0.0
 
 
 def _controller_parameters(

@@ -23,6 +23,8 @@ class RunRequest:
     settings: Mapping[str, str] = field(default_factory=dict)
     """Scenario or controller parameters as texts, by name."""
     duration_s: float | None = None
+    """Time that is recorded, after the warm-up [s]; ``None``: as the scenario says. The scenario's parameter
+    of that name counts from the beginning."""
     step_s: float | None = None
     """Length of a simulation step [s]; ``None``: as the scenario says."""
     actuation: str | None = None

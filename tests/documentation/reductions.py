@@ -22,8 +22,8 @@ from tests.documentation.command_blocks import ROOT, fences
 
 Words = tuple[str, ...]
 
-BRIEF = ("--set", "warmup_s=5", "--set", "ego_headway_s=5", "--duration-s", "15")
-SHORT = ("--set", "warmup_s=20", "--set", "ego_headway_s=5", "--duration-s", "60")
+BRIEF = ("--set", "warmup_s=5", "--set", "ego_headway_s=5", "--duration-s", "10")
+SHORT = ("--set", "warmup_s=20", "--set", "ego_headway_s=5", "--duration-s", "40")
 """So long that four encounters have taken place."""
 ONE_CASE = ("--filter", "crossing_right_25_30kmh")
 
@@ -31,7 +31,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "suite:"): (),
     ("cosim", "run", "town.sumocfg"): ("--duration-s", "25"),
     ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
-    ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "20"),
+    ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "15"),
     ("cosim", "run"): BRIEF,
     ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2"),
     ("cosim", "check", "suite:"): ONE_CASE,
@@ -48,6 +48,7 @@ SLOW: Sequence[Words] = (
     ("cosim", "verify", "results/"),
     ("cosim", "check", "crossings.toml"),
     ("cosim", "check", "midblock_"),
+    ("cosim", "check", "--results"),
     ("cosim", "check", "suite:fmvss127", "--filter"),
     ("cosim", "check", "suite:fmvss127", "--controller", "vo_mpc", "--out"),
     ("python", "-m", "studies.papers"),

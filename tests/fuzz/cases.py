@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from sumo_scenarios.library import LIBRARY
 from tests.fuzz.mutations import HOSTILE, changed_bytes, changed_tables, changed_xml
 
-SHORT = ("--controller", "constant_speed", "--duration-s", "2.5", "--set", "warmup_s=0.5")
+SHORT = ("--controller", "constant_speed", "--duration-s", "2", "--set", "warmup_s=0.5")
 TWO_MORE = """
 [[pedestrians]]
 name = "line"

@@ -44,7 +44,7 @@ def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
 @pytest.mark.parametrize(("at_s", "code"), [(0.0, 2), (3.0, 3)])
 def test_a_controller_that_calls_exit_fails_like_any_other(at_s: float, code: int, tmp_path: Path) -> None:
     environment = {**source_environment(), **unruly.install(tmp_path / "plugin")}
-    words = ["run", "midblock_zebra", "--controller", "unruly", "--duration-s", 6, "--out", "out"]
+    words = ["run", "midblock_zebra", "--controller", "unruly", "--duration-s", 4, "--out", "out"]
     given = ["--set", "behaviour=exit", "--set", f"at_s={at_s}", "--set", "warmup_s=2"]
     done = subprocess.run(
         command(*words, *given), capture_output=True, text=True, check=False, cwd=tmp_path, env=environment

@@ -253,7 +253,7 @@ def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
     arguments = ["midblock_unmarked", "--controller", "vo_mpc", "--seed", "7", "--set", "warmup_s=20"]
     # In processes of their own, in which sets are in another order.
     for name in ("first", "second"):
-        ended("run", *arguments, "--duration-s", "35", "--out", name, environment={})
+        ended("run", *arguments, "--duration-s", "15", "--out", name, environment={})
     names = sorted(path.name for path in (tmp_path / "first").iterdir())
     assert names == sorted(path.name for path in (tmp_path / "second").iterdir())
     assert {"egos.parquet", "neighbours.parquet", "plans.parquet", "map.json", "runs.csv"} <= set(names)

@@ -130,7 +130,7 @@ def test_with_ffmpeg_there_is_a_film(recorded: Path) -> None:
 
 @pytest.mark.sumo
 def test_a_run_in_sumo_is_drawn_with_its_plans(tmp_path: Path) -> None:
-    run = ["run", "midblock_zebra", "--controller", "vo_mpc", "--set", "warmup_s=20", "--duration-s", "50"]
+    run = ["run", "midblock_zebra", "--controller", "vo_mpc", "--set", "warmup_s=20", "--duration-s", "30"]
     assert main([*run, "--out", "real"]) == 0
     assert main(["plot", "real", "--encounter", "1"]) == 0
     scene = choose(prepare(read_run(tmp_path / "real")), None, 1)

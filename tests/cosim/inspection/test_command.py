@@ -106,7 +106,7 @@ def test_a_scenario_made_from_a_network_alone_has_encounters(tmp_path: Path) -> 
     build(tmp_path, *WALKS, *CROSSINGS)
     assert main(["inspect", "town.net.xml", "--scaffold", "mine"]) == 0
     (tmp_path / "town.net.xml").unlink()  # the folder stands for itself
-    arguments = ["--controller", "aeb", "--duration-s", "160", "--out", "run"]
+    arguments = ["--controller", "aeb", "--duration-s", "100", "--out", "run"]
     assert main(["run", "mine", *arguments]) == 0
     encounters = pd.read_csv(tmp_path / "run/encounters.csv")
     assert len(encounters) >= 3
@@ -125,7 +125,7 @@ def test_a_scenario_made_from_a_configuration_keeps_its_demand_and_options(tmp_p
         '<additional><edgeData id="d" file="d.xml"/><vType id="bus" vClass="bus"/></additional>'
     )
     assert main(["inspect", str(path), "--scaffold", "made/mine"]) == 0
-    written = ElementTree.parse(tmp_path / "made/mine/scenario.sumocfg").getroot()
+    written = ElementTree.parse(tmp_path / "made/mine/town.sumocfg").getroot()
     values = {element.tag: element.get("value") for element in written}
     assert values == {
         "net-file": "town.net.xml",
@@ -136,7 +136,7 @@ def test_a_scenario_made_from_a_configuration_keeps_its_demand_and_options(tmp_p
         "step-length": "0.2",
         "lateral-resolution": "0.8",
     }
-    assert main(["run", "made/mine", "--controller", "aeb", "--duration-s", "100", "--out", "run"]) == 0
+    assert main(["run", "made/mine", "--controller", "aeb", "--duration-s", "40", "--out", "run"]) == 0
     seen = pd.read_parquet(tmp_path / "run/neighbours.parquet")
     assert seen["object_id"].str.startswith("walkers.").any()
     assert seen["object_id"].str.startswith("cars.").any()
@@ -147,7 +147,7 @@ def test_a_scenario_made_from_braunschweig_runs(tmp_path: Path) -> None:
     shutil.copytree(packaged_file(BRAUNSCHWEIG).parent / "fokr_bs_demo", tmp_path / "fokr_bs_demo")
     shutil.copyfile(packaged_file(BRAUNSCHWEIG), tmp_path / "town.sumocfg")
     assert main(["inspect", "town.sumocfg", "--scaffold", "mine"]) == 0
-    arguments = ["--controller", "sumo", "--duration-s", "95", "--set", "ego_first_depart_s=0"]
+    arguments = ["--controller", "sumo", "--duration-s", "35", "--set", "ego_first_depart_s=0"]
     assert main(["run", "mine", *arguments, "--out", "run"]) == 0
     egos = pd.read_parquet(tmp_path / "run/egos.parquet")
     assert egos["time_s"].min() >= 54060.0

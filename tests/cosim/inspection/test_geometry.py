@@ -122,4 +122,12 @@ def test_a_step_that_is_not_given_is_said_and_the_scaffold_sets_one(tmp_path: Fi
     assert "none is given" in found.text
     assert "--step-s 0.1" in found.text
     write_scaffold(inspect(path), tmp_path / "made")
-    assert '<step-length value="0.1"/>' in (tmp_path / "made" / "scenario.sumocfg").read_text()
+    assert '<step-length value="0.1"/>' in (tmp_path / "made" / "town.sumocfg").read_text()
+
+
+def test_the_scaffold_sets_the_step_that_it_advises(tmp_path: File) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    found = inspect(configure(tmp_path, step="1"))
+    assert any("cosim run --step-s 0.1" in one.text for one in found.findings)
+    write_scaffold(found, tmp_path / "made")
+    assert '<step-length value="0.1"/>' in (tmp_path / "made" / "town.sumocfg").read_text()

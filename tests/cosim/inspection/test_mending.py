@@ -121,7 +121,7 @@ def test_everything_names_the_lane_that_it_named_and_sumo_drives_to_the_end(
     assert find(additional, "flow").get("departLane") == "2"
     # People walk on the sidewalk now.
     assert find(additional, "access").get("lane") == "west_2_0"
-    short = ["--duration-s", "20", "--set", "warmup_s=5", "--set", "ego_first_depart_s=1"]
+    short = ["--duration-s", "15", "--set", "warmup_s=5", "--set", "ego_first_depart_s=1"]
     assert main(["run", "mine", "--controller", "sumo", *short, "--out", "run"]) == 0
 
 

@@ -237,7 +237,7 @@ def test_real_runs_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[st
             code = main(
                 [
                     *("run", "midblock_unmarked", "--controller", controller, "--seed", str(seed)),
-                    *("--set", "warmup_s=20", "--duration-s", "60"),
+                    *("--set", "warmup_s=20", "--duration-s", "40"),
                     *("--out", str(tmp_path / "runs" / f"{controller}-{seed}")),
                 ]
             )

@@ -19,7 +19,7 @@ ZEBRA_BEGINS_M = 1190.0
 def plans(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     """What the only ego decided, plan by plan, until it has passed the zebra or nearly so."""
     out = tmp_path_factory.mktemp("rules") / "run"
-    result = run(RunRequest("decision_rules", "vo_mpc", seed=request.param, duration_s=150.0, out=out))
+    result = run(RunRequest("decision_rules", "vo_mpc", seed=request.param, duration_s=120.0, out=out))
     assert result.valid, result.invalid_reason
     egos = pd.read_parquet(out / "egos.parquet")
     assert not egos["intervention"].any()

@@ -62,7 +62,14 @@ def _ends(folder: Path) -> dict[str, float]:
 def test_it_drives_among_people_and_vehicles(
     name: str, scenario: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _run(tmp_path / "run", scenario, name, (*BUSY, f"warmup_s={WARMUP_S}"), "--duration-s", str(DURATION_S))
+    _run(
+        tmp_path / "run",
+        scenario,
+        name,
+        (*BUSY, f"warmup_s={WARMUP_S}"),
+        "--duration-s",
+        f"{DURATION_S - WARMUP_S:g}",
+    )
     row = _assert_valid(tmp_path / "run", monkeypatch)
     assert int(row["n_encounters"]) > 0
     assert max(_ends(tmp_path / "run").values()) > 50.0

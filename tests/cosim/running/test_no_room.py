@@ -84,7 +84,7 @@ def test_a_run_that_has_no_room_for_its_input_says_so(tmp_path: Path) -> None:
 @pytest.mark.sumo
 def test_a_run_whose_recording_has_no_room_says_so(tmp_path: Path) -> None:
     with room(20_000):
-        ended("run", "midblock_zebra", *SHORT, "--duration-s", 40, "--out", tmp_path / "out", code=3)
+        ended("run", "midblock_zebra", *SHORT, "--duration-s", 38, "--out", tmp_path / "out", code=3)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"run.json", "neighbours.parquet.part"} <= names
     assert not {"neighbours.parquet", "encounters.csv"} & names
@@ -95,7 +95,7 @@ def test_a_run_whose_recording_has_no_room_says_so(tmp_path: Path) -> None:
 @pytest.mark.sumo
 def test_an_analysis_that_has_no_room_names_no_file_that_is_not_there(tmp_path: Path) -> None:
     with room(40_000):
-        done = ended("run", "midblock_zebra", *SHORT, "--duration-s", 4, "--out", tmp_path / "out", code=3)
+        done = ended("run", "midblock_zebra", *SHORT, "--duration-s", 2, "--out", tmp_path / "out", code=3)
     assert done.stderr == f"cosim: {tmp_path / 'out'} could not be analysed: File too large\n"
 
 

@@ -116,7 +116,7 @@ def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(tmp_path:
     folder = scenario(tmp_path, blind + weights, BEHAVIOURS["trajectory"])
     tracks = []
     for controller in ("vo_mpc", "aeb", "constant_speed"):
-        found = people(ran(folder, controller, "--duration-s", "30"))
+        found = people(ran(folder, controller, "--duration-s", "28"))
         keys = zip(found.object_id.tolist(), found.time_s.round(3).tolist(), strict=True)
         places = zip(found.x_m.tolist(), found.y_m.tolist(), strict=True)
         tracks.append(dict(zip(keys, places, strict=True)))
@@ -131,8 +131,8 @@ def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(tmp_path:
 
 def test_the_same_run_twice_has_the_same_bytes_and_another_seed_other_people(tmp_path: Path) -> None:
     folder = scenario(tmp_path, BEHAVIOURS["jaywalk"] + 'manners = [{ kind = "social_force" }]\n')
-    one, two = (ran(folder, "aeb", "--duration-s", "20") for _ in range(2))
-    other = ran(folder, "aeb", "--duration-s", "20", "--seed", "2")
+    one, two = (ran(folder, "aeb", "--duration-s", "18") for _ in range(2))
+    other = ran(folder, "aeb", "--duration-s", "18", "--seed", "2")
     assert people(one).object_id.nunique() > 3
     for name in ("neighbours.parquet", "egos.parquet", "encounters.csv"):
         assert (one / name).read_bytes() == (two / name).read_bytes()
@@ -169,7 +169,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
     road = ROAD.replace("vehicles_per_hour = 200.0", "vehicles_per_hour = 0.0")
     for overlap in (0.25, 0.5):
         row = BEHAVIOURS["protocol"].replace("overlap = 0.5", f"overlap = {overlap}")
-        out = ran(scenario(tmp_path, row, road=road), "constant_speed", "--duration-s", "25")
+        out = ran(scenario(tmp_path, row, road=road), "constant_speed", "--duration-s", "23")
         egos, found = pd.read_parquet(out / "egos.parquet"), people(out)
         both = egos.merge(found, on="time_s")
         gap = 200.0 - 0.25 - both.front_x_m.to_numpy()
@@ -181,7 +181,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
         assert both.speed_mps[after] * 3.6 == pytest.approx(13.89 * 3.6, abs=0.1)
         assert pd.read_csv(out / "encounters.csv").collision.tolist() == [1]
         # A controller that looks does not touch them: pedestrians unknown to SUMO are perceived.
-        seeing = ran(tmp_path, "aeb", "--duration-s", "25")
+        seeing = ran(tmp_path, "aeb", "--duration-s", "23")
         assert pd.read_csv(seeing / "encounters.csv").collision.tolist() == [0]
 
 

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.sumo
 FIRST_STOP = (
     "bus_stop_occlusion",
     "--duration-s",
-    "40",
+    "30",
     "--set",
     "ego_count=1",
     "--set",
@@ -102,7 +102,7 @@ def test_the_same_seed_gives_the_same_bytes_and_sensing_is_perfect_by_itself(tmp
     short = (
         "midblock_zebra",
         "--duration-s",
-        "30",
+        "10",
         "--set",
         "warmup_s=20",
         "--set",
@@ -152,7 +152,7 @@ def test_a_building_hides_what_is_behind_it(tmp_path: Path) -> None:
     )
     out = tmp_path / "out"
     flags = ("--sensing", "onboard", "--set", "pedestrians_per_hour=1200", "--set", "hidden_by=nothing")
-    _run(out, str(place), "--duration-s", "45", "--set", "warmup_s=20", *flags)
+    _run(out, str(place), "--duration-s", "25", "--set", "warmup_s=20", *flags)
     table = pd.read_parquet(out / "sensing.parquet")
     walkers = table[table.object_id.str.startswith("along") & (table.state != "out_of_range")]
     assert len(walkers) > 50

@@ -58,7 +58,7 @@ def test_the_window_shows_who_the_ego_is_and_what_it_plans(tmp_path: Path) -> No
 @needs_screen
 @pytest.mark.sumo
 def test_a_run_in_the_window_has_the_same_bytes_as_one_without(tmp_path: Path) -> None:
-    arguments = ["run", "midblock_zebra", "--set", "warmup_s=10", "--duration-s", "30"]
+    arguments = ["run", "midblock_zebra", "--set", "warmup_s=10", "--duration-s", "20"]
     on_a_screen("-m", "cosim.cli", *arguments, "--gui", "--out", str(tmp_path / "with"))
     assert main([*arguments, "--out", str(tmp_path / "without")]) == 0
     for name in ("egos.parquet", "neighbours.parquet", "plans.parquet", "map.json", "encounters.csv"):

@@ -63,7 +63,7 @@ class Onlooker:
 def main(target: Path) -> None:
     """Run, look, and write what was seen."""
     settings = {"warmup_s": "10", "ego_count": "1"}
-    request = RunRequest("midblock_zebra", "vo_mpc", duration_s=60.0, settings=settings, gui=True)
+    request = RunRequest("midblock_zebra", "vo_mpc", duration_s=50.0, settings=settings, gui=True)
     composition = compose.compose(request)
     onlooker = Onlooker(target.with_suffix(".png"))
     try:
