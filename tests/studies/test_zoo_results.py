@@ -101,7 +101,7 @@ def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path) -> None:
     found = verdicts(runs)
     assert found["0 preventable contacts"].met
     assert found["impact speed at most 5 km/h, except with pedestrians who appeared suddenly"].met
-    assert found["contacts with pedestrians who appeared suddenly: at most 1 in 200 encounters"].met
+    assert found["contacts with pedestrians who appeared suddenly: at most 1 in 200 entered encounters"].met
     assert "carriageway" in page.text([TOWN], PLAN, runs, [], "make zoo", {"vo_mpc": "0" * 40})
 
 

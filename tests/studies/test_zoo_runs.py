@@ -61,7 +61,7 @@ def inspected_and_run(
     """Inspect a configuration, drive in it to the end, and return the row of the run."""
     assert cosim(["inspect", str(configuration)]) == 0
     driving = ["--controller", controller, "--ego-share", f"{ego_share:g}", "--seed", str(SEED)]
-    words = ["run", str(configuration), *driving, "--duration-s", f"{duration_s:g}"]
+    words = ["run", str(configuration), *driving, "--duration-s", f"{duration_s - WARMUP_S:g}"]
     assert cosim([*words, "--set", f"warmup_s={WARMUP_S:g}", "--out", str(folder / "run")]) == 0
     with (folder / "run/runs.csv").open() as file:
         (row,) = csv.DictReader(file)
