@@ -59,6 +59,7 @@ CLEAN = (
     "cosim/batches/__init__.py",
     "cosim/checks/__init__.py",
     "cosim/screening/__init__.py",
+    "cosim/tracks/__init__.py",
     "cosim/cli/__init__.py",
     "cosim/running/compose.py",
     "cosim/running/inventory.py",
@@ -84,7 +85,7 @@ CLEAN = (
         f"analysis/{room}/__init__.py"
         for room in ("page", "plots", "study", "criteria", "protocols", "screening", "statistics")
     ),
-    *(f"analysis/{room}/__init__.py" for room in ("results", "encounters")),
+    *(f"analysis/{room}/__init__.py" for room in ("results", "encounters", "trajectories")),
     *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "manifest", "markdown")),
     *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches", "wording")),
     *(f"analysis/{name}.py" for name in ("tables", "thresholds")),

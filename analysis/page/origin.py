@@ -57,6 +57,8 @@ def command(run: StudyRun) -> str:
         return noted
     words = ["cosim", "run", run.scenario_id, "--controller", run.controller, "--seed", str(run.seed)]
     described = _json(run.folder / "run.json")
+    if described.get("command"):
+        return str(described["command"])
     if described.get("sensing") not in (None, "perfect"):
         words += ["--sensing", str(described["sensing"])]
     parameters = described.get("parameters") or {}

@@ -105,7 +105,7 @@ def write_report(
     data.mkdir(parents=True, exist_ok=True)
     made = tables.study_tables(study, root, data, folders, baseline)
     screened = town.screening(root, study.runs)
-    listing = OF_EGOS if screened is None else OF_TRAFFIC
+    listing = OF_EGOS if screened is None and not _without_egos(study) else OF_TRAFFIC
     found = read_encounters(study, listing)
     order = worst_first(found)
     worst = {} if screened is None else town.worst_of_each(found, order)
@@ -119,7 +119,7 @@ def write_report(
         sorted(listed, key=lambda one: one.key not in first),
         data / REPLAYS,
         replays,
-        read_recording if screened is None else read_traffic_recording,
+        read_recording if listing is OF_EGOS else read_traffic_recording,
     )
     lines = origin.run_lines(study, out)
     blocks, compared = tables.configuration_blocks(made.configs), tables.comparison_blocks(made.comparisons)
@@ -302,6 +302,14 @@ def _line(
         "state": state,
         "problem": problems.get(one.key, ""),
     }
+
+
+def _without_egos(study: Study) -> bool:
+    """Return whether everybody was recorded and nobody is an ego, so that the traffic is what was judged."""
+    valid = [run for run in study.runs if run.valid]
+    return bool(valid) and all(
+        not run.numbers.get("ego_count") and (run.folder / OF_TRAFFIC.file).is_file() for run in valid
+    )
 
 
 def _prefix(folder: str) -> str:

@@ -22,7 +22,7 @@ from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, Table, count, flag, row_of, text
 
 SUMO = "sumo"
-"""Controller of vehicles that are no egos."""
+"""Controller of vehicles that are no egos, where the run does not name another driver of theirs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,9 @@ class ListedTraffic(ListedEncounter):
     @property
     def controller(self) -> str:
         """Who drives the vehicle."""
-        return str(self.origin.meta["controller"]) if self.is_ego else SUMO
+        if self.is_ego:
+            return str(self.origin.meta["controller"])
+        return str(self.origin.meta.get("traffic_driver", SUMO))
 
     @property
     def number_of_ego(self) -> int | None:
@@ -48,7 +50,12 @@ _OF_VEHICLE = (
     text("vehicle_id", "vehicle", source="encounter.ego.name", required=True),
     text("vehicle_class", "SUMO's class of it", source="vehicle_class"),
     flag("is_ego", "the vehicle is an ego", source="is_ego", required=True),
-    text("controller", "who drives it; sumo for SUMO's own driver", source="controller", required=True),
+    text(
+        "controller",
+        "who drives it; sumo for SUMO's own driver, tracks for a real one",
+        source="controller",
+        required=True,
+    ),
     count("encounter_id", "of an ego: number in encounters.csv", source="number_of_ego"),
 )
 _LEFT_OUT = ("encounter_id", "ego_id", "actuation", "sensing", *(column.name for column in IDENTITY))

@@ -28,6 +28,31 @@ Scheduler = Annotated[
     typer.Option(metavar="ADDRESS", help="Run on the Dask cluster with this scheduler."),
 ]
 
+NetworkFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--network", metavar="NET", help="Judge tracks on this network, or that of a SUMO configuration."
+    ),
+]
+Crs = Annotated[
+    str | None,
+    typer.Option(
+        "--crs",
+        metavar="EPSG:N",
+        help="Coordinate system of the tracks' positions.",
+        show_default="as the layout says, or the network's own",
+    ),
+]
+Bodies = Annotated[
+    str | None,
+    typer.Option(
+        "--bodies",
+        metavar="assumed|recorded",
+        help="Lengths and widths of vehicles in tracks.",
+        show_default="recorded where reliable",
+    ),
+]
+
 
 def here_or_elsewhere(jobs: int | None, scheduler: str | None) -> None:
     """Refuse both of two places for runs.

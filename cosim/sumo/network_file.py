@@ -42,7 +42,7 @@ def read_network(path: Path) -> Network:
     """
     reader = _Reader()
     try:
-        with _opened(path) as source:
+        with opened(path) as source:
             for element in _elements(source):
                 reader.take(element)
         found = reader.network()
@@ -58,7 +58,8 @@ def read_network(path: Path) -> Network:
     return found
 
 
-def _opened(path: Path) -> BinaryIO:
+def opened(path: Path) -> BinaryIO:
+    """Return a file, packed or not, open for reading."""
     with path.open("rb") as source:
         magic = source.read(2)
     return cast(BinaryIO, gzip.open(path, "rb")) if magic == b"\x1f\x8b" else path.open("rb")

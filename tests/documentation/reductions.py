@@ -17,7 +17,9 @@ import sumo
 
 from cosim.batches.study import study_of, study_text
 from cosim.cli import main
+from tests.analysis.trajectories import streets
 from tests.cosim.inspection import towns
+from tests.cosim.tracks import networks
 from tests.documentation.command_blocks import ROOT, fences
 
 Words = tuple[str, ...]
@@ -73,6 +75,7 @@ MADE: Mapping[str, Sequence[str]] = {
     "docs/papers.md": ("results/papers/claims.csv",),
     "docs/plots.md": ("figures", "encounter-3.gif"),
     "docs/quick-start.md": ("results/first/report.html", "results.xml"),
+    "docs/real-tracks.md": ("results/street/traffic_encounters.csv",),
     "docs/report.md": ("results/study/report.html", "results/two/report.html"),
 }
 """Files and folders of which a page says that they are there after its last command."""
@@ -126,6 +129,12 @@ def _town(folder: Path) -> None:
     cars = '<flow id="car" begin="0" end="60" period="1"><route edges="e1 e2 e3"/></flow>'
     people = '<personFlow id="p" begin="0" end="60" period="5"><walk from="e1" to="e3"/></personFlow>'
     towns.configure(folder, cars + people)
+
+
+def _street(folder: Path) -> None:
+    """Make street.net.xml, and tracks.csv of people who walk over its crossing before cars."""
+    networks.street(folder)
+    streets.write(folder / "tracks.csv", streets.crowd())
 
 
 def _benchmarks(folder: Path) -> None:
@@ -223,6 +232,7 @@ PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {
     "docs/inspect.md": (_town,),
     "docs/own-controller.md": (_plug_in,),
     "docs/plots.md": (_runs("vo_mpc"),),
+    "docs/real-tracks.md": (_street,),
     "docs/report.md": (_runs("vo_mpc", "sumo", "aeb", of=BRIEF),),
 }
 SLOW_PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {

@@ -1,0 +1,77 @@
+"""Reads trajectories of any layout that is known, recognised by what the file holds."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.errors import RecordingError
+from analysis.trajectories import dlr, levelxd, plain_csv
+from analysis.trajectories.checks import sorted_and_checked
+from analysis.trajectories.fcd import read_fcd
+from analysis.trajectories.table import DEGREES, Trajectories, with_motion
+
+_GZIP, _ZIP = b"\x1f\x8b", b"PK"
+
+
+def read_trajectories(source: Path | str, crs: str | None = None) -> Trajectories:
+    """Return the trajectories in a file.
+
+    Parameters
+    ----------
+    source : a plain CSV, the DLR Urban Traffic dataset (CSV or archive; ``tasi``: that of the package),
+        ``NN_tracks.csv`` of inD, rounD or uniD, or SUMO's floating car data
+    crs : coordinate system of the positions, as pyproj takes it, where the layout does not say
+
+    Raises
+    ------
+    RecordingError
+        One line with the file, the row and what was expected.
+    """
+    path = dlr.packaged() if str(source) == dlr.PACKAGED else Path(source)
+    found = _read(path)
+    if crs is not None:
+        found = replace(found, crs=crs)
+    degrees = found.crs == DEGREES
+    frame = found.frame
+    if degrees:
+        # Checked once they are metres: nothing of a jump is known in degrees.
+        return found
+    return found.with_frame(with_motion(sorted_and_checked(frame, found.source)), found.crs)
+
+
+def _read(path: Path) -> Trajectories:
+    try:
+        with path.open("rb") as file:
+            start = file.read(512)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
+    with ExitStack() as stack:
+        source: Path | IO[bytes] = path
+        if start.startswith(_ZIP):
+            archive, member = dlr.open_archive(path)
+            stack.enter_context(archive)
+            source = stack.enter_context(member)
+        elif start.startswith(_GZIP) or start.lstrip().startswith(b"<"):
+            return read_fcd(path)
+        table = _table(path, source)
+    if dlr.MARK in table.columns:
+        return dlr.of_table(path, table)
+    if levelxd.MARK in table.columns:
+        return levelxd.of_table(path, table)
+    return plain_csv.of_table(path, table)
+
+
+def _table(path: Path, source: Path | IO[bytes]) -> pd.DataFrame:
+    texts: dict[str, Any] = {"id": str, "trackId": str}
+    try:
+        table = pd.read_csv(source, dtype=texts)
+    except (OSError, ValueError) as error:
+        raise RecordingError(f"{path}: not a table of comma-separated values ({error})") from None
+    table["row"] = np.arange(2, len(table) + 2)
+    return table

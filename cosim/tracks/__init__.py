@@ -1,0 +1,1 @@
+"""Real trajectories onto a network, and into the files of a recorded run."""

@@ -1,0 +1,108 @@
+"""Who walks on a crossing, or is about to: what a simulation knows of pedestrians, from positions alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import shapely
+from numpy.typing import NDArray
+from shapely import STRtree
+
+from analysis.stretches import stretches
+from controllers.interface import PedestrianPhase
+from cosim.sumo.network import Network
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+BESIDE_M = 0.5
+"""People walk beside the markings: a crossing is so much wider to either side."""
+AHEAD_M = 4.0
+"""Who is nearer to the crossing that they walk on next waits for it, or comes to it."""
+AHEAD_S = 60.0
+SHORTEST_S = 0.5
+"""A shorter stay touches the edge of a crossing, and is no walk over it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Phases:
+    """Of samples of pedestrians; lists of length n."""
+
+    phase: list[str]
+    crossing: list[str | None]
+    """Walked on or next."""
+
+
+class CrossingPhases:
+    """Knows the crossings of a network.
+
+    Parameters
+    ----------
+    network
+    """
+
+    def __init__(self, network: Network) -> None:
+        self._names = tuple(network.crossings)
+        strips = [
+            shapely.LineString(one.axis).buffer(0.5 * one.width + BESIDE_M, cap_style="flat")
+            for one in network.crossings.values()
+        ]
+        self._strips = np.array(strips, dtype=object)
+        self._axes = np.array(
+            [shapely.LineString(one.axis) for one in network.crossings.values()], dtype=object
+        )
+        self._tree = STRtree(strips)
+
+    def of(self, people: pd.DataFrame, step_s: float) -> Phases:
+        """Return the phases of the samples, which are sorted by id and time.
+
+        A pedestrian waits when the next crossing that they walk on begins within 60 s and is near; it is
+        known from the track's future.
+        """
+        count = len(people)
+        phase = [PedestrianPhase.WALKING.value] * count
+        crossing: list[str | None] = [None] * count
+        if not self._names or not count:
+            return Phases(phase, crossing)
+        points: Any = shapely.points(people["x_m"].to_numpy(), people["y_m"].to_numpy())
+        on = self._on(points)
+        codes = pd.factorize(people["id"])[0]
+        for own in np.split(np.arange(count), np.flatnonzero(np.diff(codes)) + 1):
+            walks = self._walks(on[own], step_s)
+            begin = 0
+            for first, last, number in walks:
+                for at in own[first : last + 1]:
+                    phase[at], crossing[at] = PedestrianPhase.CROSSING.value, self._names[number]
+                before = own[max(begin, first - int(AHEAD_S / step_s)) : first]
+                near = shapely.distance(points[before], self._strips[number]) <= AHEAD_M
+                for at in before[_last_stretch(near)]:
+                    phase[at], crossing[at] = PedestrianPhase.WAITING.value, self._names[number]
+                begin = last + 1
+        return Phases(phase, crossing)
+
+    def _on(self, points: NDArray[np.object_]) -> IntArray:
+        """Return the crossing whose axis is nearest, of those that a point is on; −1 for none."""
+        point, strip = self._tree.query(points, predicate="within")
+        found = np.full(len(points), -1, dtype=np.int64)
+        away = shapely.distance(points[point], self._axes[strip])
+        for at in np.argsort(-away, kind="stable"):
+            found[point[at]] = strip[at]
+        return found
+
+    def _walks(self, on: IntArray, step_s: float) -> list[tuple[int, int, int]]:
+        """Return first and last sample of each walk over a crossing, and which."""
+        walks = []
+        for number in np.unique(on[on >= 0]).tolist():
+            for first, last in stretches(on == number):
+                if (last - first) * step_s >= SHORTEST_S:
+                    walks.append((first, last, number))
+        return sorted(walks)
+
+
+def _last_stretch(near: NDArray[np.bool_]) -> slice:
+    """Return the samples at the end that are near without a break."""
+    away = np.flatnonzero(~near)
+    return slice(int(away[-1]) + 1 if len(away) else 0, len(near))
