@@ -10,6 +10,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -75,6 +76,12 @@ def _options(
     pass
 
 
+@cache
+def _command() -> Any:
+    """Return the command line made of ``app``, which takes longer than many a command."""
+    return typer.main.get_command(app)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     owner = OWN_PROCESS if arguments is None else None
@@ -84,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ.setdefault(name, "1")
     try:
         with termination_interrupts():
-            code = int(app(arguments, prog_name="cosim", standalone_mode=False, obj=owner) or 0)
+            code = int(_command()(arguments, prog_name="cosim", standalone_mode=False, obj=owner) or 0)
         return _tell("interrupted", INTERRUPTED, arguments) if code == INTERRUPTED else code
     except UsageProblem as error:
         return _tell(error.format_message(), 2, arguments)

@@ -7,12 +7,15 @@ import importlib
 import os
 import pkgutil
 from collections import Counter
-from contextlib import suppress
+from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
+from controllers import catalog
+from cosim.cli import command_line
 from tests.fuzz.cases import Case, cases, prepare
 from tests.fuzz.harness import judge
 
@@ -42,6 +45,9 @@ def load() -> None:
                 importlib.import_module(module.name)
     for name in FROM_OUTSIDE:
         importlib.import_module(name)
+    catalog.names()  # looks for plug-ins
+    with redirect_stdout(StringIO()):
+        command_line.main(["--help"])
 
 
 def run_cases(folder: Path, count: int, number: int, keep: Path | None = None) -> Fuzzed:
