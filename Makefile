@@ -70,10 +70,10 @@ demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.cli.demo
 
 test: $(VENV)/installed-dev
-	$(BIN)/python -m pytest -q -n $(JOBS)
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test-slow: $(VENV)/installed-dev
-	$(BIN)/python -m pytest -q -n $(JOBS) -m slow
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .
