@@ -48,66 +48,47 @@ VIOLATIONS = {
     "metrics are independent": ("analysis/metrics/second.py", "import analysis.metrics.first\n"),
 }
 CLEAN = (
-    "cosim/errors.py",
-    "cosim/processes.py",
     "cosim/step/loop.py",
     "cosim/recording/first.py",
-    "cosim/presentation/__init__.py",
-    "cosim/inspection/__init__.py",
-    "cosim/sensing/__init__.py",
-    "cosim/suites/__init__.py",
-    "cosim/batches/__init__.py",
-    "cosim/checks/__init__.py",
-    "cosim/screening/__init__.py",
-    "cosim/tracks/__init__.py",
-    "cosim/cli/__init__.py",
     "cosim/running/compose.py",
     "cosim/running/inventory.py",
     "cosim/step/world.py",
-    "cosim/conformance/__init__.py",
-    "studies/papers/__init__.py",
-    "cosim/pedestrians/__init__.py",
     "cosim/sumo/first.py",
-    "controllers/catalog.py",
+    "studies/papers/__init__.py",
+    "studies/zoo/__init__.py",
+    "sumo_scenarios/__init__.py",
     "controllers/strategies/first.py",
     "controllers/strategies/second.py",
     "controllers/velocity_obstacle/mpc/arithmetic/first.py",
-    *(
-        f"controllers/{name}.py"
-        for name in ("annotations", "interface", "own_part", "parameters", "settings")
-    ),
-    *(f"controllers/{room}/__init__.py" for room in ("conflicts", "drivable_area", "driving", "geometry")),
-    *(f"controllers/{room}/__init__.py" for room in ("optimisation", "potential_field", "prediction")),
-    *(f"controllers/{room}/__init__.py" for room in ("safety", "speed_plans", "velocity_obstacle/paper")),
-    *(f"controllers/velocity_obstacle/{name}.py" for name in ("cones", "decision_rules")),
     "analysis/recording/first.py",
-    *(
-        f"analysis/{room}/__init__.py"
-        for room in ("page", "plots", "study", "criteria", "protocols", "screening", "statistics")
-    ),
-    *(f"analysis/{room}/__init__.py" for room in ("results", "encounters", "trajectories")),
-    *(f"analysis/{name}.py" for name in ("errors", "files", "geometry", "manifest", "markdown")),
-    *(f"analysis/{name}.py" for name in ("metrics_page", "polylines", "sealing", "stretches", "wording")),
-    *(f"analysis/{name}.py" for name in ("tables", "thresholds")),
     "analysis/metrics/first.py",
     "analysis/metrics/second.py",
 )
+"""What the contracts and the violations name, beside the rooms."""
 
 
 def skeleton(folder: Path) -> Path:
     """Return a small project with the walls of this one."""
     shutil.copy(ROOT / "pyproject.toml", folder)
-    for name in CLEAN:
+    for name in (*CLEAN, *(f"{room}/__init__.py" for room in rooms())):
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("")
         for parent in path.relative_to(folder).parents[:-1]:
             (folder / parent / "__init__.py").touch()
-    for name in ("sumo_scenarios", "studies/zoo"):
-        (folder / name).mkdir(parents=True)
-        (folder / name / "__init__.py").touch()
-    (folder / "studies/__init__.py").touch()
     return folder
+
+
+def rooms() -> list[str]:
+    """Return the rooms that the contracts place on floors."""
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    return [
+        f"{container.replace('.', '/')}/{room.strip()}"
+        for contract in config["tool"]["importlinter"]["contracts"]
+        for container in contract.get("containers", ())
+        for floor in contract["layers"]
+        for room in floor.split("|")
+    ]
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:

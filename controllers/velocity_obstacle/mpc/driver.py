@@ -29,7 +29,6 @@ from controllers.interface import (
     Perception,
     Plan,
     Solves,
-    constant_command,
 )
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, Tally
@@ -61,11 +60,10 @@ from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory, sampled_command
 from controllers.velocity_obstacle.mpc.speed_planning import Chosen, SpeedPlanner, with_margins
 from controllers.velocity_obstacle.mpc.speed_tasks import front_across
+from controllers.velocity_obstacle.mpc.unsolved_programs import FRESH, fallback
 
 FloatArray = NDArray[np.float64]
 
-FRESH = 0.5
-"""A plan is followed on for this long when no new one is found [s]."""
 SLACK, SLACK_FROM = "slack", 0.05
 """Status of a plan that goes farther than people allow, and from when on it does [m]."""
 BODY_OUT_OF_LANE = 0.75
@@ -172,7 +170,9 @@ class VelocityObstacleMpc:
                 self._steering_task(perception, chosen.plan, lane), memory=self._steering_memory
             )
         if steering is None or not steering.found:
-            return self._fallback(perception, chosen), chosen
+            limits = planner.program.limits
+            answer = fallback(self._memory, perception.ego, chosen.conflicts, limits)
+            return replace(answer, solves=self._solves()), chosen
         planner.commit(perception, chosen)
         command = self._command(perception, chosen.plan, steering)
         ego, plan = perception.ego, chosen.plan
@@ -278,19 +278,6 @@ class VelocityObstacleMpc:
             hardest = -planner.program.limits.emergency_braking
             return replace(command, acceleration=np.full(len(command.times), hardest))
         return command
-
-    def _fallback(self, perception: Perception, chosen: Chosen) -> Plan:
-        """Return the declared fallback: the last plan while fresh, then a comfortable, then a hard stop."""
-        ego, limits = perception.ego, self._planner(perception).program.limits
-        rest = self._memory.rest(ego.time)
-        if rest is not None and self._memory.age(ego.time) < FRESH:
-            return Plan(rest, solved=False, status="fallback_last_plan", solves=self._solves())
-        stopping = ego.speed**2 / (2.0 * limits.comfortable_braking) + 2.0
-        near = chosen.conflicts.along - ego.body.front < stopping
-        braking = limits.emergency_braking if near.any() else limits.comfortable_braking
-        status = "fallback_emergency_stop" if near.any() else "fallback_comfortable_stop"
-        angle = self._memory.commanded(ego)[1]
-        return Plan(constant_command(-braking, angle), False, status, solves=self._solves())
 
     def _planner(self, perception: Perception) -> SpeedPlanner:
         """Return the speed planner, built once the vehicle is known."""

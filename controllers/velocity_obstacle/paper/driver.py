@@ -18,12 +18,10 @@ from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
 from controllers.driving.lanes.lane_path import LanePath, Odometer, through
-from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import (
     Command,
     Decision,
-    EgoState,
     FloatArray,
     Lane,
     Manoeuvre,
@@ -35,23 +33,16 @@ from controllers.own_part import OwnPart, differ
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.velocity_obstacle.decision_rules import Rule
-from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, HEADING, SPEED, STEERING
+from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, SPEED
+from controllers.velocity_obstacle.paper.kept_option import Kept, Option, tracked
 from controllers.velocity_obstacle.paper.lane_rules import Change, LaneRules
 from controllers.velocity_obstacle.paper.passing_classes import Optimiser, not_avoided, passed_behind
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
 from controllers.velocity_obstacle.paper.scene import SceneReader, SceneSettings
-from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
+from controllers.velocity_obstacle.paper.unsolved_problem import fallback
 
 STRAYED = 1.0
 """An ego whose speed differs by more from the plan needs a new one [m/s]."""
-SURPRISE = 0.5
-"""So does one that meets pedestrians farther from where they were expected, across the road [m]."""
-SPEED_TIME = 0.4
-"""Time constant with which a deviation from the planned speed is corrected [s]."""
-COMFORTABLE = 3.0
-"""With which the fallback brakes where that is enough [m/s^2]."""
-STOPPED_BEFORE = 1.0
-"""Distance at which the fallback stops before somebody [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,76 +62,6 @@ class DriverSettings:
     scene: SceneSettings
     replan: float
     change_steps: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class Option:
-    """A plan for one lane."""
-
-    lane: Lane
-    problem: AvoidanceProblem
-    conflicts: Conflicts
-    plan: AvoidancePlan
-    threats: tuple[str, ...]
-    """Who is not avoided by it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Kept:
-    """An option that is being followed."""
-
-    option: Option
-    made: float
-    """When [s]."""
-    travelled: float
-    """Where, by the odometer [m]."""
-    path: LanePath | None
-    """Of a change of lane."""
-    other: Option | None
-    """The best of those that were not taken."""
-
-    @property
-    def avoids(self) -> bool:
-        """Whether everybody is."""
-        return not self.option.threats
-
-    @property
-    def step(self) -> float:
-        """Length of its steps [s]."""
-        return self.option.problem.bicycle.step
-
-    def speed_at(self, times: FloatArray) -> FloatArray:
-        """Return the planned speeds at simulated times [m/s]; between the steps they change evenly."""
-        speeds = self.option.plan.states[SPEED]
-        return np.asarray(np.interp(times - self.made, self.step * np.arange(len(speeds)), speeds))
-
-    def turned_at(self, time: float) -> tuple[float, float]:
-        """Return the planned heading and wheel angle at a simulated time [rad]."""
-        states = self.option.plan.states
-        at = (time - self.made) / self.step
-        grid = np.arange(states.shape[1])
-        return float(np.interp(at, grid, states[HEADING])), float(np.interp(at, grid, states[STEERING]))
-
-    def surprised(self, perception: Perception) -> bool:
-        """Say whether pedestrians are not where they were expected to be by now."""
-        people, conflicts = perception.pedestrians, self.option.conflicts
-        expected = self.option.problem.people
-        age = perception.ego.time - self.made
-        at = np.concatenate(([0.0], self.step * np.arange(1.0, expected.across.shape[1] + 1.0)))
-        places = dict(zip(people.names, people.across, strict=True))
-        lane = perception.road.lane(self.option.lane.number)
-        shifted = lane.offset - self.option.lane.offset if lane is not None else 0.0
-        for i, name in enumerate(conflicts.names):
-            there = np.concatenate((conflicts.across[i : i + 1], expected.across[i]))
-            if name in places and abs(places[name] - shifted - np.interp(age, at, there)) > SURPRISE:
-                return True
-        return False
-
-    def moved_on(self, time: float) -> FloatArray:
-        """Return the inputs that are left, with none after them, shape (2, n) [m/s, rad]."""
-        inputs = self.option.plan.inputs
-        gone = min(round((time - self.made) / self.step), inputs.shape[1])
-        return np.concatenate((inputs[:, gone:], np.zeros((2, gone))), axis=1)
 
 
 class AvoidanceDriver:
@@ -202,7 +123,7 @@ class AvoidanceDriver:
             acceleration = self._traffic.accelerations(perception, decision)
         else:
             acceleration = self._traffic.accelerations(perception, decision, free_speed=math.inf)
-            asked = _tracked(ego, kept, times) if kept.avoids else _fallback(perception, kept, times)
+            asked = tracked(ego, kept, times) if kept.avoids else fallback(perception, kept, times)
             acceleration = np.minimum(acceleration, asked)
         wanted = acceleration
         if self._brake is not None:
@@ -358,41 +279,3 @@ class AvoidanceDriver:
             speed=states[SPEED, ahead],
             overlay=overlay,
         )
-
-
-def _tracked(ego: EgoState, kept: Kept, times: FloatArray) -> FloatArray:
-    """Return the accelerations that follow the planned speeds behind the drive's lag [m/s^2]."""
-    step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
-    share = -math.expm1(-step / ego.drive.drive_lag) if ego.drive.drive_lag > 0.0 else 1.0
-    at = ego.time + np.append(times, times[-1] + step)
-    planned = kept.speed_at(at)
-    result = np.zeros(len(times))
-    speed, actual = max(ego.speed, 0.0), ego.acceleration
-    for i in range(len(times)):
-        slope = (planned[i + 1] - planned[i]) / step
-        result[i] = slope + (planned[i] - speed) / SPEED_TIME
-        if speed < STANDING and planned[i + 1] < STANDING:
-            result[i] = HOLDING_GENTLY
-        wanted = min(max(float(result[i]), -ego.drive.max_deceleration), ego.drive.max_acceleration)
-        actual += share * (wanted - actual)
-        speed = max(speed + step * actual, 0.0)
-    return result
-
-
-def _fallback(perception: Perception, kept: Kept, times: FloatArray) -> FloatArray:
-    """Return the declared fallback: stop before whoever is not avoided, comfortably if possible [m/s^2].
-
-    Somebody beside the body whom it does not touch is not braked for.
-    """
-    ego, people, body = perception.ego, perception.pedestrians, perception.ego.body
-    if ego.speed < STANDING:
-        return np.full(len(times), HOLDING_GENTLY)
-    met = np.array([name in kept.option.threats for name in people.names], dtype=bool)
-    ahead = met & (people.along > body.front)
-    beside = np.abs(people.across - ego.across) < 0.5 * body.width + people.radius
-    touched = met & ~ahead & beside & (people.along > -body.rear_overhang)
-    if not (ahead | touched).any():
-        return _tracked(ego, kept, times)
-    room = float(people.along[ahead].min(initial=math.inf)) - body.front - STOPPED_BEFORE
-    needed = math.inf if touched.any() else ego.speed**2 / (2.0 * max(room, 0.1))
-    return np.full(len(times), -min(max(needed, COMFORTABLE), ego.drive.max_deceleration))
