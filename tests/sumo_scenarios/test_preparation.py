@@ -20,9 +20,9 @@ OWN = tuple(name for name in names() if load(name).sumocfg is None)
 
 
 def read_net(name: str, work_dir: Path) -> Any:
-    return sumolib.net.readNet(
-        str(prepare(load(name), 1, work_dir).net_file), withInternal=True, withPedestrianConnections=True
-    )
+    file = str(prepare(load(name), 1, work_dir).net_file)
+    # With lxml it does not read which edges a crossing crosses.
+    return sumolib.net.readNet(file, withInternal=True, withPedestrianConnections=True, lxml=False)
 
 
 def crossings(net: Any) -> list[Any]:
