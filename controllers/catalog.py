@@ -3,7 +3,8 @@
 A controller is a module with ``build(settings: Settings) -> Controller``, whose ``Settings`` are a
 :class:`~controllers.settings.ControllerSettings`, or with ``build(*, parameter: type = default, ...)``, of
 whose signature the settings are made. The first line of the module's docstring is its description. Modules
-outside this repository join through the entry-point group ``cosim.controllers``.
+outside this repository join through the entry-point group ``cosim.controllers``, are named by their address
+(``./patient.py``), or are handed over by a program (:mod:`controllers.outside.given`).
 """
 
 from __future__ import annotations
@@ -17,18 +18,22 @@ from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path
-from types import ModuleType
-from typing import cast
+from typing import Any, cast
 
 from pydantic import ValidationError
 
 import controllers.strategies
 from controllers import settings
 from controllers.interface import Controller
+from controllers.outside import addresses
+from controllers.outside.addresses import AddressError, Found
+from controllers.outside.given import Given
 from controllers.parameters import Parameter, described_by, existing, told, unknown
 from controllers.settings import SEED, ControllerSettings
 
 ENTRY_POINT_GROUP = "cosim.controllers"
+Named = str | Given
+"""A name or an address, or what a program hands over."""
 
 
 class CatalogError(ValueError):
@@ -40,13 +45,14 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(_own() | _plug_ins().names))
 
 
-def describe(name: str) -> str:
+def describe(name: Named) -> str:
     """Return the first line of the controller's docstring."""
-    documentation = inspect.getdoc(_module(name)) or ""
-    return documentation.partition("\n")[0]
+    module = _module(name)
+    documentation = module.documentation if isinstance(module, Found) else inspect.getdoc(module)
+    return inspect.cleandoc(documentation or "").partition("\n")[0]
 
 
-def model_of(name: str) -> type[ControllerSettings]:
+def model_of(name: Named) -> type[ControllerSettings]:
     """Return the model of the controller's settings.
 
     Raises
@@ -60,17 +66,17 @@ def model_of(name: str) -> type[ControllerSettings]:
         raise CatalogError(f"controller '{name}': {error}") from error
 
 
-def parameters(name: str) -> Mapping[str, object]:
+def parameters(name: Named) -> Mapping[str, object]:
     """Return the controller's parameters with their defaults, in the order of its settings."""
     return {one.name: one.default for one in described(name)}
 
 
-def described(name: str) -> tuple[Parameter, ...]:
+def described(name: Named) -> tuple[Parameter, ...]:
     """Return all that is known of the controller's parameters."""
     return described_by(model_of(name))
 
 
-def moved(name: str) -> Mapping[str, str]:
+def moved(name: Named) -> Mapping[str, str]:
     """Return the parameters that the controller had once: for each, what to do instead."""
     return model_of(name).moved
 
@@ -84,7 +90,7 @@ def having(key: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def parse(name: str, texts: Mapping[str, str]) -> dict[str, object]:
+def parse(name: Named, texts: Mapping[str, str]) -> dict[str, object]:
     """Convert the texts of parameters to what the controller's settings ask for.
 
     Raises
@@ -96,13 +102,13 @@ def parse(name: str, texts: Mapping[str, str]) -> dict[str, object]:
     return {key: getattr(made, key) for key in texts}
 
 
-def build(name: str, /, *, seed: int = 1, **values: object) -> Controller:
+def build(name: Named, /, *, seed: int = 1, **values: object) -> Controller:
     """Build a controller for one run.
 
     Parameters
     ----------
-    name : str
-        One of ``names()``.
+    name : str or Given
+        One of ``names()``, an address, or what a program hands over.
     seed : int
         Handed on where the controller draws random numbers.
     **values
@@ -126,7 +132,7 @@ def _told_of(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def _settings(name: str, values: Mapping[str, object]) -> ControllerSettings:
+def _settings(name: Named, values: Mapping[str, object]) -> ControllerSettings:
     model = model_of(name)
     if SEED in values:
         raise CatalogError(f"controller '{name}': {unknown(model, SEED)}")
@@ -163,16 +169,31 @@ def _changed_at(place: str) -> float:
         return 0.0  # an archive, or nothing at all
 
 
-def _module(name: str) -> ModuleType:
+def files(name: Named) -> dict[str, str]:
+    """Return the files that a controller outside the catalogue is made of, and their SHA-256."""
+    if isinstance(name, Given):
+        return {f"controller {name}": name.source_sha256} if name.source_sha256 else {}
+    return addresses.files(name)
+
+
+def _module(name: Named) -> Any:
+    """Return what has the function ``build`` of a controller."""
+    if isinstance(name, Given):
+        return name
     own, points = _own(), _plug_ins()
-    if name not in own and name not in points.names:
+    there = name in own or name in points.names or addresses.is_address(name)
+    if not there:
         raise CatalogError(f"no controller '{name}'; {existing(name, names())}")
-    module: ModuleType
+    module: Any
     try:
         if name in own:
             module = importlib.import_module(f"{controllers.strategies.__name__}.{name}")
-        else:
+        elif name in points.names:
             module = points[name].load()
+        else:
+            module = addresses.find(name)
+    except AddressError as error:
+        raise CatalogError(str(error)) from error
     except ImportError as error:
         raise CatalogError(f"controller '{name}' cannot be loaded: {error}") from error
     except (Exception, SystemExit) as error:  # a plug-in may raise anything

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from multiprocessing import forkserver, get_context
 from multiprocessing.connection import Pipe
 from multiprocessing.context import BaseContext, ForkServerContext, ForkServerProcess
+from types import ModuleType
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas")
 """What runs need; pandas is what pyarrow loads as soon as it makes an array."""
@@ -32,7 +33,7 @@ class _BegunProcess(ForkServerProcess):
     def start(self) -> None:
         heard, self._silence = Pipe(duplex=False)
         with heard:
-            with self._silence:
+            with self._silence, _main_left_alone():
                 super().start()
             # Nothing is ever said: the process closes its end as it begins, or by its own end.
             heard.poll(_BEGIN_WITHIN_S)
@@ -40,6 +41,18 @@ class _BegunProcess(ForkServerProcess):
     def run(self) -> None:
         self._silence.close()
         super().run()
+
+
+@contextmanager
+def _main_left_alone() -> Iterator[None]:
+    """Start processes that do not execute the user's program again: they need nothing of it."""
+    with _starting:
+        program = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = program
 
 
 class _Context(ForkServerContext):

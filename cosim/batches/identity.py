@@ -19,7 +19,7 @@ from cosim.recording.provenance import Inputs
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
     *("analysis/criteria", "analysis/protocols", "analysis/statistics", "analysis/study"),
-    *("cosim/batches", "cosim/checks", "cosim/cli", "cosim/conformance", "cosim/presentation"),
+    *("cosim/api", "cosim/batches", "cosim/checks", "cosim/cli", "cosim/conformance", "cosim/presentation"),
     "cosim/suites",
 )
 """How paths of our own source begin that no number of a run depends on."""
@@ -31,7 +31,7 @@ _COMPARED = (
     *("scenario_id", "controller", "seed", "sensing"),
     *("step_s", "warmup_s", "requested_duration_s", "actuation"),
 )
-_NESTED = ("parameters", "egos", "inputs", "versions")
+_NESTED = ("parameters", "egos", "inputs", "controller_files", "versions")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ def _leaves(prefix: str, values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]
 
 def _told(key: str, before: Any, now: Any) -> str:
     part, _, name = key.partition(".")
-    if part == "inputs":
+    if part in ("inputs", "controller_files"):
         if before is None or now is None:
             return f"input file {name} is {'new' if before is None else 'gone'}"
         return f"input file {name} has another content"

@@ -79,10 +79,10 @@ def check(job: Job, start_sumo: bool) -> tuple[Inputs, str] | str:
     request = job.request()
     try:
         if not start_sumo:
-            return inputs_of(request), source_digest(request.controller)
+            return inputs_of(request), source_digest(job.configuration.controller)
         composition = compose(request)
         try:
-            return composition.inputs, source_digest(request.controller)
+            return composition.inputs, source_digest(job.configuration.controller)
         finally:
             composition.close()
     except CosimError as error:

@@ -29,6 +29,8 @@ class CompareRequest:
     scenario: str | None = None
     each: bool = False
     """One table for every setting of a scenario."""
+    chosen: tuple[Path, ...] | None = None
+    """Folders of the runs; ``None``: all below the folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,7 @@ def compare_runs(request: CompareRequest) -> Comparison:
         If there is no such folder, controller, measure or scenario, or no seed in common.
     """
     folder = request.folder
-    study = _study_in(folder)
+    study = _study_in(folder, request.chosen)
     base, alt = _label(study, folder, "--base", request.base), _label(study, folder, "--alt", request.alt)
     if base == alt:
         raise InputError(
@@ -107,9 +109,9 @@ def compare_runs(request: CompareRequest) -> Comparison:
     )
 
 
-def _study_in(folder: Path) -> Study:
+def _study_in(folder: Path, chosen: tuple[Path, ...] | None) -> Study:
     try:
-        study = read_study(find_run_folders(folder))
+        study = read_study(find_run_folders(folder) if chosen is None else chosen)
     except AnalysisError as error:
         raise InputError(str(error)) from error
     if not folder.is_dir():

@@ -65,12 +65,14 @@ def run_table(row: Row, extra: Sequence[tuple[str, str]] = ()) -> Table:
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column()
     table.add_column(justify="right")
-    for label, column, layout in _LINES:
-        if column in row:
-            table.add_row(label, _shown(row[column], layout))
-    for label, text in extra:
+    for label, text in (*shown_rows(row).items(), *extra):
         table.add_row(label, text)
     return table
+
+
+def shown_rows(row: Row) -> dict[str, str]:
+    """Return one run's numbers as labels and texts."""
+    return {label: _shown(row[column], layout) for label, column, layout in _LINES if column in row}
 
 
 def comparison_table(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from cosim.errors import InputError
 
 DEFAULT_PARENT = Path("runs")
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.=-]+")
+"""What addresses of controllers have and names of folders should not."""
 
 
 def check(out: Path | None, flag: str = "--out") -> None:
@@ -48,7 +51,7 @@ def check_links(out: Path, flag: str = "--out") -> None:
 
 def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
     """Make the run's folder: ``out``, or the first free ``runs/<scenario>-<controller>-<seed>-<n>``."""
-    return create_named(out, f"{scenario}-{controller}-{seed}")
+    return create_named(out, f"{scenario}-{_UNSAFE.sub('_', controller).strip('._')}-{seed}")
 
 
 def create_named(out: Path | None, name: str) -> Path:

@@ -42,6 +42,9 @@ class Inputs:
     """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
     sensing: str = PERFECT
     sensing_parameters: Mapping[str, Any] = field(default_factory=dict)
+    controller_files: Mapping[str, str] = field(default_factory=dict)
+    """Name to SHA-256 of what a controller outside the catalogue is made of; the names are part of no
+    identity."""
     record: str = EGOS
     """Whom the run records; changes no number of an ego, so it is part of no identity."""
 
@@ -56,8 +59,10 @@ class Inputs:
     def _content(self) -> dict[str, Any]:
         # Runs have the identities that they had before there was a choice of sensing.
         sensing = {"sensing": self.sensing, "sensing_parameters": dict(self.sensing_parameters)}
+        outside = sorted(self.controller_files.values())
         return {
             **(sensing if self.sensing != PERFECT else {}),
+            **({"controller_files": outside} if outside else {}),
             "scenario": self.scenario,
             "scenario_parameters": dict(self.scenario_parameters),
             "controller": self.controller,
@@ -105,6 +110,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         },
         "egos": _writable(inputs.egos),
         "inputs": dict(inputs.files),
+        "controller_files": dict(inputs.controller_files),
         "outputs_left_out": [],
         "n_teleports": 0,
         "n_routes_restored": 0,

@@ -119,7 +119,7 @@ def _tried(request: RunRequest) -> _Tried:
         )
     given = _controller_parameters(request, scenario, sensing_name, controller_texts)
     # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
-    rehearse(request.controller, catalog.build(request.controller, seed=request.seed, **given), given)
+    rehearse(str(request.controller), catalog.build(request.controller, seed=request.seed, **given), given)
     return _Tried(scenario, given, sensing_name, sensing)
 
 
@@ -128,7 +128,7 @@ def _inputs(request: RunRequest, tried: _Tried, prepared: library.Prepared) -> I
     return Inputs(
         scenario=scenario.name,
         scenario_parameters=scenario_parameters(scenario),
-        controller=request.controller,
+        controller=str(request.controller),
         controller_parameters={**catalog.parameters(request.controller), **tried.controller},
         seed=request.seed,
         egos=asdict(scenario.egos),
@@ -137,6 +137,7 @@ def _inputs(request: RunRequest, tried: _Tried, prepared: library.Prepared) -> I
         duration_s=scenario.duration_s,
         actuation=scenario.actuation,
         files=prepared.inputs,
+        controller_files=catalog.files(request.controller),
         record=request.record,
         sensing=tried.sensing_name,
         sensing_parameters=sensing_catalog.values_of(tried.sensing),
@@ -199,7 +200,7 @@ def _controller_parameters(
                 hint = f"--{flag} {' or '.join(have)} has it; " if have else hint
             raise InputError(
                 f"--set {key}: no such parameter; {hint}scenario {scenario.name!r} has "
-                f"{', '.join(of_scenario)}; controller {request.controller!r} has "
+                f"{', '.join(of_scenario)}; controller '{request.controller}' has "
                 f"{', '.join(known) or 'none'}; sensing {sensing!r} has {', '.join(of_sensing) or 'none'}"
             )
     return catalog.parse(request.controller, texts)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis.recording.extent import EGOS, EVERYBODY
+from controllers.outside.given import Given
 from cosim.errors import InputError
 
 ACTUATIONS = ("hybrid", "move")
@@ -18,7 +19,8 @@ class RunRequest:
 
     scenario: str
     """Name of a scenario, a scenario's folder, a case ``suite:NAME/CASE``, or a SUMO configuration."""
-    controller: str = "vo_mpc"
+    controller: str | Given = "vo_mpc"
+    """Its name or address, or what a program hands over."""
     seed: int = 1
     settings: Mapping[str, str] = field(default_factory=dict)
     """Scenario or controller parameters as texts, by name."""

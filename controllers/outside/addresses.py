@@ -1,0 +1,77 @@
+"""Controllers named by where they are instead of by a name of the catalogue: ``./patient.py``."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from controllers.interface import Controller
+
+
+class AddressError(ValueError):
+    """There is nothing at an address, or nothing that can drive; one line for the user."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What is at an address, in the form of a module of the catalogue."""
+
+    build: Callable[..., Controller]
+    documentation: str
+
+
+def is_address(name: str) -> bool:
+    """Tell an address from a name of the catalogue.
+
+    >>> is_address("./patient.py"), is_address("vo_mpc")
+    (True, False)
+    """
+    return name.endswith(".py")
+
+
+def files(name: str) -> dict[str, str]:
+    """Return the files that a controller at an address is made of, and their SHA-256."""
+    paths = [Path(name)] if is_address(name) else []
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths if path.is_file()}
+
+
+def find(name: str) -> Found:
+    """Return what is at an address.
+
+    Raises
+    ------
+    AddressError
+        If there is no such file, or it has no function ``build``.
+    Exception
+        Whatever the file raises when it is loaded.
+    """
+    module = _python_file(Path(name))
+    if not callable(getattr(module, "build", None)):
+        raise AddressError(f"controller '{name}' has no function build(**parameters)")
+    return Found(module.build, module.__doc__ or f"The controller in {name}.")
+
+
+def _python_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise AddressError(f"no controller '{path}': there is no such file")
+    # A name that no package has; the file's own content decides, so that a changed file is loaded anew.
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    name = f"_controller_{path.stem}_{digest}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise AddressError(f"controller '{path}' cannot be loaded as Python")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses and pickling look a module up
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module

@@ -1,0 +1,117 @@
+"""``cosim.run``: one scenario, one controller, one seed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from types import ModuleType
+from typing import Any, TypeAlias
+
+from analysis.recording.extent import EGOS
+from controllers.interface import Controller, Perception
+from controllers.outside.given import Given, given
+from cosim.api.recorded_run import Run
+from cosim.errors import InputError
+from cosim.running.execution import execute
+from cosim.running.inventory import as_text
+from cosim.running.request import RunRequest
+
+ControllerLike: TypeAlias = (
+    str | Given | Controller | Callable[[Perception], Any] | Callable[..., Controller] | ModuleType
+)
+"""A name or an address; a function of a perception; what makes controllers; an object; a module."""
+
+
+def run(
+    scenario: str | PathLike[str],
+    *,
+    controller: ControllerLike = "vo_mpc",
+    seed: int = 1,
+    out: str | PathLike[str] | None = None,
+    duration_s: float | None = None,
+    step_s: float | None = None,
+    actuation: str | None = None,
+    ego_route: str | Sequence[str] = (),
+    ego_vehicle: str | None = None,
+    ego_share: float | None = None,
+    sensing: str | None = None,
+    record: str = EGOS,
+    progress: Callable[[float, float | None], None] = lambda time, end: None,
+    **parameters: object,
+) -> Run:
+    """Drive egos through a scenario, analyse what was recorded, and return it.
+
+    The simulation runs in this process; a process runs one at a time, and as many as you like one after
+    the other. The same arguments give the same files, byte for byte, apart from wall-clock times.
+
+    Parameters
+    ----------
+    scenario
+        Name of a scenario, its folder, ``suite:NAME/CASE``, or a SUMO configuration.
+    controller
+        A name (``cosim list controllers``) or an address (``./patient.py``); a function of a
+        :class:`~controllers.interface.Perception` that returns an acceleration [m/s^2], a pair of
+        acceleration and front-wheel angle [rad], a ``Command`` or a ``Plan``; a class or a function without
+        required arguments that makes controllers; or an object with ``decide`` and ``plan``, of which
+        every ego gets a copy.
+    seed
+        Of all random numbers, from 0 to 2^31 − 1.
+    out
+        New or empty folder; not given: ``runs/<scenario>-<controller>-<seed>-<n>``.
+    duration_s, step_s
+        Simulated time and length of a step [s]; not given: as the scenario says.
+    actuation
+        ``hybrid`` or ``move``; not given: as the scenario says.
+    ego_route
+        Edges of an ego of its own.
+    ego_vehicle
+        Id of a vehicle of the demand that is to be the ego.
+    ego_share
+        Share of the passenger cars that are to be egos.
+    sensing
+        Name of a sensing model; not given: as the scenario says.
+    record
+        ``egos`` or ``everybody``.
+    progress
+        Called after every step with the simulated time and the time of the end [s].
+    **parameters
+        Of the scenario, the controller or the sensing model, by the names that ``--set`` takes.
+
+    Returns
+    -------
+    Run
+        Also of a run that failed after its first step: ``valid`` is false then.
+
+    Raises
+    ------
+    InputError
+        For anything wrong that is found before the first step, in one line.
+    SimulationError
+        If this process runs a simulation already.
+    """
+    try:
+        chosen = given(controller)
+    except TypeError as error:
+        raise InputError(str(error)) from error
+    route = ego_route.split() if isinstance(ego_route, str) else ego_route
+    request = RunRequest(
+        scenario=str(scenario),
+        controller=chosen,
+        seed=seed,
+        settings={key: _text(value) for key, value in parameters.items()},
+        duration_s=duration_s,
+        step_s=step_s,
+        actuation=actuation,
+        ego_route=tuple(route),
+        ego_vehicle=ego_vehicle,
+        ego_share=ego_share,
+        sensing=sensing,
+        record=record,
+        out=None if out is None else Path(out),
+    )
+    return Run(execute(request, progress).folder)
+
+
+def _text(value: object) -> str:
+    return repr(value) if isinstance(value, float) else as_text(value)

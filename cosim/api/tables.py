@@ -1,0 +1,95 @@
+"""Tables of runs and studies as pandas data frames, and as HTML for a notebook."""
+
+from __future__ import annotations
+
+import html
+import io
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from analysis.errors import AnalysisError
+from analysis.files import read_json
+from analysis.manifest import read_verified
+from cosim.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+def read_table(folder: Path, name: str) -> DataFrame:
+    """Return a table of a folder, as it was written; what is undefined is nan.
+
+    Parameters
+    ----------
+    folder
+        Of a run or a study.
+    name
+        Of the file: ``.csv`` or ``.parquet``.
+
+    Raises
+    ------
+    InputError
+        If there is no such table; the message lists those that exist.
+    DamageError
+        If it was altered since it was written.
+    """
+    import pandas
+
+    path = folder / name
+    try:
+        content = read_verified(path)
+    except OSError as error:
+        tables = sorted(one.name for one in folder.glob("*") if one.suffix in (".csv", ".parquet"))
+        raise InputError(
+            f"{path}: cannot be read ({error.strerror}); tables there: {', '.join(tables) or 'none'}"
+        ) from error
+    if path.suffix == ".parquet":
+        return pandas.read_parquet(io.BytesIO(content))
+    table = pandas.read_csv(io.BytesIO(content))
+    for column in table.select_dtypes(include=["object", "string"]).columns:
+        table[column] = table[column].str.removeprefix("'")  # written so that no spreadsheet computes it
+    return table
+
+
+def read_description(folder: Path) -> dict[str, Any]:
+    """Return ``run.json`` of a folder.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it cannot be read.
+    """
+    try:
+        return read_json(folder / "run.json")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{folder}: cannot be read as a run ({error})") from error
+
+
+def page_of(title: str, rows: Mapping[str, str], below: str = "") -> str:
+    """Return a title and named values as HTML.
+
+    Parameters
+    ----------
+    title, rows
+        Texts; they are escaped.
+    below
+        HTML.
+    """
+    lines = "".join(
+        f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
+        f"<td style='text-align:right'>{html.escape(value)}</td></tr>"
+        for name, value in rows.items()
+    )
+    table = f"<table>{lines}</table>" if lines else ""
+    return f"<p><strong>{html.escape(title)}</strong></p>{table}{below}"
+
+
+@contextmanager
+def as_input_errors() -> Iterator[None]:
+    """Turn what the analysis refuses into `InputError`."""
+    try:
+        yield
+    except AnalysisError as error:
+        raise InputError(str(error)) from error
