@@ -4,7 +4,7 @@ A controller is a module with ``build(settings: Settings) -> Controller``, whose
 :class:`~controllers.settings.ControllerSettings`, or with ``build(*, parameter: type = default, ...)``, of
 whose signature the settings are made. The first line of the module's docstring is its description. Modules
 outside this repository join through the entry-point group ``cosim.controllers``, are named by their address
-(``./patient.py``), or are handed over by a program (:mod:`controllers.outside.given`).
+(``./patient.py``), or are handed over by a program (:mod:`controllers.outside.handed_over`).
 """
 
 from __future__ import annotations

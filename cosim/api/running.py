@@ -10,7 +10,8 @@ from typing import Any, TypeAlias
 
 from analysis.recording.extent import EGOS
 from controllers.interface import Controller, Perception
-from controllers.outside.given import Given, given
+from controllers.outside.given import Given
+from controllers.outside.handed_over import given
 from cosim.api.recorded_run import Run
 from cosim.errors import InputError
 from cosim.running.execution import execute

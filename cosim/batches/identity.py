@@ -19,7 +19,15 @@ from cosim.recording.provenance import Inputs
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
     *("analysis/criteria", "analysis/protocols", "analysis/statistics", "analysis/study"),
-    *("cosim/api", "cosim/batches", "cosim/checks", "cosim/cli", "cosim/conformance", "cosim/presentation"),
+    *(
+        "cosim/api",
+        "cosim/batches",
+        "cosim/checks",
+        "cosim/cli",
+        "cosim/conformance",
+        "cosim/gym",
+        "cosim/presentation",
+    ),
     "cosim/suites",
 )
 """How paths of our own source begin that no number of a run depends on."""

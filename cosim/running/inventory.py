@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from analysis.results import metric_catalog
 from controllers import catalog
@@ -126,3 +127,17 @@ def metrics() -> list[Entry]:
 
 def _direction(worse: str) -> str:
     return f"{worse} is worse" if worse in ("higher", "lower") else "neither direction is worse"
+
+
+def scenario_settings(name: str) -> dict[str, Any]:
+    """Return the values of a scenario's parameters, by the names that ``--set`` takes.
+
+    Raises
+    ------
+    InputError
+        If there is no such scenario.
+    """
+    try:
+        return dict(library.parameter_values(library.load(name)))
+    except library.ScenarioError as error:
+        raise InputError(str(error)) from error

@@ -78,7 +78,7 @@ def run(
         When a controller fails or commands something that is not a finite number.
     """
     times = LoopTimes() if times is None else times
-    with _rarely_collected():
+    with rarely_collected():
         _drive(world, drivers, record, times, after_step)
     return times
 
@@ -150,7 +150,7 @@ def _is_finite(command: Command) -> bool:
 
 
 @contextmanager
-def _rarely_collected() -> Iterator[None]:
+def rarely_collected() -> Iterator[None]:
     """Let Python look for garbage seldom, and not among what has been there before.
 
     A world and its network are a hundred thousand objects that stay. To look through them again and again

@@ -142,6 +142,19 @@ class VelocityObstacleMpc:
         decision = self._decision.decide(perception, cost)
         return decision if decision.because else replace(decision, because=planner.nearest_stop())
 
+    def begin_change(self, perception: Perception, side: int) -> bool:
+        """Begin a lane change that somebody else decides on: 1 left, -1 right; return whether it begins.
+
+        It does where there is a lane and no change is under way. `decide`, called next, goes on with it
+        and gives it up if somebody is in the way, as with a change of its own.
+        """
+        self._lanes.settle(perception)
+        lane = perception.road.lane(perception.road.reference + side)
+        if lane is None or self._lanes.running:
+            return False
+        self._lanes.begin(perception, lane.number)
+        return True
+
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering.
 

@@ -156,7 +156,7 @@ def test_a_file_is_a_controller_for_the_command_line_too(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "slow.py").write_text(
         '"""Drives slowly."""\n\n\ndef build(*, speed_mps: float = 5.0):\n'
-        "    from controllers.outside.given import FromFunction\n\n"
+        "    from controllers.outside.functions import FromFunction\n\n"
         "    return FromFunction(lambda perception: speed_mps - perception.ego.speed)\n"
     )
     from cosim.cli import main

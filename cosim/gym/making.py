@@ -1,0 +1,60 @@
+"""From the arguments of an environment to the request of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+
+from cosim.errors import InputError
+from cosim.gym.episode import SLACK_S
+from cosim.running.inventory import as_text, scenario_settings
+from cosim.running.request import RunRequest
+
+WARMUP_S = 30.0
+"""Of scenarios with a warm-up, unless another one is asked for: an episode begins sooner [s]."""
+
+
+def request_of(
+    scenario: str | PathLike[str],
+    action: str,
+    time_limit_s: float,
+    sensing: str | None,
+    ego_route: str,
+    ego_vehicle: str | None,
+    parameters: Mapping[str, object],
+    egos: int,
+) -> Callable[[int], RunRequest]:
+    """Return what makes the request of an episode from its seed.
+
+    Raises
+    ------
+    InputError
+        For a scenario that does not exist, and a time limit that is none.
+    """
+    if not 0.0 < time_limit_s < float("inf"):
+        raise InputError(f"time_limit_s: expected a number of seconds above 0, got {time_limit_s:g}")
+    own = ego_route or ego_vehicle is not None
+    there = scenario_settings(str(scenario))
+    settings = {key: repr(v) if isinstance(v, float) else as_text(v) for key, v in parameters.items()}
+    if float(there.get("warmup_s", 0.0)) > WARMUP_S:
+        settings.setdefault("warmup_s", repr(WARMUP_S))
+    warmup_s = float(settings.get("warmup_s", there.get("warmup_s", 0.0)))
+    if "ego_count" in there and not own:
+        settings.setdefault("ego_count", str(egos))
+    if not str(scenario).startswith("suite:"):
+        first = float(there.get("ego_first_depart_s") or 0.0)
+        headways = float(there.get("ego_headway_s") or 0.0) * (egos - 1)
+        settings.setdefault("duration_s", repr(warmup_s + first + headways + time_limit_s + SLACK_S))
+
+    def made(seed: int) -> RunRequest:
+        return RunRequest(
+            scenario=str(scenario),
+            controller="vo_mpc" if action == "decision" else "sumo",
+            seed=seed,
+            settings={**settings, "lane_changes": "false"} if action == "decision" else settings,
+            sensing=sensing,
+            ego_route=tuple(ego_route.split()),
+            ego_vehicle=ego_vehicle,
+        )
+
+    return made
