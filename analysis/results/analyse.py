@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from analysis.encounters.case import Case, prepare, prepare_traffic
-from analysis.errors import RecordingError
 from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
 from analysis.recording.reading import read_run
@@ -36,14 +35,6 @@ class RunReport:
     encounters: Sequence[Mapping[str, Any]]
     overlaps: Sequence[Mapping[str, Any]]
     files: Sequence[Path]
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """A run folder that could not be analysed."""
-
-    folder: Path
-    reason: str
 
 
 def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport:
@@ -75,20 +66,6 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     files.append(write_json(folder / "datapackage.json", describe(written, "one recorded run")))
     seal(folder, files)
     return RunReport(folder, run, encounters, overlaps, files)
-
-
-def analyse_many(
-    folders: Iterable[Path], thresholds: Thresholds | None = None
-) -> tuple[list[RunReport], list[Failure]]:
-    """Analyse each folder; one that cannot be read does not stop the others."""
-    reports: list[RunReport] = []
-    failures: list[Failure] = []
-    for folder in folders:
-        try:
-            reports.append(analyse_run(folder, thresholds))
-        except RecordingError as error:
-            failures.append(Failure(folder, str(error)))
-    return reports, failures
 
 
 def _config(case: Case) -> dict[str, Any]:

@@ -9,21 +9,6 @@ import numpy as np
 from controllers.interface import FloatArray
 
 
-def second_derivative(x_speed: float, y_speed: float, x_acceleration: float, y_acceleration: float) -> float:
-    """Return d²y/dx² = (ÿ − ẍ ẏ / ẋ) / ẋ² of a motion [1/m].
-
-    Parameters
-    ----------
-    x_speed, y_speed : ẋ, ẏ; ẋ is not zero [m/s]
-    x_acceleration, y_acceleration : ẍ, ÿ [m/s^2]
-
-    Notes
-    -----
-    Eq. (14) of [Wu2023]_.
-    """
-    return (y_acceleration - x_acceleration * y_speed / x_speed) / x_speed**2
-
-
 def curvature(slope: FloatArray, bend: FloatArray) -> FloatArray:
     """Return κ = y″ / (1 + y′²)^(3/2) of a path y(x) [1/m].
 

@@ -88,21 +88,3 @@ def clearance(
 ) -> FloatArray:
     """Return ``g = s (ray_x w_y - ray_y w_x)``; outside the cone it is not negative."""
     return side * (ray_x * wy - ray_y * wx)
-
-
-def threatens(
-    px: FloatArray, py: FloatArray, wx: FloatArray, wy: FloatArray, radius: float
-) -> NDArray[np.bool_]:
-    """Return whether the relative velocity lies inside the cone: ``|wrap(theta - alpha)| < asin(r / d)``.
-
-    Notes
-    -----
-    Eq. (16) of [VOMPC2019]_ is printed one-sided with the principal arctangent; read literally it rejects
-    both of the paper's own solutions. The two-sided form with the full angle is used.
-    """
-    distance = np.hypot(px, py)
-    inside = distance <= radius
-    half = np.arcsin(np.clip(radius / np.maximum(distance, 1e-12), 0.0, 1.0))
-    difference = np.arctan2(wy, wx) - np.arctan2(py, px)
-    wrapped = (difference + np.pi) % (2.0 * np.pi) - np.pi
-    return inside | (np.abs(wrapped) < half)

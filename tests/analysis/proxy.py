@@ -18,9 +18,9 @@ import sumo
 from analysis.encounters.case import Case, prepare
 from analysis.markdown import table
 from analysis.recording.reading import read_run
-from analysis.recording.ssm import SsmConflict, read_ssm
 from analysis.thresholds import Thresholds
 from tests.analysis.recorded import Ego, Motion, Person, write_run
+from tests.analysis.ssm import SsmConflict, read_ssm
 
 STEP = 0.1
 CAR_LENGTH, CAR_WIDTH = 4.5, 1.8

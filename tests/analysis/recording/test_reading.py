@@ -14,7 +14,7 @@ import pytest
 
 from analysis.errors import RecordingError
 from analysis.recording.reading import read_run
-from analysis.results.analyse import analyse_many, analyse_run
+from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import Ego, Person, line, write_run
 
 
@@ -143,15 +143,6 @@ def test_two_rows_of_one_ego_at_one_instant_are_refused(folder: Path) -> None:
 def test_a_broken_map_is_named(folder: Path, entry: object) -> None:
     (folder / "map.json").write_text(json.dumps({"areas": [entry]}))
     assert "map.json: area 1" in refusal(folder)
-
-
-def test_the_good_runs_of_a_call_are_analysed_and_the_bad_ones_listed(folder: Path, tmp_path: Path) -> None:
-    bad = tmp_path / "bad"
-    bad.mkdir()
-    reports, failures = analyse_many([bad, folder])
-    assert [report.folder for report in reports] == [folder]
-    assert [failure.folder for failure in failures] == [bad]
-    assert "run.json" in failures[0].reason
 
 
 def test_a_refused_run_keeps_the_report_it_had(folder: Path) -> None:

@@ -14,7 +14,6 @@ from controllers.drivable_area.quintic_path import (
     PathStart,
     curvature,
     quintic_paths,
-    second_derivative,
 )
 
 STARTS = some.builds(PathStart, some.floats(-3.0, 3.0), some.floats(-0.4, 0.4), some.floats(-0.1, 0.1))
@@ -65,21 +64,6 @@ def test_derivatives_and_curvature_agree_with_finite_differences(
     turned = np.arctan(after[1]) - np.arctan(before[1])
     driven = np.hypot(2 * h, after[0] - before[0])
     np.testing.assert_allclose(turned / driven, curvature(now[1], now[2]), atol=1e-6)
-
-
-@given(some.floats(1.0, 20.0), some.floats(-0.5, 0.5), some.floats(-8.0, 3.0), some.floats(-0.15, 0.15))
-def test_the_second_derivative_of_a_turning_car_is_its_curvature_and_does_not_depend_on_braking(
-    speed: float, heading: float, braking: float, bend: float
-) -> None:
-    cosine, sine = math.cos(heading), math.sin(heading)
-    turn = speed * bend
-    value = second_derivative(
-        speed * cosine,
-        speed * sine,
-        braking * cosine - speed * turn * sine,
-        braking * sine + speed * turn * cosine,
-    )
-    assert value == pytest.approx(bend * (1.0 + math.tan(heading) ** 2) ** 1.5, abs=1e-9)
 
 
 def test_the_largest_lateral_acceleration_of_a_shift_is_its_closed_form() -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from shapely.geometry import LineString, Point, box
 
 from controllers.interface import FloatArray
-from controllers.velocity_obstacle.cones import clearance, rectangle_tangent, tangent, threatens
+from controllers.velocity_obstacle.cones import clearance, rectangle_tangent, tangent
 
 HALF_LENGTH, HALF_WIDTH = 2.25, 0.9
 
@@ -18,6 +19,24 @@ def _cases(count: int, seed: int, nearest: float) -> tuple[FloatArray, FloatArra
     distance = drawn.uniform(nearest, 40.0, count)
     wx, wy = drawn.normal(size=(2, count)) * 6.0
     return distance * np.cos(angle), distance * np.sin(angle), wx, wy
+
+
+def threatens(
+    px: FloatArray, py: FloatArray, wx: FloatArray, wy: FloatArray, radius: float
+) -> NDArray[np.bool_]:
+    """Return whether the relative velocity lies inside the cone: ``|wrap(theta - alpha)| < asin(r / d)``.
+
+    Notes
+    -----
+    Eq. (16) of [VOMPC2019]_ is printed one-sided with the principal arctangent; read literally it rejects
+    both of the paper's own solutions. The two-sided form with the full angle is used.
+    """
+    distance = np.hypot(px, py)
+    inside = distance <= radius
+    half = np.arcsin(np.clip(radius / np.maximum(distance, 1e-12), 0.0, 1.0))
+    difference = np.arctan2(wy, wx) - np.arctan2(py, px)
+    wrapped = (difference + np.pi) % (2.0 * np.pi) - np.pi
+    return inside | (np.abs(wrapped) < half)
 
 
 def _beyond(px: FloatArray, py: FloatArray, wx: FloatArray, wy: FloatArray, side: float) -> FloatArray:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from analysis.errors import AnalysisError
-from analysis.recording.ssm import read_ssm
 from tests.analysis import proxy
+from tests.analysis.ssm import read_ssm
 
 
 @pytest.fixture(scope="module")
