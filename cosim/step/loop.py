@@ -44,11 +44,6 @@ class LoopTimes:
     control: float = 0.0
     world: float = 0.0
 
-    @property
-    def control_over_world(self) -> float | None:
-        """Time of all controllers over the world's own; ``None`` before the first step."""
-        return self.control / self.world if self.world > 0.0 else None
-
 
 def run(
     world: World,

@@ -12,6 +12,7 @@ from analysis.errors import StudyError
 from analysis.files import write_text
 from studies.crossings.summary import POOLED, read_study, summary
 from studies.crossings.table import markdown
+from studies.finished import run_folders
 
 
 def write_page(folder: Path) -> str:
@@ -22,10 +23,7 @@ def write_page(folder: Path) -> str:
     StudyError
         If there are no analysed runs in the folder.
     """
-    folders = [path.parent for path in (folder / "runs").glob("*/runs.csv")]
-    if not folders:
-        raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    runs, encounters = read_study(folders)
+    runs, encounters = read_study(run_folders(folder))
     table = summary(runs, encounters)
     table.to_csv(folder / "study.csv", index=False, float_format="%.6g")
     text = markdown(table, summary(runs, encounters, POOLED))

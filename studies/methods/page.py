@@ -13,7 +13,7 @@ from pathlib import Path
 from analysis.errors import StudyError
 from analysis.markdown import table, write_below
 from analysis.study.design import Condition, Study, read_study
-from analysis.study.runs import find_run_folders
+from studies.finished import run_folders
 from studies.methods.rows import Row, rows
 
 TABLES = "## Tables"
@@ -66,10 +66,7 @@ def write_page(folder: Path, page: Path) -> None:
     StudyError
         If there are no runs in the folder, or they cannot be read.
     """
-    folders = find_run_folders(folder)
-    if not folders:
-        raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    study = read_study(folders)
+    study = read_study(run_folders(folder))
     if study.unreadable:
         raise StudyError(min(study.unreadable.values()))
     write_below(page, TABLES, markdown(study), _INTRODUCTION)

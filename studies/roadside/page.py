@@ -15,7 +15,8 @@ import numpy as np
 from analysis.errors import StudyError
 from analysis.markdown import table, write_below
 from analysis.statistics.intervals import share_interval
-from analysis.study.runs import find_run_folders, read_runs
+from analysis.study.runs import read_runs
+from studies.finished import run_folders
 from studies.roadside.cells import Cell, against, cells
 from studies.roadside.figure import draw
 
@@ -56,10 +57,7 @@ def write_page(folder: Path, page: Path) -> None:
     StudyError
         If there are no runs in the folder, or they cannot be read.
     """
-    folders = find_run_folders(folder)
-    if not folders:
-        raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    found = cells(read_runs(folders))
+    found = cells(read_runs(run_folders(folder)))
     figure = page.with_suffix(".svg")
     draw(found, figure)
     text = f"![Contacts and delay over latency]({figure.name})\n\n{markdown(found)}"
