@@ -14,5 +14,7 @@ def stretches(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:
     >>> stretches(np.array([True, True, False, True]))
     [(0, 1), (3, 3)]
     """
-    edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
+    padded = np.zeros(len(inside) + 2, dtype=np.bool_)
+    padded[1:-1] = inside
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
     return [(int(first), int(end) - 1) for first, end in zip(edges[::2], edges[1::2], strict=True)]

@@ -34,7 +34,7 @@ class Meeting(NamedTuple):
     person: tuple[int, int]
 
 
-class _Places(NamedTuple):
+class Places(NamedTuple):
     """Some samples of many tracks."""
 
     points: FloatArray
@@ -60,8 +60,8 @@ def met(
     reach = max(0.5 * float(np.hypot(one.length, one.width)) for one in vehicles)
     reach += max(0.5 * one.width for one in persons) + VEHICLE_SPACING_M + PERSON_SPACING_M
     scale = reach / (within_s + STAY_S)
-    own = _places(vehicles, grid, VEHICLE_SPACING_M, scale)
-    other = _places(persons, grid, PERSON_SPACING_M, scale)
+    own = places_on(vehicles, grid, VEHICLE_SPACING_M, scale)
+    other = places_on(persons, grid, PERSON_SPACING_M, scale)
     pairs = cKDTree(own.points).sparse_distance_matrix(
         cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
     )
@@ -80,7 +80,8 @@ def met(
     }
 
 
-def _places(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -> _Places:
+def places_on(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -> Places:
+    """Return where tracks were, about ``spacing`` apart [m]; times are multiplied by ``scale`` [m/s]."""
     points, owner, sample = [], [], []
     for number, track in enumerate(tracks):
         time = grid.time[track.first : track.last + 1]
@@ -89,7 +90,7 @@ def _places(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -
         points.append(np.column_stack((track.x[kept], track.y[kept], scale * time[kept])))
         owner.append(np.full(len(kept), number))
         sample.append(kept)
-    return _Places(np.concatenate(points), np.concatenate(owner), np.concatenate(sample))
+    return Places(np.concatenate(points), np.concatenate(owner), np.concatenate(sample))
 
 
 def waited(

@@ -15,6 +15,7 @@ from analysis.encounters.crossings import Traversal, traversals
 from analysis.encounters.finding import Encounter, Surroundings, find_encounters, find_in_traffic
 from analysis.encounters.prediction import PredictedArea, predict_area
 from analysis.encounters.samples import Samples, gather
+from analysis.encounters.vehicle_conflicts import VehicleConflict, find_vehicle_conflicts
 from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
 from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.ego_steps import EgoSteps, ego_steps
@@ -50,6 +51,7 @@ class Case:
     approach: Approach
     steps: EgoSteps
     overlaps: Sequence[VehicleOverlap]
+    vehicle_conflicts: Sequence[VehicleConflict]
     ego_rows: Sequence[IntArray]
     """Rows of the egos during each encounter, until the ego has left the conflict area."""
     ego_enter: FloatArray
@@ -117,6 +119,7 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
         vehicles,
         find_encounters,
         find_overlaps(egos, vehicles, grid, run.levels),
+        find_vehicle_conflicts(egos, vehicles, grid, run.levels, thresholds),
     )
 
 
@@ -131,7 +134,7 @@ def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> C
     """
     thresholds = thresholds or Thresholds()
     grid = make_grid(run, thresholds)
-    return _case(run, thresholds, grid, ego_tracks(run, grid, thresholds), (), find_in_traffic, ())
+    return _case(run, thresholds, grid, ego_tracks(run, grid, thresholds), (), find_in_traffic)
 
 
 def _case(
@@ -141,7 +144,8 @@ def _case(
     egos: Sequence[Track],
     vehicles: Sequence[Track],
     find: Callable[[Sequence[Track], Sequence[Track], Surroundings], list[Encounter]],
-    overlaps: Sequence[VehicleOverlap],
+    overlaps: Sequence[VehicleOverlap] = (),
+    vehicle_conflicts: Sequence[VehicleConflict] = (),
 ) -> Case:
     persons = object_tracks(run, grid, "pedestrian")
     passed = traversals(egos, run, grid)
@@ -171,6 +175,7 @@ def _case(
         approach=closest_approaches(samples),
         steps=ego_steps(run, egos, grid, thresholds),
         overlaps=overlaps,
+        vehicle_conflicts=vehicle_conflicts,
         ego_rows=[_ego_rows(one, grid) for one in encounters],
         ego_enter=np.array([np.nan if area is None else area.ego.enter for area in areas]),
         ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),

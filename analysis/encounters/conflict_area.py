@@ -23,7 +23,7 @@ IntArray = NDArray[np.int64]
 
 _POINT_SPACING_M = 0.05
 _POSE_SPACING_M = 0.1
-_BLOCK = 100_000
+_BLOCK = 1_000_000
 _SAME_PLACE = 1e-6
 
 
@@ -77,12 +77,14 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
         return []
     # Standing users repeat themselves; only samples that moved are worth the work.
     poses, again = _moved(ego, near_ego)
-    ego_depth = _depth(ego, poses, person, _thinned(person, near_person, _POINT_SPACING_M), by_pose=True)
+    line = _thinned(person, near_person, _POINT_SPACING_M)
+    ego_depth = _depth(ego, poses, person, line, radius + _largest_shift(ego), by_pose=True)
     ego_visits = _visits(_time(ego, grid), near_ego, ego_depth[again] - radius)
     if not ego_visits:
         return []
     points, again = _moved(person, near_person)
-    person_depth = _depth(ego, _thinned(ego, near_ego, _POSE_SPACING_M), person, points, by_pose=False)
+    swept = _thinned(ego, near_ego, _POSE_SPACING_M)
+    person_depth = _depth(ego, swept, person, points, radius + _largest_step(person), by_pose=False)
     person_visits = _visits(_time(person, grid), near_person, person_depth[again] - radius)
     areas = []
     for own in ego_visits:
@@ -116,7 +118,8 @@ def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -
     if len(near) == 0:
         return []
     poses, again = _moved(ego, near)
-    depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], by_pose=True)
+    wanted = half_width + _largest_shift(ego)
+    depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], True, wanted)
     return _visits(_time(ego, grid), near, depth[again] - half_width)
 
 
@@ -160,26 +163,60 @@ def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:
     return np.asarray(index[keep])
 
 
-def _depth(ego: Track, poses: IntArray, person: Track, points: IntArray, by_pose: bool) -> FloatArray:
-    return _smallest_distance(ego, poses, person.x[points], person.y[points], by_pose)
+def _largest_shift(track: Track) -> float:
+    """Return how far a corner of the body gets in one sample at most [m]."""
+    if len(track.x) < 2:
+        return 0.0
+    corner = 0.5 * float(np.hypot(track.length, track.width))
+    return float((np.diff(track.path) + corner * np.abs(np.diff(track.heading))).max())
+
+
+def _depth(
+    ego: Track, poses: IntArray, person: Track, points: IntArray, wanted: float, by_pose: bool
+) -> FloatArray:
+    return _smallest_distance(ego, poses, person.x[points], person.y[points], by_pose, wanted)
 
 
 def _smallest_distance(
-    ego: Track, poses: IntArray, x: FloatArray, y: FloatArray, by_pose: bool
+    ego: Track, poses: IntArray, x: FloatArray, y: FloatArray, by_pose: bool, wanted: float
 ) -> FloatArray:
-    """Return for each pose (or each point) the smallest signed distance to any point (or pose)."""
-    block = max(1, _BLOCK // max(1, len(x)))
-    parts = []
-    for start in range(0, len(poses), block):
-        chosen = poses[start : start + block]
-        cos, sin = np.cos(ego.heading[chosen])[:, None], np.sin(ego.heading[chosen])[:, None]
-        dx = x[None, :] - ego.x[chosen][:, None]
-        dy = y[None, :] - ego.y[chosen][:, None]
-        distance = signed_distance(
-            dx * cos + dy * sin, dy * cos - dx * sin, 0.5 * ego.length, 0.5 * ego.width
-        )
-        parts.append(distance.min(axis=1 if by_pose else 0))
-    return np.concatenate(parts) if by_pose else np.asarray(np.min(parts, axis=0))
+    """Return for each pose (or each point) the smallest signed distance to any point (or pose).
+
+    Where it is above ``wanted`` it may be larger, up to infinity: most pairs are told apart by the distance
+    from the rectangle's centre alone.
+    """
+    half_length, half_width = 0.5 * ego.length, 0.5 * ego.width
+    reach = float(np.hypot(half_length, half_width)) + wanted + _SAME_PLACE
+    pose, point = _pairs_within(ego.x[poses], ego.y[poses], x, y, reach)
+    smallest = np.full(len(poses) if by_pose else len(x), np.inf)
+    if len(pose) == 0:
+        return smallest
+    heading = ego.heading[poses]
+    cos, sin = np.cos(heading)[pose], np.sin(heading)[pose]
+    dx, dy = x[point] - ego.x[poses][pose], y[point] - ego.y[poses][pose]
+    distance = signed_distance(dx * cos + dy * sin, dy * cos - dx * sin, half_length, half_width)
+    if by_pose:
+        starts = np.flatnonzero(np.concatenate([[True], pose[1:] != pose[:-1]]))
+        smallest[pose[starts]] = np.minimum.reduceat(distance, starts)
+    else:
+        np.minimum.at(smallest, point, distance)
+    return smallest
+
+
+def _pairs_within(
+    x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, reach: float
+) -> tuple[IntArray, IntArray]:
+    """Return the numbers of all pairs of places within a distance, by the first, and perhaps a few beyond."""
+    # About the middle, so that the squares below stay small and exact enough.
+    middle_x, middle_y = float(x.mean()), float(y.mean())
+    x, y, other_x, other_y = x - middle_x, y - middle_y, other_x - middle_x, other_y - middle_y
+    own = np.stack([-2.0 * x, -2.0 * y, x * x + y * y, np.ones_like(x)], axis=1)
+    other = np.stack([other_x, other_y, np.ones_like(other_x), other_x * other_x + other_y * other_y])
+    most = reach * reach + _SAME_PLACE
+    block = max(1, _BLOCK // max(1, len(other_x)))
+    found = [np.nonzero(own[at : at + block] @ other <= most) for at in range(0, len(own), block)]
+    firsts = [one + block * number for number, (one, _) in enumerate(found)]
+    return np.concatenate(firsts), np.concatenate([two for _, two in found])
 
 
 def _visits(time: FloatArray, samples: IntArray, outside: FloatArray) -> list[Visit]:
@@ -208,7 +245,8 @@ def _zero(time: FloatArray, values: FloatArray, before: int) -> float:
 def _share_ground(ego: Track, own: Visit, person: Track, other: Visit) -> bool:
     poses = _thinned(ego, np.arange(own.first, own.last + 1), _POSE_SPACING_M)
     points = _thinned(person, np.arange(other.first, other.last + 1), _POINT_SPACING_M)
-    return bool(_depth(ego, poses, person, points, by_pose=True).min() <= 0.5 * person.width)
+    radius = 0.5 * person.width
+    return bool(_depth(ego, poses, person, points, radius, by_pose=True).min() <= radius)
 
 
 def _densify(line: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,15 +12,33 @@ from analysis.recording.reading import Area, RecordedRun
 from analysis.recording.tracks import Grid, Track
 
 PLACES = ("crossing", "carriageway", "walking_area_or_kerb")
+_MARGIN_M = 1e-6
+
+
+class Areas:
+    """Some areas of a map with their boxes, by which most are told apart from a point at once."""
+
+    def __init__(self, areas: Sequence[Area]) -> None:
+        self._areas = areas
+        half = [np.full(2, 0.5 * one.width_m + _MARGIN_M) for one in areas]
+        low = [one.shape.min(axis=0) - by for one, by in zip(areas, half, strict=True)]
+        high = [one.shape.max(axis=0) + by for one, by in zip(areas, half, strict=True)]
+        self._low, self._high = np.array(low).reshape(-1, 2), np.array(high).reshape(-1, 2)
+
+    def near(self, x: float, y: float) -> Iterator[Area]:
+        """Yield the areas whose box, grown by half their width, holds a point."""
+        point = (x, y)
+        held = ((self._low <= point) & (self._high >= point)).all(axis=1)
+        return (self._areas[number] for number in np.flatnonzero(held).tolist())
 
 
 @dataclass(frozen=True, slots=True)
 class Places:
     """The areas of a map by what they mean for a pedestrian."""
 
-    crossings: Sequence[Area]
-    walking_areas: Sequence[Area]
-    carriageway: Sequence[Area]
+    crossings: Areas
+    walking_areas: Areas
+    carriageway: Areas
     """Lanes inside junctions, and those on which a vehicle was recorded: a map does not say who may use a
     lane."""
     lanes_known: bool
@@ -31,9 +49,9 @@ def places_of(run: RecordedRun) -> Places:
     used = {*run.egos.texts["lane"].names, *run.neighbours.texts["edge_or_lane"].names}
     lanes = [area for area in run.areas if area.kind == "lane"]
     return Places(
-        crossings=run.crossings(),
-        walking_areas=[area for area in run.areas if area.kind == "walkingarea"],
-        carriageway=[area for area in lanes if area.name.startswith(":") or area.name in used],
+        crossings=Areas(run.crossings()),
+        walking_areas=Areas([area for area in run.areas if area.kind == "walkingarea"]),
+        carriageway=Areas([area for area in lanes if area.name.startswith(":") or area.name in used]),
         lanes_known=bool(lanes),
     )
 
@@ -50,11 +68,11 @@ def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: P
     row = person.rows[[max(0, int(np.searchsorted(own, time + 1e-9)) - 1)]]
     if run.neighbours.texts["phase"].equal("crossing", row)[0]:
         return "crossing"
-    if any(_on_ribbon(area, x, y) for area in places.crossings):
+    if any(_on_ribbon(area, x, y) for area in places.crossings.near(x, y)):
         return "crossing"
-    if any(inside(area.shape, np.array([[x, y]])).all() for area in places.walking_areas):
+    if any(inside(area.shape, np.array([[x, y]])).all() for area in places.walking_areas.near(x, y)):
         return "walking_area_or_kerb"
-    if not places.lanes_known or any(_on_ribbon(area, x, y) for area in places.carriageway):
+    if not places.lanes_known or any(_on_ribbon(area, x, y) for area in places.carriageway.near(x, y)):
         return "carriageway"
     return "walking_area_or_kerb"
 

@@ -9,6 +9,8 @@ import numpy as np
 from analysis.geometry import BoolArray, FloatArray, to_frame
 from analysis.recording.tracks import Track
 
+_MARGIN_M = 1e-6
+
 
 def is_visible(
     eye_x: FloatArray,
@@ -33,11 +35,21 @@ def is_visible(
     """
     seen = np.ones(len(x), dtype=np.bool_)
     last = first + len(x) - 1
+    if len(x) == 0:
+        return seen
+    low_x, high_x = min(eye_x.min(), x.min()), max(eye_x.max(), x.max())
+    low_y, high_y = min(eye_y.min(), y.min()), max(eye_y.max(), y.max())
     for vehicle in vehicles:
         begin, end = max(first, vehicle.first), min(last, vehicle.last)
         if begin > end:
             continue
         own = slice(begin - vehicle.first, end - vehicle.first + 1)
+        half = 0.5 * float(np.hypot(vehicle.length, vehicle.width)) + _MARGIN_M
+        there_x, there_y = vehicle.x[own], vehicle.y[own]
+        if there_x.max() < low_x - half or there_x.min() > high_x + half:
+            continue
+        if there_y.max() < low_y - half or there_y.min() > high_y + half:
+            continue
         here = slice(begin - first, end - first + 1)
         seen[here] &= ~_cuts(vehicle, own, eye_x[here], eye_y[here], x[here], y[here])
     return seen

@@ -26,7 +26,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
-from analysis.encounters.contact_places import PLACES, place_of, places_of
+from analysis.encounters.contact_places import PLACES, Places, place_of, places_of
 from analysis.encounters.contacts import Contact
 from analysis.tables import column
 
@@ -96,22 +96,23 @@ def compute(case: Case) -> Values:
     names = ("contact_place", "contact_moved_by", "contact_class")
     found: dict[str, list[str | None]] = {name: [None] * len(case) for name in names}
     seen = np.full(len(case), np.nan)
+    areas = places_of(case.run)
     for i, contact in enumerate(case.first_contact()):
         if contact is None:
             continue
-        for name, value in zip(names, _kind(case, contact), strict=True):
+        for name, value in zip(names, _kind(case, contact, areas), strict=True):
             found[name][i] = value
         seen[i] = contact.time - case.replays[contact].onset
     return {**found, "contact_risk_seen_s": seen}
 
 
-def _kind(case: Case, contact: Contact) -> tuple[str, str | None, str]:
+def _kind(case: Case, contact: Contact, areas: Places) -> tuple[str, str | None, str]:
     encounter = case.encounters[contact.encounter]
     one = Circumstances(
         encounter.ego, encounter.person, contact, case.replays[contact], case.grid, case.thresholds
     )
     return (
-        place_of(encounter.person, contact.time, case.run, case.grid, places_of(case.run)),
+        place_of(encounter.person, contact.time, case.run, case.grid, areas),
         moved_by(one),
         contact_class(one, [*case.vehicles, *case.egos]),
     )
@@ -119,7 +120,8 @@ def _kind(case: Case, contact: Contact) -> tuple[str, str | None, str]:
 
 def summarise(case: Case, columns: Values) -> Values:
     """Count the collisions of each kind."""
-    kinds = [_kind(case, contact) for contact in case.collisions()]
+    areas = places_of(case.run)
+    kinds = [_kind(case, contact, areas) for contact in case.collisions()]
     places, movers, classes = zip(*kinds, strict=True) if kinds else ((), (), ())
     return {
         **{f"n_collisions_{place}": places.count(place) for place in PLACES},

@@ -43,6 +43,8 @@ class RecordedColumn(Column):
     """The analysis reads it; the others are for replays and for people."""
     added: bool = False
     """Recordings of this version did not have it from the beginning."""
+    decimals: int | None = None
+    """Where it is rounded to others than its table."""
 
     @property
     def dtype(self) -> pa.DataType:
@@ -77,9 +79,13 @@ def _number(name: str, unit: str, source: str, description: str, judged: bool = 
     return RecordedColumn(name, "number", unit, description, source, judged=judged)
 
 
-def _needed(name: str, unit: str, source: str, description: str) -> RecordedColumn:
+def _needed(
+    name: str, unit: str, source: str, description: str, decimals: int | None = None
+) -> RecordedColumn:
     """Declare a column of numbers without which a run cannot be judged."""
-    return RecordedColumn(name, "number", unit, description, source, required=True, judged=True)
+    return RecordedColumn(
+        name, "number", unit, description, source, required=True, judged=True, decimals=decimals
+    )
 
 
 def _flag(name: str, source: str, description: str, judged: bool = True) -> RecordedColumn:
@@ -215,7 +221,7 @@ NEIGHBOURS = RecordedTable(
 TRAFFIC = RecordedTable(
     "traffic",
     "One row for each pedestrian within 20 m of a crossing, each vehicle within 60 m of one, and step; "
-    "written where everybody is recorded, rounded to a thousandth",
+    "written where everybody is recorded, rounded to a thousandth, speeds and accelerations to a hundredth",
     (
         _needed("time_s", "s", "time", "end of the step"),
         _text("object_id", "objects.names", "SUMO's name of it", judged=True),
@@ -226,9 +232,17 @@ TRAFFIC = RecordedTable(
         _needed("x_m", "m", "objects.x", "centre of a pedestrian's disc, of a vehicle's front bumper"),
         _needed("y_m", "m", "objects.y", "the same"),
         _number("heading_rad", "rad", "traffic.vehicles.heading", "heading, of vehicles", judged=True),
-        _needed("x_speed_mps", "m/s", "objects.x_speed", "velocity to the east"),
-        _needed("y_speed_mps", "m/s", "objects.y_speed", "velocity to the north"),
-        _number("acceleration_mps2", "m/s^2", "traffic.acceleration", "of vehicles", judged=True),
+        _needed("x_speed_mps", "m/s", "objects.x_speed", "velocity to the east", decimals=2),
+        _needed("y_speed_mps", "m/s", "objects.y_speed", "velocity to the north", decimals=2),
+        RecordedColumn(
+            "acceleration_mps2",
+            "number",
+            "m/s^2",
+            "of vehicles",
+            "traffic.acceleration",
+            judged=True,
+            decimals=2,
+        ),
         _number(
             "speed_limit_mps",
             "m/s",

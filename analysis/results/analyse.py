@@ -16,9 +16,10 @@ from analysis.results.exposure_rows import EXPOSURE, exposure_rows
 from analysis.results.metric_catalog import find_metrics
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
-from analysis.results.rows import encounter_and_run_rows, overlap_rows
+from analysis.results.rows import conflict_rows, encounter_and_run_rows, overlap_rows
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS, traffic_rows
+from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS
 from analysis.sealing import seal
 from analysis.tables.cells import Row, cells
 from analysis.tables.column import Table
@@ -55,6 +56,7 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
         (ENCOUNTERS, encounters),
         (RUNS, [run]),
         (VEHICLE_OVERLAPS, overlaps),
+        (VEHICLE_CONFLICTS, conflict_rows(case)),
     ]
     if traffic is not None:
         others = prepare_traffic(traffic.run, thresholds)

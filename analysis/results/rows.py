@@ -14,6 +14,7 @@ from analysis.results.origin import Origin
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS, ListedOverlap
 from analysis.results.run_description import ListedRun
 from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS, ListedConflict
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, row_of
 
@@ -48,17 +49,29 @@ def measure(metric: Metric, case: Case) -> tuple[Values, Values]:
     MetricError
         When it returns what it does not declare, or another number of values than there are encounters.
     """
-    values = metric.compute(case)
     if not metric.columns:
-        return {}, _declared(metric, "RUN_COLUMNS", metric.run_columns, values)
+        return {}, _declared(metric, "RUN_COLUMNS", metric.run_columns, metric.compute(case))
+    values = of_encounters(metric, case)
+    if metric.summarise is None:
+        return values, {}
+    return values, _declared(metric, "RUN_COLUMNS", metric.run_columns, metric.summarise(case, values))
+
+
+def of_encounters(metric: Metric, case: Case) -> Values:
+    """Return a metric's columns of all encounters; it has such columns.
+
+    Raises
+    ------
+    MetricError
+        As `measure`.
+    """
+    values = metric.compute(case)
     for name, column in _declared(metric, "COLUMNS", metric.columns, values).items():
         if len(column) != len(case):
             raise MetricError(
                 f"metric {metric.name}: {len(column)} values of {name} for {len(case)} encounters"
             )
-    if metric.summarise is None:
-        return values, {}
-    return values, _declared(metric, "RUN_COLUMNS", metric.run_columns, metric.summarise(case, values))
+    return values
 
 
 def _declared(metric: Metric, where: str, columns: Sequence[Column], values: Values) -> Values:
@@ -73,4 +86,13 @@ def overlap_rows(case: Case) -> Sequence[Row]:
     return [
         plain(VEHICLE_OVERLAPS, row_of(VEHICLE_OVERLAPS.columns, ListedOverlap(origin, number, one)))
         for number, one in enumerate(case.overlaps, start=1)
+    ]
+
+
+def conflict_rows(case: Case) -> Sequence[Row]:
+    """Return the rows of vehicle_conflicts.csv."""
+    origin = Origin(case.run.meta)
+    return [
+        plain(VEHICLE_CONFLICTS, row_of(VEHICLE_CONFLICTS.columns, ListedConflict(origin, number, one)))
+        for number, one in enumerate(case.vehicle_conflicts, start=1)
     ]

@@ -6,6 +6,7 @@ from analysis.results import column_order, encounter_description, run_descriptio
 from analysis.results.column_order import in_order
 from analysis.results.metric_catalog import find_metrics
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
+from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS
 from analysis.tables.column import Table
 
 ENCOUNTERS = Table(
@@ -28,4 +29,4 @@ RUNS = Table(
     ("run_id",),
 )
 
-RUN_TABLES = (ENCOUNTERS, RUNS, VEHICLE_OVERLAPS)
+RUN_TABLES = (ENCOUNTERS, RUNS, VEHICLE_OVERLAPS, VEHICLE_CONFLICTS)

@@ -17,7 +17,7 @@ from analysis.results.column_order import ENCOUNTERS, in_order
 from analysis.results.encounter_description import ListedEncounter
 from analysis.results.metric_catalog import Metric, find_metrics
 from analysis.results.origin import IDENTITY, Origin
-from analysis.results.rows import measure
+from analysis.results.rows import of_encounters
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, Table, count, flag, row_of, text
 
@@ -107,7 +107,7 @@ def _rows(case: Case, is_ego: bool, classes: Mapping[str, str]) -> Iterator[dict
     origin = Origin(case.run.meta)
     measured: dict[str, Any] = {}
     for metric in _metrics():
-        measured.update(measure(metric, case)[0])
+        measured.update(of_encounters(metric, case))
     for index, one in enumerate(case.encounters):
         if _counts(one, case):
             listed = ListedTraffic(origin, case, index, is_ego, classes.get(one.ego.name, ""))

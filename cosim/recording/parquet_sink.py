@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
@@ -22,6 +23,8 @@ NEW = ".new"
 AT_RISK = 32
 """The rows of this part of a chunk are lost at most where the process ends without a word."""
 ROWS_PER_CHUNK = 8192
+_REPEATED = 3
+"""A dictionary is worth it for numbers that occur more often than this."""
 
 
 class ParquetSink:
@@ -180,30 +183,51 @@ def _copy(part: Path, to: Path, ends: set[int], rows_per_chunk: int, batches: in
     rows = count = 0
     with pa.OSFile(str(part), "rb") as file:
         stream = pa.ipc.open_stream(file)
-        with pq.ParquetWriter(
-            to,
-            stream.schema,
-            version="2.6",
-            compression="zstd",
-            compression_level=3,
-            use_dictionary=True,
-            write_page_checksum=True,
-        ) as writer:
+        with ExitStack() as stack:
+            writer: pq.ParquetWriter | None = None
             waiting: list[pa.RecordBatch] = []
+
+            def write() -> None:
+                nonlocal writer
+                chunk = pa.Table.from_batches(waiting, stream.schema).combine_chunks()
+                waiting.clear()
+                if writer is None:
+                    writer = stack.enter_context(_writer(to, chunk))
+                if len(chunk):
+                    writer.write_table(chunk)
+
             for count, batch in enumerate(_whole(stream), start=1):
                 waiting.append(batch)
                 rows += batch.num_rows
                 if count in ends or sum(one.num_rows for one in waiting) >= rows_per_chunk:
-                    writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
-                    waiting = []
-            if sum(one.num_rows for one in waiting):
-                writer.write_table(pa.Table.from_batches(waiting).combine_chunks())
+                    write()
+            if waiting or writer is None:
+                write()
     try:
         complete = pq.read_metadata(to).num_rows == rows and count >= (batches or 0)
     except pa.ArrowInvalid:
         complete = False
     if not complete:
         raise OSError(f"{to.name} is not complete: {part.name} was cut short")
+
+
+def _writer(to: Path, first: pa.Table) -> pq.ParquetWriter:
+    """Return what writes a file; columns whose numbers seldom repeat in its first chunk get no dictionary."""
+    repeated = [
+        field.name
+        for field in first.schema
+        if not pa.types.is_floating(field.type)
+        or pc.count_distinct(first[field.name]).as_py() * _REPEATED < len(first)
+    ]
+    return pq.ParquetWriter(
+        to,
+        first.schema,
+        version="2.6",
+        compression="zstd",
+        compression_level=6,
+        use_dictionary=repeated,
+        write_page_checksum=True,
+    )
 
 
 def _whole(stream: Any) -> Iterator[pa.RecordBatch]:

@@ -20,7 +20,9 @@ class TableWriter:
     def __init__(self, folder: Path, table: RecordedTable, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
         self._sink = ParquetSink(folder / table.file, table.schema, rows_per_chunk)
         self._sources = SourceReader([column.source for column in table.columns])
-        self._decimals = table.decimals
+        self._decimals = [
+            table.decimals if column.decimals is None else column.decimals for column in table.columns
+        ]
         self._lists = [place for place, column in enumerate(table.columns) if column.kind == "numbers"]
 
     def add(self, made_of: Any) -> None:
@@ -36,7 +38,8 @@ class TableWriter:
     def add_all(self, made_of: Any, count: int) -> None:
         """Add ``count`` rows of an object that holds for each column a sequence, or one value for all."""
         values = self._sources.read(made_of)
-        self._sink.add_columns([_column(value, count, self._decimals) for value in values])
+        rounded = zip(values, self._decimals, strict=True)
+        self._sink.add_columns([_column(value, count, decimals) for value, decimals in rounded])
 
     def close(self) -> None:
         """Write what is left and make the file."""

@@ -1,0 +1,253 @@
+"""Conflicts of egos with other vehicles: who came close to whom, behind, ahead, beside or across.
+
+A braking ego exports the risk of a rear-end collision to the traffic behind it; the pairs in which the other
+vehicle follows show it. Each pair is one conflict for each kind in which it came within the limits:
+
+- ``followed``: the other vehicle drives behind the ego in about its direction, their bodies overlapping
+  across; ``following``: the ego drives behind it;
+- ``beside``: about the same direction, without such an overlap;
+- ``oncoming``: about opposite directions; ``crossing``: any other angle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.encounters.vehicle_encroachment import Encroachment, encroachments
+from analysis.geometry import BoolArray, FloatArray, to_frame
+from analysis.recording.levels import Levels
+from analysis.recording.tracks import Grid, Track
+from analysis.thresholds import DRAC_LIMIT_MPS2, Thresholds
+
+IntArray = NDArray[np.int64]
+
+FOLLOWED, FOLLOWING, BESIDE, ONCOMING, CROSSING = KINDS = (
+    "followed",
+    "following",
+    "beside",
+    "oncoming",
+    "crossing",
+)
+
+_STILL_MPS = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleConflict:
+    """One ego and one vehicle in one kind of conflict."""
+
+    ego_id: str
+    vehicle_id: str
+    vehicle_type: str
+    kind: str
+    start: float
+    """First sample within the limits [s]."""
+    end: float
+    min_ttc: float
+    """inf without a collision course [s]."""
+    at: float
+    """When it was; without a TTC when the ego was on the ground of the PET [s]."""
+    max_drac: float
+    """Of whoever follows; nan for other kinds, and where they overlapped throughout [m/s^2]."""
+    pet: float
+    """nan for other kinds than crossing, and where they share no ground soon enough [s]."""
+    ego_speed: float
+    """At ``at``; of the vehicle, without a TTC, on that ground [m/s]."""
+    vehicle_speed: float
+    ego_deceleration: float
+    """Hardest braking of the ego from ``start`` to ``end`` [m/s^2]."""
+    x: float
+    """Centre of the ego at ``at`` [m]."""
+    y: float
+
+
+def find_vehicle_conflicts(
+    egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid, levels: Levels, thresholds: Thresholds
+) -> list[VehicleConflict]:
+    """Return all conflicts, sorted by time and names.
+
+    Listed are pairs with a TTC or, crossing, a PET of at most the limits of slight severity, and followers
+    who would have to brake harder than the limit of DRAC.
+    """
+    if not egos or not vehicles:
+        return []
+    crossed = encroachments(egos, vehicles, grid, levels, thresholds)
+    found: list[VehicleConflict] = []
+    for i, ego in enumerate(egos):
+        for j, vehicle in enumerate(vehicles):
+            if vehicle.name != ego.name:
+                found.extend(_of_pair(ego, vehicle, crossed.get((i, j)), grid, levels, thresholds))
+    return sorted(found, key=lambda one: (one.start, one.ego_id, one.vehicle_id, one.kind))
+
+
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """Samples at which both are recorded near each other."""
+
+    fine: IntArray
+    """Fine index."""
+    own: IntArray
+    other: IntArray
+
+
+def _of_pair(
+    ego: Track,
+    vehicle: Track,
+    crossed: Encroachment | None,
+    grid: Grid,
+    levels: Levels,
+    thresholds: Thresholds,
+) -> list[VehicleConflict]:
+    found: list[VehicleConflict] = []
+    pet = np.nan if crossed is None else crossed.pet
+    both = _closing(ego, vehicle, levels, thresholds.severity_ttc_slight_s)
+    if both is not None:
+        ttc = _times_to_collision(ego, vehicle, both)
+        kinds, drac = _kinds(ego, vehicle, both, thresholds.longitudinal_angle_deg)
+        close = (ttc <= thresholds.severity_ttc_slight_s) | (drac > DRAC_LIMIT_MPS2)
+        for number, kind in enumerate(KINDS):
+            chosen = np.flatnonzero(close & (kinds == number))
+            if len(chosen):
+                own_pet = pet if kind == CROSSING else np.nan
+                found.append(_describe(ego, vehicle, grid, both, chosen, kind, ttc, drac, own_pet))
+    if crossed is not None and all(one.kind != CROSSING for one in found):
+        found.append(_crossed(ego, vehicle, grid, crossed))
+    return found
+
+
+def _closing(ego: Track, vehicle: Track, levels: Levels, within_s: float) -> _Together | None:
+    """Return the samples at which the two may be within the limits; ``None`` without any."""
+    first, last = max(ego.first, vehicle.first), min(ego.last, vehicle.last)
+    if first > last:
+        return None
+    a = slice(first - ego.first, last - ego.first + 1)
+    b = slice(first - vehicle.first, last - vehicle.first + 1)
+    reach = 0.5 * float(np.hypot(ego.length, ego.width) + np.hypot(vehicle.length, vehicle.width))
+    apart = np.hypot(ego.x[a] - vehicle.x[b], ego.y[a] - vehicle.y[b])
+    relative = np.hypot(ego.x_speed[a] - vehicle.x_speed[b], ego.y_speed[a] - vehicle.y_speed[b])
+    # A DRAC above its limit means a TTC below the closing speed over twice the limit.
+    within = np.maximum(within_s, relative / (2.0 * DRAC_LIMIT_MPS2))
+    near = (apart <= reach + within * relative) & ~levels.apart[ego.level[a], vehicle.level[b]]
+    fine = np.flatnonzero(near) + first
+    return _Together(fine, fine - ego.first, fine - vehicle.first) if len(fine) else None
+
+
+def _times_to_collision(ego: Track, vehicle: Track, both: _Together) -> FloatArray:
+    """Return when the two rectangles touch if both keep velocity and heading; inf for never [s].
+
+    Notes
+    -----
+    Two convex bodies in straight motion touch while their shadows overlap on the normals of all their
+    sides: from the latest beginning of such an overlap to the earliest end.
+    """
+    dx, dy = vehicle.x[both.other] - ego.x[both.own], vehicle.y[both.other] - ego.y[both.own]
+    u = vehicle.x_speed[both.other] - ego.x_speed[both.own]
+    v = vehicle.y_speed[both.other] - ego.y_speed[both.own]
+    turn = vehicle.heading[both.other] - ego.heading[both.own]
+    cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    enter, leave = np.zeros(len(dx)), np.full(len(dx), np.inf)
+    for one, heading, away in (
+        (ego, ego.heading[both.own], vehicle),
+        (vehicle, vehicle.heading[both.other], ego),
+    ):
+        along, across = to_frame(dx, dy, heading)
+        along_speed, across_speed = to_frame(u, v, heading)
+        for place, speed, reach in (
+            (along, along_speed, 0.5 * (one.length + away.length * cos + away.width * sin)),
+            (across, across_speed, 0.5 * (one.width + away.length * sin + away.width * cos)),
+        ):
+            moves = np.abs(speed) > _STILL_MPS
+            divisor = np.where(moves, speed, 1.0)
+            begin, end = (-reach - place) / divisor, (reach - place) / divisor
+            inside = np.abs(place) <= reach
+            enter = np.maximum(enter, np.where(moves, np.minimum(begin, end), np.where(inside, 0.0, np.inf)))
+            leave = np.minimum(leave, np.where(moves, np.maximum(begin, end), np.inf))
+    return np.where(enter <= leave, enter, np.inf)
+
+
+def _kinds(ego: Track, vehicle: Track, both: _Together, angle_deg: float) -> tuple[IntArray, FloatArray]:
+    """Return the number of the kind at each sample, and the DRAC of whoever follows; nan for other kinds."""
+    heading, other_heading = ego.heading[both.own], vehicle.heading[both.other]
+    turn = np.abs((other_heading - heading + np.pi) % (2.0 * np.pi) - np.pi)
+    limit = np.radians(angle_deg)
+    kinds = np.full(len(turn), KINDS.index(CROSSING))
+    kinds[turn <= limit] = KINDS.index(BESIDE)
+    kinds[turn >= np.pi - limit] = KINDS.index(ONCOMING)
+    drac = np.full(len(turn), np.nan)
+    for kind, one, at, two, there in (
+        (FOLLOWED, vehicle, both.other, ego, both.own),
+        (FOLLOWING, ego, both.own, vehicle, both.other),
+    ):
+        # In the frame of who follows.
+        frame = one.heading[at]
+        along, across = to_frame(two.x[there] - one.x[at], two.y[there] - one.y[at], frame)
+        cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+        gap = along - 0.5 * (one.length + two.length * cos + two.width * sin)
+        overlap = np.abs(across) < 0.5 * (one.width + two.length * sin + two.width * cos)
+        closing = one.speed[at] - to_frame(two.x_speed[there], two.y_speed[there], frame)[0]
+        behind: BoolArray = (turn <= limit) & overlap & (along > 0.0)
+        kinds[behind] = KINDS.index(kind)
+        needed = np.maximum(closing, 0.0) ** 2 / (2.0 * np.where(gap > 0.0, gap, 1.0))
+        needed = np.where(gap > 0.0, needed, np.nan)
+        drac[behind] = needed[behind]
+    return kinds, drac
+
+
+def _describe(
+    ego: Track,
+    vehicle: Track,
+    grid: Grid,
+    both: _Together,
+    chosen: IntArray,
+    kind: str,
+    ttc: FloatArray,
+    drac: FloatArray,
+    pet: float,
+) -> VehicleConflict:
+    worst = int(chosen[np.argmin(ttc[chosen])])
+    own, other = int(both.own[worst]), int(both.other[worst])
+    stretch = slice(int(both.own[chosen[0]]), int(both.own[chosen[-1]]) + 1)
+    follows = kind in (FOLLOWED, FOLLOWING)
+    return VehicleConflict(
+        ego_id=ego.name,
+        vehicle_id=vehicle.name,
+        vehicle_type=vehicle.kind,
+        kind=kind,
+        start=float(grid.time[both.fine[chosen[0]]]),
+        end=float(grid.time[both.fine[chosen[-1]]]),
+        min_ttc=float(ttc[worst]),
+        at=float(grid.time[both.fine[worst]]),
+        max_drac=float(np.fmax.reduce(drac[chosen])) if follows else np.nan,
+        pet=pet,
+        ego_speed=float(ego.speed[own]),
+        vehicle_speed=float(vehicle.speed[other]),
+        ego_deceleration=float(np.maximum(-ego.acceleration[stretch], 0.0).max()),
+        x=float(ego.x[own]),
+        y=float(ego.y[own]),
+    )
+
+
+def _crossed(ego: Track, vehicle: Track, grid: Grid, crossed: Encroachment) -> VehicleConflict:
+    own, other = crossed.own, crossed.other
+    times = sorted((float(grid.time[ego.first + own]), float(grid.time[vehicle.first + other])))
+    return VehicleConflict(
+        ego_id=ego.name,
+        vehicle_id=vehicle.name,
+        vehicle_type=vehicle.kind,
+        kind=CROSSING,
+        start=times[0],
+        end=times[1],
+        min_ttc=np.inf,
+        at=float(grid.time[ego.first + own]),
+        max_drac=np.nan,
+        pet=crossed.pet,
+        ego_speed=float(ego.speed[own]),
+        vehicle_speed=float(vehicle.speed[other]),
+        ego_deceleration=float(max(-ego.acceleration[own], 0.0)),
+        x=float(ego.x[own]),
+        y=float(ego.y[own]),
+    )

@@ -1,0 +1,90 @@
+"""What each replication found: the rank of the planted crossing, and false alarms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.geometry import BoolArray
+from analysis.screening.counts import Counts, read_counts
+from analysis.screening.crossings_table import WORSE_BELOW
+from analysis.screening.ranking import rank
+from studies.planted.town import PLANTED, Defect, crossing_of
+
+RUNS = 4
+"""Runs of a replication: the seeds of one screening."""
+BLOCK = 5
+"""Replications that are made at once."""
+LEAST_PEDESTRIANS = 30.0
+"""As ``cosim screen`` has it."""
+
+
+def block_folder(folder: Path, defect: Defect, block: int) -> Path:
+    """Return where the runs of some replications are."""
+    return folder / defect.name / f"block-{block + 1:02d}"
+
+
+@dataclass(frozen=True, slots=True)
+class Replication:
+    """One screening of one town."""
+
+    rank: float
+    """Of the crossing on the planted street, whether something is planted there or not."""
+    worse: BoolArray
+    """Which crossings are called significantly worse."""
+    planted: int
+    """Number of that crossing among them."""
+    rates: tuple[float, float]
+    """Conflicts for each pedestrian on the planted crossing, and on all others."""
+    pedestrians: float
+    """Pedestrians on the crossing with the fewest."""
+
+    @property
+    def found(self) -> bool:
+        """Whether it ranks first, and alone."""
+        return self.rank == 1.0
+
+    @property
+    def called_worse(self) -> bool:
+        """Whether the planted crossing is called significantly worse."""
+        return bool(self.worse[self.planted])
+
+    @property
+    def false_alarms(self) -> int:
+        """Others that are."""
+        return int(self.worse.sum()) - self.called_worse
+
+
+def replications(folder: Path, defect: Defect) -> list[Replication]:
+    """Return the finished replications of a variant; those with an invalid or missing run are left out."""
+    found: list[Replication] = []
+    for block in sorted((folder / defect.name).glob("block-*")):
+        if (block / "runs.csv").is_file():
+            found.extend(_of_block(read_counts(block)))
+    return found
+
+
+def _of_block(counts: Counts) -> Iterator[Replication]:
+    names = [cells["crossing_id"] for cells in counts.crossings]
+    planted = names.index(crossing_of(PLANTED))
+    column = {seed: number for number, seed in enumerate(counts.seeds)}
+    first = min(counts.seeds) - (min(counts.seeds) - 1) % RUNS
+    for begin in range(first, max(counts.seeds) + 1, RUNS):
+        chosen = [column[seed] for seed in range(begin, begin + RUNS) if seed in column]
+        if len(chosen) == RUNS:
+            conflicts, walks = counts.each["conflicts"][:, chosen], counts.each["n_pedestrians"][:, chosen]
+            ranking = rank(conflicts, walks, LEAST_PEDESTRIANS)
+            others = np.arange(len(names)) != planted
+            yield Replication(
+                float(ranking.rank[planted]),
+                np.asarray(ranking.p_worse < WORSE_BELOW),
+                planted,
+                (
+                    float(conflicts[planted].sum() / walks[planted].sum()),
+                    float(conflicts[others].sum() / walks[others].sum()),
+                ),
+                float(walks.sum(axis=1).min()),
+            )
