@@ -21,7 +21,14 @@ from analysis.thresholds import Thresholds, names, with_settings
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 
 ROOT = Path(__file__).resolve().parents[3]
-FILES = ("encounters.csv", "runs.csv", "vehicle_overlaps.csv", "config.json", "datapackage.json")
+FILES = (
+    "encounters.csv",
+    "runs.csv",
+    "vehicle_overlaps.csv",
+    "vehicle_conflicts.csv",
+    "config.json",
+    "datapackage.json",
+)
 
 
 def busy_run(folder: Path) -> Path:

@@ -99,6 +99,7 @@ def test_recordings_are_dropped_on_request_and_the_numbers_are_the_same(tmp_path
             "job.json",
             "run.json",
             "runs.csv",
+            "vehicle_conflicts.csv",
             "vehicle_overlaps.csv",
         ),
     ]
