@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.geometry.plane import to_plane
 from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
@@ -40,13 +41,20 @@ CROWDED, CROWD = 0.4, 2.0
 
 
 class Obstacles(NamedTuple):
-    """Discs that the body may not touch, n of them, in the plane of :mod:`controllers.geometry.plane`."""
+    """What the body may not touch, in the plane of :mod:`controllers.geometry.plane`: n discs and v boxes."""
 
     x: FloatArray
-    """Shape (n,) [m]."""
+    """Of the discs, shape (n,) [m]."""
     y: FloatArray
     kept: FloatArray
     """Radius and the distance kept to it, shape (n,) [m]."""
+    boxes: Boxes
+    kept_to_boxes: FloatArray
+    """Shape (v,) [m]."""
+
+    def nearer(self, by: float) -> Obstacles:
+        """Return the same, to be kept less away from [m]."""
+        return self._replace(kept=self.kept - by, kept_to_boxes=self.kept_to_boxes - by)
 
 
 class _Line(NamedTuple):
@@ -128,7 +136,7 @@ def leads_on(
     done : how much of it has been driven [m]
     """
     at = _start(perception.ego)
-    space = _space(perception, obstacles._replace(kept=obstacles.kept - DRIFT), beyond + DRIFT)
+    space = _space(perception, obstacles.nearer(DRIFT), beyond + DRIFT)
     for number in range(int(done / ARC), len(way)):
         length = min(ARC, (number + 1) * ARC - done)
         at = _driven(space, at, way[number : number + 1], length)
@@ -195,9 +203,13 @@ def _away(
     ego: EgoState, x: FloatArray, y: FloatArray, heading: FloatArray, obstacles: Obstacles
 ) -> FloatArray:
     """Return how far the body is from what it may not touch, shape (m,) [m]."""
-    places = (values[:, None] for values in obstacles)
-    clearance = disc_clearances(x[None], y[None], heading[None], ego.body, *places)
-    return np.asarray(clearance[0].min(axis=1, initial=CROWDED))
+    where = x[None], y[None], heading[None]
+    places = (values[:, None] for values in (obstacles.x, obstacles.y, obstacles.kept))
+    away = disc_clearances(*where, ego.body, *places)[0].min(axis=1, initial=CROWDED)
+    if not len(obstacles.kept_to_boxes):
+        return np.asarray(away)
+    to_boxes = box_clearances(*where, ego.body, obstacles.boxes)[0] - obstacles.kept_to_boxes
+    return np.asarray(np.minimum(away, to_boxes.min(axis=1)))
 
 
 def _cheapest_of_cells(poses: _Poses) -> _Poses:

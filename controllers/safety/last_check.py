@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.standing import STANDING
+from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, Plan
 from controllers.prediction.forecast import Forecast
@@ -33,7 +34,7 @@ from controllers.safety.rollout import (
     planned,
     poses,
 )
-from controllers.safety.vehicle_outlines import standing_vehicles
+from controllers.safety.vehicle_boxes import standing_vehicles
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
@@ -96,7 +97,7 @@ class LastCheck:
         near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
         self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        cars = standing_vehicles(perception, len(times))
+        cars = standing_vehicles(perception)
         if not len(near) and not len(cars.x):
             self._out.reset()
             return plan
@@ -106,10 +107,9 @@ class LastCheck:
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
             comes = np.where(told.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
-        others = _joined(people, cars) if len(cars.x) else people
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
-        clearance = _clearances(perception, others, path, motion)
+        clearance = _clearances(perception, people, cars, path, motion)
         walk = np.hypot(told.along_speed[near], told.across_speed[near]) > WALKING
         margin = self._margins(perception, clearance[0, 0], walk, starts)
         touched = bool(_touches(clearance, motion, margin)[0])
@@ -123,7 +123,7 @@ class LastCheck:
             return plan
         tried = np.array((MILD, *URGENT))
         slower = braked(perception, tried, times)
-        touches = _touches(_clearances(perception, others, path, slower), slower, margin)
+        touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
         if not touches[0] and not starts:
             return plan
         limit = perception.ego.drive.max_deceleration
@@ -136,7 +136,7 @@ class LastCheck:
         first = passing_first(perception, times)
         all_of_them = zip(motion, first, slower, strict=True)
         variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
-        distances = _clearances(perception, _joined(others, walking_on), path, variants)
+        distances = _clearances(perception, _joined(people, walking_on), cars, path, variants)
         least = _least(distances, variants)
         best = least.max()
         chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1
@@ -175,10 +175,15 @@ def _joined(some: Discs, others: Discs) -> Discs:
     return Discs(*(np.concatenate(both) for both in zip(some, others, strict=True)))
 
 
-def _clearances(perception: Perception, people: Discs, path: Course, motion: Motion) -> FloatArray:
-    """Return the distances to the people, shape (K, m, n) [m]."""
-    x, y, heading = poses(perception, path, motion)
-    return disc_clearances(x, y, heading, perception.ego.body, people.x, people.y, people.radius)
+def _clearances(
+    perception: Perception, people: Discs, cars: Boxes, path: Course, motion: Motion
+) -> FloatArray:
+    """Return the distances to the people, then to the vehicles, shape (K, m, n) [m]."""
+    where, body = poses(perception, path, motion), perception.ego.body
+    to_people = disc_clearances(*where, body, people.x, people.y, people.radius)
+    if not len(cars.x):
+        return to_people
+    return np.concatenate((to_people, box_clearances(*where, body, cars)), axis=2)
 
 
 def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArray[np.bool_]:

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.driving.standing import STANDING
+from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, FloatArray, Perception, constant_command
 from controllers.safety import free_way
 from controllers.safety.free_way import Obstacles
 from controllers.safety.pedestrian_discs import Discs
-from controllers.safety.vehicle_outlines import driving_vehicles, standing_vehicles
+from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 
 PATIENCE = 4.0
 """For so long an ego that is kept from starting waits [s]."""
@@ -141,22 +142,18 @@ class WayOut:
                     return
 
 
-def _obstacles(people: Discs, kept: FloatArray, vehicles: Obstacles) -> Obstacles:
+def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
     """Return people, wherever they will be within the time looked ahead, and vehicles."""
     x, y, reach = (values[:, ::INSTANTS] for values in people)
-    them = x.ravel(), y.ravel(), (reach + kept[:, None]).ravel()
-    return Obstacles(*(np.concatenate(both) for both in zip(them, vehicles, strict=True)))
+    return Obstacles(x.ravel(), y.ravel(), (reach + kept[:, None]).ravel(), *vehicles)
 
 
-def _vehicles(perception: Perception) -> Obstacles:
-    """Return vehicles that stand, and those that drive wherever they will be."""
-    stand, (x, y) = standing_vehicles(perception, 1), driving_vehicles(perception)
-    kept = np.minimum(_distances(perception, stand) - NEARER, TO_VEHICLES)
-    return Obstacles(
-        np.append(stand.x[:, 0], x),
-        np.append(stand.y[:, 0], y),
-        np.append(kept, np.full(len(x), TO_DRIVING)),
-    )
+def _vehicles(perception: Perception) -> tuple[Boxes, FloatArray]:
+    """Return vehicles that stand, those that drive wherever they will be, and the distances kept [m]."""
+    stand, drive = standing_vehicles(perception), driving_vehicles(perception)
+    now = box_clearances(*_here(perception), perception.ego.body, stand)[0, 0]
+    kept = np.append(np.minimum(now - NEARER, TO_VEHICLES), np.full(len(drive.x), TO_DRIVING))
+    return Boxes(*(np.concatenate(both) for both in zip(stand, drive, strict=True))), kept
 
 
 def _towards(
@@ -182,13 +179,16 @@ def _towards(
     return constant_command(float(np.clip(change, -BRAKING, ACCELERATION)), angle)
 
 
-def _distances(perception: Perception, discs: Discs) -> FloatArray:
-    """Return how far the body is from discs now, shape (n,) [m]."""
-    ego = perception.ego
+def _distances(perception: Perception, people: Discs) -> FloatArray:
+    """Return how far the body is from people now, shape (n,) [m]."""
+    places = (values[:, :1] for values in people)
+    return np.asarray(disc_clearances(*_here(perception), perception.ego.body, *places)[0, 0])
+
+
+def _here(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where the rear axle is now, x, y and heading of shape (1, 1) each."""
     place = np.zeros((1, 1))
-    places = (values[:, :1] for values in discs)
-    clearance = disc_clearances(place, place + ego.across, place + ego.heading_error, ego.body, *places)
-    return np.asarray(clearance[0, 0])
+    return place, place + perception.ego.across, place + perception.ego.heading_error
 
 
 def _rolled(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from controllers import catalog
+from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Body, FloatArray, Perception, Plan
 from controllers.safety import free_way
@@ -21,11 +22,12 @@ from tests.controllers.toy_runs import ride
 BODY = Body()
 KEPT = 0.3
 """Radius of a person and distance kept from them [m]."""
+NO_BOXES = Boxes(*np.empty((5, 0)))
 
 
 def _people(*places: tuple[float, float]) -> Obstacles:
     x, y = np.array(places, dtype=float).reshape(-1, 2).T
-    return Obstacles(x, y, np.full(len(x), KEPT))
+    return Obstacles(x, y, np.full(len(x), KEPT), NO_BOXES, np.zeros(0))
 
 
 def _driven(way: FloatArray, across: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -72,6 +74,16 @@ def test_it_goes_between_two_with_little_room_and_nowhere_without_any() -> None:
     assert way is not None
     closed = _people((6.0, -apart + 0.2), (6.0, apart - 0.2))
     assert free_way.find(perception(ego(speed=0.0)), closed, np.inf) is None
+
+
+def test_no_corner_of_a_vehicle_is_overlooked() -> None:
+    """Boxes set askew in the way: the distance to each is kept exactly, between the corners too."""
+    for turned in np.linspace(0.0, np.pi, 9):
+        one = Boxes(*(np.array([value]) for value in (7.0, 2.2, turned, 4.5, 1.8)))
+        vehicle = Obstacles(np.zeros(0), np.zeros(0), np.zeros(0), one, np.full(1, 0.1))
+        way = free_way.find(perception(ego(speed=0.0)), vehicle, np.inf)
+        assert way is not None
+        assert box_clearances(*_driven(way), BODY, one).min() >= 0.1
 
 
 def test_it_goes_no_farther_than_it_may_and_not_at_all_for_a_few_steps() -> None:

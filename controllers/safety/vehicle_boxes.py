@@ -1,0 +1,57 @@
+"""Vehicles near the ego, as rectangles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.geometry.box_clearances import Boxes
+from controllers.geometry.footprints import footprints
+from controllers.geometry.plane import vehicles_in_plane
+from controllers.interface import FloatArray, Perception
+
+STANDING = 0.5
+"""Slower ones stand [m/s]."""
+NEAR, NEAR_DRIVING = 15.0, 35.0
+"""Those farther from the ego's middle do not count, standing and driving [m]."""
+DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
+"""Instants at which those that drive are looked at [s]."""
+
+
+def standing_vehicles(perception: Perception) -> Boxes:
+    """Return those that stand, in the plane of :mod:`controllers.geometry.plane`."""
+    return _boxes(perception, _apart(perception, NEAR) & _stand(perception), np.zeros(1))
+
+
+def driving_vehicles(perception: Perception) -> Boxes:
+    """Return those that drive, wherever they will be in the next seconds: a box for each of some instants.
+
+    Whoever follows the ego is left out.
+    """
+    them = perception.vehicles
+    follow = footprints(them).same_way & (them.along < 0.0)
+    who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
+    return _boxes(perception, who, DRIVEN_FOR)
+
+
+def _apart(perception: Perception, most: float) -> NDArray[np.bool_]:
+    them, ego = perception.vehicles, perception.ego
+    return np.asarray(np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < most)
+
+
+def _stand(perception: Perception) -> NDArray[np.bool_]:
+    them = perception.vehicles
+    return np.asarray(np.hypot(them.along_speed, them.across_speed) < STANDING)
+
+
+def _boxes(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
+    """Return m vehicles as they are at K instants [s], should they drive straight on: K * m boxes."""
+    them = perception.vehicles
+    if not who.any():
+        return Boxes(*np.empty((5, 0)))
+    fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
+    heading, length, width = headings[who], them.length[who], them.width[who]
+    speed = np.hypot(them.along_speed[who], them.across_speed[who])
+    ahead = np.outer(times, speed) - 0.5 * length
+    x, y = fronts[who, 0] + ahead * np.cos(heading), fronts[who, 1] + ahead * np.sin(heading)
+    return Boxes(x.ravel(), y.ravel(), *(np.tile(values, len(times)) for values in (heading, length, width)))

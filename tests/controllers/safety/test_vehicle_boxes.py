@@ -1,0 +1,69 @@
+"""The rectangles of vehicles near the ego, and that a plan into one that stands brakes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.geometry.box_clearances import Boxes
+from controllers.safety.last_check import SHIELDED, LastCheck
+from controllers.safety.vehicle_boxes import DRIVEN_FOR, driving_vehicles, standing_vehicles
+from tests.controllers.scenes import FRONT, Car, bend, ego, keeps, perception, straight_road
+
+NOBODY = np.zeros(0, dtype=np.bool_)
+
+
+def _extents(boxes: Boxes) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the least and the largest x and y of any corner [m]."""
+    along, aside = boxes.length * np.cos(boxes.heading), boxes.width * np.sin(boxes.heading)
+    up, out = boxes.length * np.sin(boxes.heading), boxes.width * np.cos(boxes.heading)
+    wide, high = 0.5 * (np.abs(along) + np.abs(aside)), 0.5 * (np.abs(up) + np.abs(out))
+    x, y = boxes.x, boxes.y
+    return ((x - wide).min(), (x + wide).max()), ((y - high).min(), (y + high).max())
+
+
+def test_a_vehicle_reaches_from_its_front_backwards() -> None:
+    along, across = _extents(standing_vehicles(perception(cars=[Car(10.0, 2.0, length=4.0, width=2.0)])))
+    assert along == pytest.approx((6.0, 10.0))
+    assert across == pytest.approx((1.0, 3.0))
+
+
+def test_one_that_stands_across_the_road_is_turned_about_its_middle() -> None:
+    across = Car(10.0, 0.0, length=4.0, width=2.0, heading_error=np.pi / 2.0)
+    x, y = _extents(standing_vehicles(perception(cars=[across])))
+    assert x == pytest.approx((9.0, 11.0))
+    assert y == pytest.approx((-2.0, 2.0))
+
+
+def test_those_who_drive_or_are_far_do_not_count() -> None:
+    seen = perception(cars=[Car(10.0, 0.0, along_speed=1.0), Car(60.0, 0.0)])
+    assert len(standing_vehicles(seen).x) == 0
+
+
+@pytest.mark.parametrize(("across", "status"), [(0.5, SHIELDED), (1.7, SHIELDED), (2.2, "ok")])
+def test_a_plan_into_a_vehicle_that_stands_brakes(across: float, status: str) -> None:
+    seen = perception(ego(speed=5.0), straight_road(2), cars=[Car(FRONT + 2.0 + 4.5, across)])
+    assert LastCheck().checked(seen, keeps(5.0), NOBODY).status == status
+
+
+def test_in_a_bend_the_box_is_that_of_the_place_in_the_world() -> None:
+    """Along the road, the front of a vehicle beside a bend of 6 m is told of another place than its middle."""
+    seen = perception(
+        ego(speed=3.0),
+        bend(straight_road(), 0.0, 6.0, 12.0),
+        cars=[Car(9.0, 3.0, length=5.0, heading_error=0.4)],
+    )
+    placed = replace(seen.vehicles, position=np.array([[6.0, 7.0]]), heading=np.array([np.pi / 2.0]))
+    x, y = _extents(standing_vehicles(replace(seen, vehicles=placed)))
+    assert x == pytest.approx((5.1, 6.9))
+    assert y == pytest.approx((2.0, 7.0))
+
+
+def test_those_who_drive_are_wherever_they_will_be_but_for_the_ones_behind() -> None:
+    crosses = Car(10.0, -6.0, across_speed=2.0, heading_error=np.pi / 2.0)
+    follows = Car(-3.0, 0.0, along_speed=4.0)
+    x, y = _extents(driving_vehicles(perception(ego(speed=0.0), cars=[crosses, follows])))
+    assert x == pytest.approx((9.1, 10.9))
+    assert y == pytest.approx((-6.0 - 2.25, -6.0 + 2.25 + 2.0 * DRIVEN_FOR[-1]))
