@@ -40,6 +40,8 @@ CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
 deceleration [m/s^2], plus this [m/s]."""
 SLOWING_FOR_THE_ROAD = 1.5
 """Deceleration with which limits and bends ahead are met [m/s^2]."""
+SPEEDING_UP = 1.0
+"""How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
 
@@ -114,7 +116,7 @@ class SpeedTasks:
         for limit in (slowly, hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)):
             if limit is not None:
                 slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
-                reference = np.minimum(reference, slow)
+                reference = np.minimum(reference, _without_a_run_up(slow, times))
                 ceiling = np.minimum(ceiling, hidden_pedestrians.reached(*limit, positions, CEILING_BRAKING))
         task = SpeedTask(
             speed=ego.speed,
@@ -180,6 +182,20 @@ class SpeedTasks:
             places.append((end, "lane end"))
         nearest, name = min(places)
         return nearest, name if np.isfinite(nearest) else ""
+
+
+def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:
+    """Return wanted speeds that rise gently over the horizon, shape (N,) [m/s].
+
+    A jump of the wanted speed at the end of a slow stretch makes it cheaper to dawdle before it and to be
+    accelerating already when it comes. Planned anew, the stretch still ends as far ahead, and the ego
+    dawdles on, to a standstill.
+
+    >>> _without_a_run_up(np.array([9.0, 1.0, 1.0, 9.0]), np.array([1.0, 2.0, 3.0, 4.0])).tolist()
+    [9.0, 1.0, 1.0, 2.0]
+    """
+    rise = SPEEDING_UP * times
+    return np.asarray(np.minimum.accumulate(wanted - rise) + rise)
 
 
 def front_across(perception: Perception) -> float:

@@ -109,6 +109,17 @@ def _passed(gap: float, lane_width: float) -> Ride:
     )
 
 
+def test_people_on_both_sides_are_passed_at_the_speed_allowed_not_slower_and_slower() -> None:
+    """8 m beside them at 1 m/s; an ego that waited for their end to come nearer took 28 s."""
+    side = 0.5 * BODY.width + 0.25 + 0.2
+    people = [walk(x, y, 0.0, 0.0) for x in (12.0, 15.0) for y in (-side, side)]
+    record = ride(ToyRoad(lane_width=2.3), people, speed=0.0, duration=25.0)
+    x, _, speed, _ = record.track
+    assert speed[(x > 11.8) & (x < 15.2 + BODY.length)].max() < 1.1
+    assert record.clearance() > 0.19
+    assert record.arrival(25.0) < 19.0
+
+
 @pytest.mark.parametrize("gap", [0.2, 0.35, 0.5])
 def test_somebody_who_stands_in_the_lane_is_passed_slowly(gap: float) -> None:
     """The lane is too narrow to keep away from the pedestrian."""
