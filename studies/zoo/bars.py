@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from studies.zoo.results import Run
-from studies.zoo.tally import of, shared
+from studies.zoo.results import Contact, Run
+from studies.zoo.tally import Tally, of, shared
 
 JUDGED = "vo_mpc"
 REFERENCE, RIVAL = "sumo", "aeb"
-APPEARED = "appeared"
-"""Class of contacts with people who were first there inside the emergency stopping distance."""
+SUDDEN = ("appeared", "touching_at_start")
+"""Classes of contacts with people who were first there inside the emergency stopping distance, or in the body."""
+EXPLAINED = {"tight_bend": "bends too tight for a car", "off_lane": "places beside the lane that SUMO lacks"}
+"""Causes of interventions that say what happened."""
 FORESEEABLE = "n_stopped_on_crossing_foreseeable"
 LEAST_ENTERED, LEAST_NETWORKS, LEAST_ON_EACH = 2000, 15, 100
 
@@ -51,8 +53,8 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
     )
     lost = [run for run in runs if not run.valid and not run.of_sumo]
     teleported = [run for run in runs if run.of_sumo]
-    sudden = [contact for contact in contacts if APPEARED in contact.kind]
-    rest = [contact.impact_kmh or 0.0 for contact in contacts if APPEARED not in contact.kind]
+    sudden = [contact for contact in contacts if _sudden(contact)]
+    rest = [contact.impact_kmh or 0.0 for contact in contacts if not _sudden(contact)]
     ran, met = bool(judged.valid), bool(entered or contacts)
     return [
         Bar(
@@ -97,11 +99,7 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
             _zero(judged.total(FORESEEABLE), ran),
         ),
         _none("0 deadlocks", judged.total("deadlock"), ran),
-        _none(
-            "0 interventions, except in bends too tight for a car",
-            judged.total("n_interventions") - judged.total("n_interventions_tight_bend"),
-            ran,
-        ),
+        _interventions(judged, ran),
         _none("0 passes within 0.5 m above 3 m/s", judged.total("n_close_passes"), ran),
         _delay(runs),
     ]
@@ -113,6 +111,17 @@ def _none(what: str, count: int, ran: bool) -> Bar:
 
 def _zero(count: int, ran: bool) -> bool | None:
     return count == 0 if ran else None
+
+
+def _sudden(contact: Contact) -> bool:
+    return any(kind in contact.kind for kind in SUDDEN)
+
+
+def _interventions(judged: Tally, ran: bool) -> Bar:
+    explained = {cause: judged.total(f"n_interventions_{cause}") for cause in EXPLAINED}
+    others = judged.total("n_interventions") - sum(explained.values())
+    known = ", ".join(f"{count} in {EXPLAINED[cause]}" for cause, count in explained.items())
+    return Bar("0 unexplained interventions", f"{others} besides {known}", _zero(others, ran))
 
 
 def _against_sumo(runs: Sequence[Run]) -> Bar:

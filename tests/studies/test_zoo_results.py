@@ -91,18 +91,30 @@ def test_nothing_is_met_where_nothing_was_measured(tmp_path: Path) -> None:
     assert met == ["at most 1 run in 50 with an ego that SUMO teleported"]
 
 
-def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path) -> None:
-    sudden = {**zoo_runs.ENCOUNTER, "contact_class": "appeared", "contact_place": "carriageway"}
+@pytest.mark.parametrize("kind", ["appeared", "touching_at_start"])
+def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path, kind: str) -> None:
+    sudden = {**zoo_runs.ENCOUNTER, "contact_class": kind, "contact_place": "carriageway"}
     zoo_runs.run(tmp_path, "vo_mpc", FIRST, [{**sudden, "preventable_r157": 0}])
     zoo_runs.run(tmp_path, "vo_mpc", SECOND, n_entered=200)
     zoo_runs.ended(tmp_path)
     runs = read(tmp_path)
-    assert dict(of(runs, "vo_mpc").classes) == {"appeared": 1}
+    assert dict(of(runs, "vo_mpc").classes) == {kind: 1}
     found = verdicts(runs)
     assert found["0 preventable contacts"].met
     assert found["impact speed at most 5 km/h, except with pedestrians who appeared suddenly"].met
     assert found["contacts with pedestrians who appeared suddenly: at most 1 in 200 entered encounters"].met
     assert "carriageway" in page.text([TOWN], PLAN, runs, [], "make zoo", {"vo_mpc": "0" * 40})
+
+
+def test_interventions_that_tell_their_cause_are_named_and_the_others_counted(tmp_path: Path) -> None:
+    causes = {"n_interventions_tight_bend": 2, "n_interventions_off_lane": 3}
+    zoo_runs.run(tmp_path, "vo_mpc", FIRST, n_interventions=5, **causes)
+    zoo_runs.run(tmp_path, "vo_mpc", SECOND, n_interventions=6, **causes)
+    zoo_runs.ended(tmp_path)
+    bar = verdicts(read(tmp_path))["0 unexplained interventions"]
+    assert bar.measured.startswith("1 besides 4 in")
+    assert "6 in" in bar.measured
+    assert not bar.met
 
 
 def test_the_page_has_a_table_a_network_and_a_command_for_each_failure_and_contact(mixed: list[Run]) -> None:
