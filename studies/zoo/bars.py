@@ -11,7 +11,7 @@ from studies.zoo.tally import Tally, of, shared
 JUDGED = "vo_mpc"
 REFERENCE, RIVAL = "sumo", "aeb"
 SUDDEN = ("appeared", "touching_at_start")
-"""Classes of contacts with people who were first there inside the emergency stopping distance, or in the body."""
+"""Classes of contacts with people first seen inside the emergency stopping distance, or in the body."""
 EXPLAINED = {"tight_bend": "bends too tight for a car", "off_lane": "places beside the lane that SUMO lacks"}
 """Causes of interventions that say what happened."""
 FORESEEABLE = "n_stopped_on_crossing_foreseeable"
