@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -107,7 +108,7 @@ def test_people_who_appeared_are_a_class_of_their_own(tmp_path: Path, kind: str)
 
 
 def test_interventions_that_tell_their_cause_are_named_and_the_others_counted(tmp_path: Path) -> None:
-    causes = {"n_interventions_tight_bend": 2, "n_interventions_off_lane": 3}
+    causes: dict[str, Any] = {"n_interventions_tight_bend": 2, "n_interventions_off_lane": 3}
     zoo_runs.run(tmp_path, "vo_mpc", FIRST, n_interventions=5, **causes)
     zoo_runs.run(tmp_path, "vo_mpc", SECOND, n_interventions=6, **causes)
     zoo_runs.ended(tmp_path)
