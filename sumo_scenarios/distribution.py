@@ -46,7 +46,14 @@ class Distribution:
 
     def draw(self, generator: np.random.Generator) -> float:
         """Return one number; the generator advances by one, whatever the shape."""
-        share = float(generator.random())
+        return self.quantile(float(generator.random()))
+
+    def quantile(self, share: float) -> float:
+        """Return the number that this share of what is drawn lies below, for ``choice`` in the order given.
+
+        >>> Distribution("uniform", (2.0, 6.0)).quantile(0.25)
+        3.0
+        """
         if self.shape == "uniform":
             return self.values[0] + share * (self.values[1] - self.values[0])
         if self.shape == "choice":

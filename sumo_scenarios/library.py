@@ -25,6 +25,7 @@ from sumo_scenarios.suites.build import load_case
 from sumo_scenarios.suites.case import is_reference
 from sumo_scenarios.sumo_installation import packaged_file
 from sumo_scenarios.sumocfg import SumoConfiguration, read_sumocfg
+from sumo_scenarios.variant import variant
 
 __all__ = [
     "Egos",
@@ -86,8 +87,12 @@ def load(name_or_path: str) -> Scenario:
     )
 
 
-def _from_folder(folder: Path) -> Scenario:
+def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
     table = read_table(folder / DEFINITION)
+    if table.base:
+        if not may_have_base:
+            raise ScenarioError(f"{folder / DEFINITION}: has a base itself; expected a scenario without one")
+        return variant(folder, table, _base_of(folder, table.base))
     parameters = defaults(table)
     sumocfg: Path | None = None
     begin_s, step_s = 0.0, table.step_s or 0.1
@@ -118,6 +123,21 @@ def _from_folder(folder: Path) -> Scenario:
         table=table,
     )
     return with_pedestrians(scenario)
+
+
+def _base_of(folder: Path, base: str) -> Scenario:
+    """Return the scenario that one in ``folder`` is a variant of."""
+    if base in names():
+        return _from_folder(LIBRARY / base, may_have_base=False)
+    if is_reference(base):
+        return load_case(base)
+    path = (folder / base).resolve()
+    if not (path / DEFINITION).is_file():
+        raise ScenarioError(
+            f"{folder / DEFINITION}: base {base!r}: no such scenario; expected one of {', '.join(names())}, "
+            f"or a folder with {DEFINITION}, relative to this one"
+        )
+    return _from_folder(path, may_have_base=False)
 
 
 def _from_sumocfg(path: Path) -> Scenario:

@@ -65,6 +65,8 @@ class Scenario:
     """What scenario.toml says."""
     pedestrians: tuple[PedestrianTable, ...] = ()
     """Scripted ones, whom SUMO does not have."""
+    variant: Path | None = None
+    """Folder of the scenario.toml that has a base; ``folder`` is that of the base then."""
 
 
 def egos_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> Egos:

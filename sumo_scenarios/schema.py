@@ -22,6 +22,13 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Step = Annotated[float, Field(ge=SHORTEST_STEP_S, le=LONGEST_STEP_S, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)]
 Actuation = Literal["hybrid", "move"]
+OF_VARIANTS = frozenset(
+    (
+        *("base", "values", "description", "duration_s", "warmup_s", "step_s", "actuation"),
+        *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "search"),
+    )
+)
+"""Keys of a scenario.toml with a base; what it leaves out is as the base says."""
 
 
 class Table(BaseModel):
@@ -107,6 +114,10 @@ class ScenarioTable(Table):
     demand: DemandTable | None = None
     packaged_sumocfg: str = ""
     sumocfg: str = ""
+    base: str = ""
+    """Scenario of which this one is a variant: its roads and demand, with other values."""
+    values: dict[str, ParameterValue] = {}
+    """Of the base's parameters."""
     rates: dict[str, RateTable] = {}
     times: dict[str, float] = {}
     parameters: dict[str, ParameterTable] = {}
@@ -117,12 +128,23 @@ class ScenarioTable(Table):
     """Scripted ones; checked by ``pedestrian_tables`` once the parameters have values."""
     criteria: list[dict[str, Any]] = []
     """What runs are held against; checked by who has the metrics."""
+    search: dict[str, Any] = {}
+    """What a search for failures may vary; checked by who searches."""
 
     @model_validator(mode="after")
     def one_source(self) -> ScenarioTable:
         """Check that there is exactly one network, and a demand with a network of our own."""
+        if self.base:
+            foreign = sorted(self.model_fields_set - OF_VARIANTS)
+            if foreign:
+                raise ValueError(
+                    f"{foreign[0]!r} does not go with 'base'; keys that do: {', '.join(sorted(OF_VARIANTS))}"
+                )
+            return self
+        if self.values:
+            raise ValueError("'values' belongs to 'base'")
         if sum((self.network is not None, bool(self.packaged_sumocfg), bool(self.sumocfg))) != 1:
-            raise ValueError("expected exactly one of [network], sumocfg, packaged_sumocfg")
+            raise ValueError("expected exactly one of [network], sumocfg, packaged_sumocfg, base")
         if (self.network is None) != (self.demand is None):
             raise ValueError("[demand] belongs to [network]: expected both or none")
         counted = {"vehicles_per_hour", "pedestrians_per_hour", *self.parameters}

@@ -125,7 +125,7 @@ def write_report(
     blocks, compared = tables.configuration_blocks(made.configs), tables.comparison_blocks(made.comparisons)
     measured = {line["metric"] for block in (*blocks, *compared) for line in block["lines"]}
     measured |= known_measures() & {one["metric"] for one in (criteria or {}).get("rows", ())}
-    page = _environment().get_template("page.html.jinja")
+    page = environment().get_template("page.html.jinja")
     content = page.render(
         title=title or out.resolve().name,
         question=_question(study, baseline) if screened is None else _question_of_town(study),
@@ -161,8 +161,9 @@ def write_report(
     return Written(path, len(replayed), len(listed), missing, study.runs, {**study.unreadable, **damaged})
 
 
-def _environment() -> Environment:
-    environment = Environment(
+def environment() -> Environment:
+    """Return what fills the templates of this package."""
+    found = Environment(
         loader=PackageLoader("analysis.page", "."),
         autoescape=True,
         undefined=StrictUndefined,
@@ -170,11 +171,11 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["terms"] = linked
+    found.filters["terms"] = linked
     # Raw texts of the page itself; </ would end the element they stand in.
     folder = Path(__file__).parent
-    environment.globals["source"] = lambda name: (folder / name).read_text("utf-8").replace("</", "<\\/")
-    return environment
+    found.globals["source"] = lambda name: (folder / name).read_text("utf-8").replace("</", "<\\/")
+    return found
 
 
 def _question(study: Study, baseline: str | None) -> str:

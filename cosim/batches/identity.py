@@ -18,7 +18,7 @@ from cosim.recording.provenance import Inputs
 
 PACKAGES = ("analysis", "controllers", "cosim", "sumo_scenarios")
 WITHOUT_INFLUENCE = (
-    *("analysis/criteria", "analysis/protocols", "analysis/statistics", "analysis/study"),
+    *("analysis/criteria", "analysis/protocols", "analysis/search", "analysis/statistics", "analysis/study"),
     *(
         "cosim/api",
         "cosim/batches",
@@ -27,6 +27,7 @@ WITHOUT_INFLUENCE = (
         "cosim/conformance",
         "cosim/gym",
         "cosim/presentation",
+        "cosim/search",
     ),
     "cosim/suites",
 )

@@ -162,7 +162,11 @@ class Ledger:
         InputError
             Names the first run that was made from something else, and what differs.
         """
-        self._find_damage()
+        self.find_damage()
+        self.check_unchanged(jobs, identity)
+
+    def check_unchanged(self, jobs: Sequence[Job], identity: Callable[[Job], Identity]) -> None:
+        """Check that the whole ones among the runs were made from what is there now; raises as `verify`."""
         whole = set(self.whole())
         stale: list[tuple[str, list[str]]] = []
         for job in jobs:
@@ -241,7 +245,8 @@ class Ledger:
         """Return the content of a finished run's ``run.json``."""
         return read_made(self.run_folder(name))[0]
 
-    def _find_damage(self) -> None:
+    def find_damage(self) -> None:
+        """Look at the files of every finished run; what is wrong with some is in `damaged` then."""
         for name in self.finished():
             if told := run_damages(self.run_folder(name)):
                 self.damaged[name] = _first(told)

@@ -45,7 +45,8 @@ def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
         if library.is_built_in(one.place):
             continue
         scenario, _ = library.with_parameters(library.load(one.place), dict(one.scenario_settings))
-        entries[one.place] = (scenario.folder or scenario.sumocfg or Path(one.place)).resolve()
+        entry = scenario.variant or scenario.folder or scenario.sumocfg or Path(one.place)
+        entries[one.place] = entry.resolve()
         files.setdefault(one.place, set()).update(path.resolve() for path in _files(scenario))
     return tuple(_bundle(place, entries[place], sorted(some)) for place, some in sorted(files.items()))
 
@@ -57,6 +58,10 @@ def _bundle(place: str, entry: Path, files: Sequence[Path]) -> Bundle:
 
 def _files(scenario: Scenario) -> Iterator[Path]:
     folder, table = scenario.folder, scenario.table
+    if scenario.variant is not None:
+        yield scenario.variant / library.DEFINITION
+        if folder is not None and folder.parent == library.LIBRARY:
+            return  # every machine has the base
     if folder is not None and table is not None:
         yield folder / library.DEFINITION
         if table.network is not None:

@@ -102,14 +102,15 @@ def study_text(study: StudyTable) -> str:
     set = { duration_s = 60.0 }
     """
     content = study.model_dump(by_alias=True, exclude_unset=True)
-    return "".join(f"{key} = {_toml(value)}\n" for key, value in content.items())
+    return "".join(f"{key} = {toml_value(value)}\n" for key, value in content.items())
 
 
-def _toml(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """Return how TOML writes a value, a table on one line."""
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(name)} = {_toml(each)}" for name, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(name)} = {toml_value(each)}" for name, each in value.items()) + " }"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(toml_value, value)) + "]"
     if isinstance(value, float):
         return repr(value)
     # Texts, whole numbers and truth values are in TOML as in JSON, but for the one character.
@@ -117,7 +118,7 @@ def _toml(value: Any) -> str:
 
 
 def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _toml(name)
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_value(name)
 
 
 def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:

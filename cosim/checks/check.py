@@ -20,7 +20,7 @@ from cosim.checks.baseline import Baseline, check_common, check_same_road, compa
 from cosim.checks.evaluation import Evaluation
 from cosim.checks.files import PACKAGE, check_junit, write_findings
 from cosim.checks.finding import Finding, exit_code
-from cosim.checks.target import Target, Wishes, read_target
+from cosim.checks.target import Target, Wishes, expanded, read_target
 from cosim.errors import InputError
 from cosim.recording import folders
 
@@ -117,7 +117,8 @@ def prepared(
     """
     if not 0.0 < request.level < 1.0:
         raise InputError(f"--level: expected a probability above 0 and below 1, got {request.level:g}")
-    targets = [read_target(text, request.wishes) for text in request.targets]
+    texts = [text for given in request.targets for text in expanded(given)]
+    targets = [read_target(text, request.wishes) for text in texts]
     _check_targets(targets, with_baseline=request.baseline is not None)
     if request.drop_recordings and any(target.cases for target in targets):
         raise InputError("--drop-recordings: the verdicts of suites are made from the recordings")

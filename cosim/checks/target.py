@@ -65,6 +65,20 @@ class Target:
     """Of a suite, by the reference of the scenario."""
 
 
+def expanded(text: str) -> tuple[str, ...]:
+    """Return the study files of a folder that is no scenario, as those of a search; others as they are.
+
+    Parameters
+    ----------
+    text
+        A target of the command line.
+    """
+    path = Path(text)
+    if text.startswith(SUITE) or not path.is_dir() or (path / library.DEFINITION).is_file():
+        return (text,)
+    return tuple(str(file) for file in sorted(path.glob("*.toml"))) or (text,)
+
+
 def read_target(text: str, wishes: Wishes) -> Target:
     """Return what is to be run for a target, and what it is held against.
 

@@ -19,6 +19,7 @@ from analysis.errors import DamageError
 from cosim.cli import analyse, compare, conformance, listing, papers
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
+from cosim.cli import falsify as falsify_command
 from cosim.cli import inspect as inspect_command
 from cosim.cli import plot as plot_command
 from cosim.cli import replay as replay_command
@@ -47,6 +48,7 @@ app.command("run")(run_command.run)
 app.command("batch")(batch_command.batch)
 app.command("check")(check_command.check)
 app.command("screen")(screen_command.screen)
+app.command("falsify")(falsify_command.falsify)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("report")(report_command.report)

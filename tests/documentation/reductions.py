@@ -39,6 +39,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "check", "suite:"): ONE_CASE,
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance"): ("route",),
+    ("cosim", "falsify"): ("--budget", "10", "--no-report"),
     ("python", "-m", "studies.papers"): ("003",),
 }
 """What is added to a command that begins with these words; the first that fits. The last word is a prefix."""
@@ -69,6 +70,7 @@ MADE: Mapping[str, Sequence[str]] = {
     "docs/batches.md": ("results/study/runs.csv", "results/study/study.toml"),
     "docs/ci.md": ("check/junit.xml", "junit.xml", "checks/today/criteria.csv", "summary.md"),
     "docs/gymnasium.md": ("trained.py", "checks/trained/criteria.csv"),
+    "docs/falsify.md": ("results/constant/kinds.csv", "results/constant/failures/seed-1.toml"),
     "docs/first-network.md": ("results/vo_mpc/runs.csv", "report/report.html"),
     "docs/inspect.md": ("town.png", "scenarios/town/scenario.toml"),
     "docs/own-controller.md": ("runs/midblock_zebra-patient-1-1/report.html", "checks/patient"),
@@ -84,6 +86,7 @@ MADE: Mapping[str, Sequence[str]] = {
 MAY_FAIL_CRITERIA: Sequence[Words] = (
     ("cosim", "check", "suite:fmvss127", "--controller", "patient"),
     ("cosim", "check", "suite:fmvss127", "--controller", "./trained.py"),
+    ("cosim", "check", "results/constant/failures"),
 )
 """Exit code 1 is an answer, too."""
 

@@ -1,0 +1,153 @@
+"""The objective of a search: the smallest margin of the criteria that ``cosim check`` holds a run against.
+
+Each margin is brought to one scale, m / (1 + |m|) with m the distance to the threshold in units of
+`SCALES`, so that it lies between −1 and 1 and is negative where the criterion is violated.
+
+Where a criterion counts contacts, its margin is made of what is continuous about them:
+
+- without a contact, the smaller one of the clearance of the moving ego and the time to collision;
+- with one, the impact speed, negative;
+- with one that the careful driver of UN R157 would not have prevented, how much longer that driver would have
+  had to see the risk, positive: it is no failure, and the search is led away from it.
+
+A criterion of another count or yes/no has 1 while it is met: a search cannot follow it, only find it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value
+from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.thresholds import Thresholds
+
+CONTACTS = frozenset(
+    (
+        *("collision", "n_collisions", "n_collisions_preventable", "n_collisions_crossing"),
+        *("n_collisions_moved_by_ego", "n_collisions_class_ego", "n_collisions_carriageway"),
+    )
+)
+"""Metrics of which 0 means that there was no contact."""
+SCALES: Mapping[str, float] = {"m": 2.0, "s": 1.5, "km/h": 10.0, "m/s": 3.0, "m/s^2": 3.0, "m/s^3": 10.0}
+"""Distance to a threshold that counts as half of the way to the end of the scale, by unit; others 1."""
+LEAST = 0.01
+"""Of a violated criterion, however little it is violated."""
+NOT_PREVENTABLE = "0"
+"""Text of `preventable_r157` of a contact that does not count."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """A run against the criteria."""
+
+    margin: float | None
+    """Smallest one, −1 to 1, negative for a failure that counts; ``None`` without anything to judge."""
+    criterion: str = ""
+    """Whose margin that is."""
+    facts: Mapping[str, str] = field(default_factory=dict)
+    """Row of the encounter, or of the run, that the margin comes from."""
+    unpreventable: bool = False
+    """Whether something was violated that the careful driver would not have prevented."""
+    judged: frozenset[str] = frozenset()
+    """Criteria that had something to judge."""
+
+    @property
+    def failed(self) -> bool:
+        """Whether it is a failure that counts."""
+        return self.margin is not None and self.margin < 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Margin:
+    value: float
+    facts: Cells
+    unpreventable: bool = False
+
+
+def searchable(criteria: Sequence[Criterion]) -> tuple[Criterion, ...]:
+    """Return the criteria that a single run can violate."""
+    return tuple(one for one in criteria if one.scope != "configuration")
+
+
+def judge_run(criteria: Sequence[Criterion], encounters: Sequence[Cells], runs: Sequence[Cells]) -> Verdict:
+    """Return the smallest margin of a run.
+
+    Parameters
+    ----------
+    criteria
+        Those of scope encounter and run.
+    encounters, runs
+        Rows of its encounters.csv and runs.csv.
+    """
+    best: tuple[_Margin, str] | None = None
+    unpreventable, judged = False, set()
+    for one in criteria:
+        margins = [*_margins(one, encounters, runs)]
+        for margin in margins:
+            judged.add(one.id)
+            unpreventable |= margin.unpreventable
+            if best is None or margin.value < best[0].value:
+                best = margin, one.id
+    if best is None:
+        return Verdict(None)
+    return Verdict(best[0].value, best[1], best[0].facts, unpreventable, frozenset(judged))
+
+
+def _margins(criterion: Criterion, encounters: Sequence[Cells], runs: Sequence[Cells]) -> Iterator[_Margin]:
+    if criterion.metric in CONTACTS and criterion.operator in ("==", "<=", "<") and criterion.threshold < 1.0:
+        yield from map(_of_contact, encounters)
+        return
+    table = ENCOUNTERS if criterion.scope == "encounter" else RUNS
+    (column,) = [one for one in table.columns if one.name == criterion.metric]
+    rows = chosen_rows(criterion, encounters if table is ENCOUNTERS else runs)
+    counted = column.kind in ("integer", "boolean")
+    for row in rows:
+        found = judge(criterion, row_value(criterion, row))
+        if found.margin is None:
+            continue
+        value = squashed(found.margin / SCALES.get(criterion.unit, 1.0))
+        if found.status == "pass":
+            yield _Margin(1.0 if counted else max(value, 0.0), row)
+        elif table is ENCOUNTERS and row["preventable_r157"] == NOT_PREVENTABLE:
+            yield _Margin(LEAST, row, unpreventable=True)
+        else:
+            yield _Margin(min(value, -LEAST), row)
+
+
+def squashed(value: float) -> float:
+    """Return a number brought between −1 and 1, 0 staying where it is.
+
+    Examples
+    --------
+    >>> squashed(1.0), squashed(-3.0)
+    (0.5, -0.75)
+    """
+    return value / (1.0 + abs(value))
+
+
+def _of_contact(row: Cells) -> _Margin:
+    if row["collision"] == "1":
+        if row["preventable_r157"] == NOT_PREVENTABLE:
+            return _Margin(max(LEAST, squashed(_missing_s(row))), row, unpreventable=True)
+        speed = _number(row, "impact_speed_kmh") or 0.0
+        return _Margin(min(-LEAST, squashed(-speed / SCALES["km/h"])), row)
+    near = [
+        squashed(value / SCALES[unit])
+        for name, unit in (("clearance_min_m", "m"), ("min_ttc_s", "s"))
+        if (value := _number(row, name)) is not None
+    ]
+    return _Margin(min(near, default=1.0), row)
+
+
+def _missing_s(row: Cells) -> float:
+    """Return how much longer the careful driver would have had to see the risk, from a straight brake [s]."""
+    limits = Thresholds()
+    speed = _number(row, "max_speed_mps") or 0.0
+    seen = _number(row, "contact_risk_seen_s") or 0.0
+    braking = speed / (2.0 * limits.r157_deceleration_mps2)
+    return max(0.0, limits.r157_reaction_s + 0.5 * limits.r157_ramp_s + braking - seen)
+
+
+def _number(row: Cells, name: str) -> float | None:
+    return float(row[name]) if row.get(name) else None

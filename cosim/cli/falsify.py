@@ -1,0 +1,168 @@
+"""``cosim falsify``: what breaks a controller although a careful driver would have avoided it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cosim.cli import terminal
+from cosim.cli.options import Debug, Jobs, Settings
+
+if TYPE_CHECKING:
+    from cosim.search.search import FalsifyRequest, Found
+
+MOST_KINDS = 12
+"""Kinds that are printed."""
+
+
+def falsify(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario's name or folder, or a SUMO configuration.")
+    ],
+    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller.")] = "vo_mpc",
+    budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of trials.")] = 200,
+    method: Annotated[
+        str, typer.Option(metavar="NAME", help="cma-es, tpe, sobol, random or nsga-ii.")
+    ] = "cma-es",
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the search and of its runs.")] = 1,
+    space: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="What is varied.", show_default="[search] of the scenario, or its crossings"
+        ),
+    ] = None,
+    criteria: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="[[criteria]] that count.", show_default="the scenario's"),
+    ] = None,
+    settings: Settings = None,
+    jobs: Jobs = None,
+    time_budget: Annotated[
+        float | None, typer.Option(metavar="S", min=0, help="Begin no generation after so many seconds.")
+    ] = None,
+    stop_at_first: Annotated[
+        bool, typer.Option("--stop-at-first", help="Stop after the generation with the first failure.")
+    ] = False,
+    shrink: Annotated[
+        bool, typer.Option("--shrink/--no-shrink", help="Find the smallest change back to success.")
+    ] = True,
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Write report.html with a replay of each kind.")
+    ] = True,
+    run_timeout_s: Annotated[
+        float, typer.Option(metavar="S", min=1, help="Wall-clock time after which a run has failed.")
+    ] = 600.0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Output folder; resumes an earlier search.",
+            show_default="runs/falsify-…",
+        ),
+    ] = None,
+    debug: Debug = False,
+) -> int:
+    """Search a scenario for what a controller fails at although a careful driver would not have.
+
+    A trial is one passage of one ego. Failures that nobody could have prevented are listed apart. Repeat the
+    command to resume. The folder DIR/failures is a regression suite for cosim check.
+
+    \b
+    Examples:
+      cosim falsify jaywalk_arterial --controller aeb --budget 200 --out results/aeb
+      cosim falsify town.sumocfg --controller vo_mpc --budget 100 --stop-at-first
+      cosim falsify jaywalk_arterial --controller aeb --method tpe --space space.toml --time-budget 600
+
+    \b
+    Exit codes: 0 the search is done, whatever it found, 2 bad input (nothing is run), 3 no trial has a
+    result, or the search was interrupted. cosim check DIR/failures exits 1 while any of them still fails.
+    """
+    from cosim.batches.progress import shown_tally
+    from cosim.errors import InputError
+    from cosim.running.request import parse_settings
+    from cosim.search.search import FalsifyRequest, command, prepared
+
+    if not 0 <= seed < 2**31 - 1000:
+        raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 1001}, got {seed}")
+    request = FalsifyRequest(
+        scenario,
+        controller,
+        budget,
+        method,
+        seed,
+        parse_settings(settings or []),
+        space,
+        criteria,
+        out,
+        jobs,
+        time_budget,
+        stop_at_first,
+        shrink,
+        run_timeout_s,
+    )
+    search = prepared(request)
+    for note in search.subject.notes:
+        typer.echo(f"cosim: note: {note}", err=True)
+    try:
+        found = search.run(shown_tally())
+    except KeyboardInterrupt:
+        typer.echo(f"cosim: interrupted; what is finished is kept; to resume: {command(request)}", err=True)
+        return 3
+    _show(request, found)
+    if report:
+        from cosim.search.report import write_report
+
+        terminal.console().print(f"report: {write_report(search, found, shown_tally())}", soft_wrap=True)
+    return 0
+
+
+def _show(request: FalsifyRequest, found: Found) -> None:
+    """Print what was found, in words."""
+    from collections import Counter
+
+    from analysis.search.results import FAIL, INVALID, UNPREVENTABLE
+    from cosim.search.regression import FAILURES
+
+    console = terminal.console()
+
+    def say(text: str) -> None:
+        console.print(text, soft_wrap=True)
+
+    counts = Counter(one.status for one in found.tried)
+    first = next((number for number, one in enumerate(found.tried, 1) if one.status == FAIL), None)
+    say(
+        f"{len(found.tried)} runs of {request.controller}, by {request.method}: "
+        f"{_counted(counts[FAIL], 'preventable failure')} of {_counted(len(found.kinds), 'kind')}"
+        + (f", the first in run {first}" if first else "")
+        + f"; {_counted(counts[UNPREVENTABLE], 'run')} with a failure that nobody could have prevented, "
+        "listed apart"
+    )
+    if found.stopped:
+        say(f"Stopped early: {found.stopped}.")
+    if counts[INVALID]:
+        reason = next(one.invalid for one in found.tried if one.status == INVALID)
+        say(f"{counts[INVALID]} runs are not valid, for instance: {reason}")
+    for row in found.kinds[:MOST_KINDS]:
+        say(f"\n{row.number}. {row.kind.name}")
+        count = len(row.kind.failures)
+        say(f"   {_counted(count, 'run')}; smallest margin {row.kind.worst.margin:.2f}")
+        if row.change:
+            say(f"   smallest change back to success found: {row.change}")
+        say(f"   repeat: {row.command}")
+    if len(found.kinds) > MOST_KINDS:
+        say(f"\n… and {len(found.kinds) - MOST_KINDS} more kinds in {found.folder}/kinds.csv")
+    if found.influences:
+        told = ", ".join(
+            f"{one.axis} {one.first_order:.2f} ± {one.half_width:.2f}" for one in found.influences[:3]
+        )
+        say(f"\nWhat decides most by itself (Sobol's first-order index): {told}")
+    if found.kinds:
+        say(f"regression suite: cosim check {found.folder / FAILURES}")
+    say(f"files: {found.folder}")
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"

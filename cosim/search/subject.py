@@ -1,0 +1,216 @@
+"""What is searched: a scenario, a controller, the space and the criteria, checked before anything is run."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from analysis.criteria.criterion import Criterion
+from analysis.criteria.reading import CriterionError, read_criteria
+from analysis.errors import did_you_mean
+from analysis.search.axes import Axis
+from analysis.search.objective import searchable
+from cosim.errors import InputError
+from cosim.inspection.passages import Passage, passages, read_ways
+from cosim.running import inventory
+from cosim.search.space import Parameter, Space, read_space, read_space_file
+from sumo_scenarios import library
+from sumo_scenarios.distribution import Distribution
+from sumo_scenarios.library import Scenario
+
+CROSSINGS = Path(__file__).parent / "crossings.toml"
+"""Space of networks that say nothing themselves: somebody crosses at any crossing, timed to meet the ego."""
+PASSAGE = "passage"
+"""Axis of where a trial takes place."""
+OF_PASSAGES = ("crossing", "route")
+"""What else a table may name of a passage."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is searched."""
+
+    scenario: str
+    """As the user says it."""
+    place: str
+    """Name of a built-in scenario, or an absolute path."""
+    loaded: Scenario
+    controller: str
+    values: Mapping[str, str]
+    """Scenario parameters that are set for all trials."""
+    controller_settings: tuple[tuple[str, str], ...]
+    space: Space
+    criteria: tuple[Criterion, ...]
+    criteria_tables: tuple[Mapping[str, Any], ...]
+    """Those that are not the scenario's own, as TOML has them; none: the scenario's own hold."""
+    passages: Mapping[str, Passage] = field(default_factory=dict)
+    """By name."""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def configured(self) -> bool:
+        """Whether it is a SUMO configuration and not a scenario."""
+        return self.loaded.table is None
+
+
+def read_subject(
+    scenario: str,
+    controller: str,
+    settings: Mapping[str, str],
+    space_file: Path | None = None,
+    criteria_file: Path | None = None,
+) -> Subject:
+    """Return what is to be searched.
+
+    Raises
+    ------
+    InputError
+        For a scenario, controller, parameter, space or criterion that cannot be, in one line.
+    """
+    try:
+        loaded = library.load(scenario)
+    except (library.ScenarioError, OSError) as error:
+        raise InputError(str(error)) from error
+    if loaded.variant is not None:
+        raise InputError(f"{scenario}: has a base itself; expected the base, or a scenario without one")
+    space = _space(loaded, space_file)
+    tables = _criteria_tables(loaded, space, criteria_file)
+    criteria = _criteria(tables or _own_tables(loaded), scenario, controller)
+    values, of_controller = _split(loaded, controller, settings)
+    place = scenario if library.is_built_in(scenario) else str(Path(scenario).resolve())
+    subject = Subject(
+        scenario, place, loaded, controller, values, of_controller, space, criteria, tuple(tables)
+    )
+    if space.table.where is not None:
+        subject = _with_passages(subject)
+    _check_names(subject)
+    return subject
+
+
+def _space(loaded: Scenario, file: Path | None) -> Space:
+    if file is not None:
+        return read_space_file(file)
+    if loaded.table is not None and loaded.table.search:
+        return read_space(loaded.table.search, f"{loaded.name}: [search]")
+    return read_space(tomllib.loads(CROSSINGS.read_text("utf-8")), CROSSINGS.name)
+
+
+def _own_tables(loaded: Scenario) -> list[dict[str, Any]]:
+    return [] if loaded.table is None else loaded.table.criteria
+
+
+def _criteria_tables(loaded: Scenario, space: Space, file: Path | None) -> list[dict[str, Any]]:
+    """Return the criteria that take the place of the scenario's own; none where those hold."""
+    if file is None:
+        if space.table.criteria and not _own_tables(loaded):
+            return space.table.criteria
+        return []
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"--criteria {file}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"--criteria {file}: not valid TOML: {error}") from error
+    tables = content.get("criteria")
+    if not isinstance(tables, list) or len(content) > 1:
+        raise InputError(f"--criteria {file}: only [[criteria]] expected")
+    return tables
+
+
+def _criteria(tables: list[dict[str, Any]], scenario: str, controller: str) -> tuple[Criterion, ...]:
+    try:
+        criteria = read_criteria(tables)
+    except CriterionError as error:
+        raise InputError(f"{scenario}: {error}") from error
+    found = searchable([one for one in criteria if not one.controllers or controller in one.controllers])
+    if not found:
+        raise InputError(
+            f"{scenario}: no criterion that one run can violate; expected [[criteria]] of scope run or "
+            "encounter in the scenario.toml, in the file after --space or in one after --criteria"
+        )
+    return found
+
+
+def _split(
+    loaded: Scenario, controller: str, settings: Mapping[str, str]
+) -> tuple[dict[str, str], tuple[tuple[str, str], ...]]:
+    """Return the settings of the scenario and those of the controller."""
+    try:
+        of_controller = inventory.controller_parameters(controller)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+    names = library.parameter_names(loaded)
+    for key in settings:
+        if key not in names and key not in of_controller:
+            hint = did_you_mean(key, [*names, *of_controller])
+            raise InputError(
+                f"--set {key}: no such parameter; {hint}scenario {loaded.name!r} has {', '.join(names)}; "
+                f"controller {controller!r} has {', '.join(of_controller) or 'none'}"
+            )
+    return (
+        {key: text for key, text in settings.items() if key in names},
+        tuple((key, text) for key, text in settings.items() if key not in names),
+    )
+
+
+def _with_passages(subject: Subject) -> Subject:
+    """Add the axis of where a trial takes place."""
+    where = subject.space.table.where
+    assert where is not None
+    with TemporaryDirectory(prefix="cosim-") as work:
+        try:
+            net_file = library.prepare(subject.loaded, 1, Path(work)).net_file
+        except (library.ScenarioError, OSError) as error:
+            raise InputError(str(error)) from error
+    ways = read_ways(net_file)
+    known = ways.network.crossings
+    for name in where.crossings:
+        if name not in known:
+            hint = did_you_mean(name, sorted(known))
+            raise InputError(
+                f"{subject.space.place}: where.crossings: {subject.loaded.name} has no crossing {name!r}; "
+                f"{hint}it has {', '.join(sorted(known)[:20]) or 'none'}"
+            )
+    found = passages(ways, where.crossings, where.shortest_approach_m, where.longest_approach_m)
+    if not found:
+        raise InputError(
+            f"{subject.scenario}: no crossing that a car can drive over after an approach of "
+            f"{where.shortest_approach_m:g} to {where.longest_approach_m:g} m; see cosim inspect"
+        )
+    left = len(known) - len({one.crossing for one in found})
+    notes = (f"{len(found)} passages over {len(known) - left} of {len(known)} crossings are searched",)
+    choices = tuple(one.name for one in found)
+    axis = Axis(PASSAGE, choices=choices)
+    likely = Distribution("choice", tuple(float(i) for i in range(len(choices))))
+    where_axis = Parameter(axis, likely, "Crossing, manoeuvre and approach", "the network")
+    others = subject.space.parameters
+    if len(choices) > 1:
+        others = (where_axis, *others)
+    return replace(
+        subject,
+        space=replace(subject.space, parameters=others),
+        passages={one.name: one for one in found},
+        notes=notes,
+    )
+
+
+def _check_names(subject: Subject) -> None:
+    """Refuse a parameter that changes nothing, and a name that no parameter has."""
+    named = subject.space.named
+    own = {one.axis.name for one in subject.space.parameters}
+    given = own | (set(OF_PASSAGES) if subject.passages else set())
+    place = subject.space.place
+    for name in sorted(named - given):
+        hint = did_you_mean(name, sorted(given))
+        raise InputError(f"{place}: names ${name}; {hint}parameters that exist: {', '.join(sorted(given))}")
+    of_scenario = library.parameter_names(subject.loaded)
+    for name in sorted(own - named - {PASSAGE}):
+        if name not in of_scenario or subject.configured:
+            raise InputError(
+                f"{place}: parameters.{name} changes nothing; expected ${name} somewhere in the table, or a "
+                f"parameter of {subject.loaded.name}: {', '.join(of_scenario)}"
+            )

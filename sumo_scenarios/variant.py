@@ -1,0 +1,73 @@
+"""A scenario on the roads and with the demand of another one; what it leaves out is as there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.model import Scenario, egos_of
+from sumo_scenarios.parameters import parameter_names, with_parameters
+from sumo_scenarios.schema import ParameterValue, ScenarioTable
+
+_OF_RUNS = ("duration_s", "warmup_s", "step_s", "actuation", "lateral_resolution_m")
+_OF_THE_TABLE = ("description", "egos", "sensing", "pedestrians", "criteria", "search")
+
+
+def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
+    """Return the scenario that a ``scenario.toml`` with a base describes.
+
+    Parameters
+    ----------
+    folder
+        Of the variant; its name is the scenario's.
+    table
+        What its file says.
+    base
+        Whose files are used.
+
+    Raises
+    ------
+    ScenarioError
+        For a base without a table, and for a value that it does not take.
+    """
+    place = folder / "scenario.toml"
+    if base.table is None:
+        raise ScenarioError(
+            f"{place}: base: expected a scenario, got a SUMO configuration; use the key sumocfg"
+        )
+    said = {key: getattr(table, key) for key in _OF_THE_TABLE if key in table.model_fields_set}
+    merged = base.table.model_copy(update=said)
+    runs = {key: getattr(table, key) for key in _OF_RUNS if key in table.model_fields_set}
+    changed = replace(
+        base,
+        name=folder.name,
+        description=table.description,
+        table=merged,
+        egos=egos_of(merged, base.parameters),
+        variant=folder,
+        **runs,
+    )
+    try:
+        found, unknown = with_parameters(changed, {key: as_text(one) for key, one in table.values.items()})
+    except ScenarioError as error:
+        raise ScenarioError(f"{place}: {error}") from error
+    if unknown:
+        raise ScenarioError(
+            f"{place}: values.{min(unknown)}: {base.name} has no such parameter; "
+            f"it has {', '.join(parameter_names(changed))}"
+        )
+    return found
+
+
+def as_text(value: ParameterValue) -> str:
+    """Return a value of TOML as ``--set`` takes it.
+
+    Examples
+    --------
+    >>> as_text(True), as_text(0.1), as_text("bus")
+    ('true', '0.1', 'bus')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,138 @@
+"""A search from the command line: what it finds, resumes, refuses and leaves to the check."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from analysis.files import read_csv
+from cosim.cli import main
+from tests.cosim.batches import unruly
+
+SPACE = """
+warmup_s = 1.0
+duration_s = 16.0
+egos = { count = 1, depart_lane = "1", routes = [{ edges = "east" }] }
+
+[[pedestrians]]
+name = "met"
+kind = "line"
+lane = "east_1"
+from_m = [120.0, -2.5]
+to_m = [120.0, 6.0]
+speed_mps = "$speed_mps"
+start = { ego_arrival_s = "$gap_s" }
+
+[parameters.gap_s]
+minimum = 1.0
+maximum = 6.0
+
+[parameters.speed_mps]
+minimum = 1.0
+maximum = 2.0
+"""
+TABLES = ("trials.csv", "failures.csv", "unpreventable.csv", "progress.csv", "datapackage.json")
+
+pytestmark = pytest.mark.sumo
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a finished search for failures of a car that never brakes."""
+    folder = tmp_path_factory.mktemp("search")
+    (folder / "space.toml").write_text(SPACE)
+    assert main(arguments(folder, folder / "found", "--jobs", "2")) == 0
+    return folder / "found"
+
+
+def arguments(folder: Path, out: Path, *more: str) -> list[str]:
+    space = ["--space", str(folder / "space.toml"), "--no-report", "--set", "vehicles_per_hour=0"]
+    words = ["falsify", "jaywalk_arterial", "--controller", "constant_speed", "--budget", "10", *space]
+    return [*words, "--out", str(out), *more]
+
+
+def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -> None:
+    trials = read_csv(found / "trials.csv")
+    assert [row["trial"] for row in trials] == [str(number) for number in range(1, 11)]
+    statuses = [row["status"] for row in trials]
+    assert {"pass", "fail"} <= set(statuses)
+    for row in trials:
+        assert (float(row["margin"]) < 0.0) == (row["status"] == "fail")
+    # At 13.9 m/s a careful driver needs 2 s: who steps out with 1.2 s cannot be saved.
+    late = [row for row in trials if row["status"] == "unpreventable"]
+    assert all(float(row["gap_s"]) < 2.5 for row in late)
+    assert len(read_csv(found / "unpreventable.csv")) == len(late)
+    assert len(read_csv(found / "failures.csv")) == statuses.count("fail")
+
+
+def test_a_kind_has_a_name_a_command_and_the_smallest_change_back_to_success(found: Path) -> None:
+    first = read_csv(found / "kinds.csv")[0]
+    assert first["name"].startswith("contact hard at the front on the carriageway")
+    assert first["command"].startswith(f"cosim run {found}/failures/kind-01-trial-")
+    assert " instead of " in first["change_to_success"]
+
+
+def test_the_suite_fails_while_the_controller_does_and_passes_with_a_better_one(
+    found: Path, tmp_path: Path
+) -> None:
+    suite = str(found / "failures")
+    assert main(["check", suite, "--out", str(tmp_path / "same")]) == 1
+    assert main(["check", suite, "--controller", "vo_mpc", "--out", str(tmp_path / "better")]) == 0
+
+
+def test_a_search_that_was_cut_short_resumes_to_the_same_bytes_with_another_number_of_workers(
+    found: Path, tmp_path: Path
+) -> None:
+    cut = tmp_path / "cut"
+    shutil.copytree(found, cut)
+    for name in (*TABLES, "kinds.csv", "sensitivity.csv", "files.json"):
+        (cut / name).unlink()
+    shutil.rmtree(cut / "failures")
+    for run in sorted((cut / "trials/runs").iterdir())[3:8]:
+        shutil.rmtree(run)
+    assert main(arguments(found.parent, cut, "--jobs", "1")) == 0
+    for name in TABLES:
+        assert (cut / name).read_bytes() == (found / name).read_bytes(), name
+    ours = sorted(path.relative_to(cut) for path in (cut / "failures").rglob("*.toml"))
+    assert ours == sorted(path.relative_to(found) for path in (found / "failures").rglob("*.toml"))
+    assert all((cut / path).read_bytes() == (found / path).read_bytes() for path in ours)
+
+
+def test_another_search_does_not_resume_in_its_folder(
+    found: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments(found.parent, found, "--seed", "7")) == 2
+    assert "belongs to another search: there seed = 1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["--budget", "5"], "--budget 5: expected at least 10 trials"),
+        (["--method", "cma"], "--method cma: did you mean 'cma-es'"),
+        (["--set", "gap=3"], "--set gap: no such parameter"),
+        (["--controller", "nobody"], "nobody"),
+        (["--space", "nowhere.toml"], "--space nowhere.toml: cannot be read"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], told: str
+) -> None:
+    assert main(arguments(found.parent, tmp_path / "new", *more)) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.slow
+def test_a_controller_that_crashes_in_every_trial_ends_the_search_with_the_reason(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unruly.use(tmp_path / "plugin", monkeypatch)
+    crash = ["--controller", "unruly", "--set", "behaviour=raise"]
+    assert main([*arguments(found.parent, tmp_path / "out"), *crash]) == 3
+    error = capsys.readouterr().err
+    assert "every one of 10 runs failed, for instance: internal error, ZeroDivisionError" in error

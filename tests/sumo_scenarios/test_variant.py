@@ -1,0 +1,93 @@
+"""A scenario with a base has its roads and demand, and its own values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sumo_scenarios import library
+from sumo_scenarios.errors import ScenarioError
+
+TEXT = """description = "one passage"
+base = "jaywalk_arterial"
+duration_s = 40.0
+warmup_s = 10.0
+values = { vehicles_per_hour = 200.0, accepted_gap_s = 2.5 }
+
+[egos]
+count = 1
+routes = [{ edges = "east" }]
+
+[[pedestrians]]
+name = "met"
+kind = "jaywalk"
+edge = "east"
+section_m = [200.0, 200.0]
+speed_mps = 1.4
+start = { ego_arrival_s = "$accepted_gap_s" }
+"""
+
+
+def write(folder: Path, text: str = TEXT) -> str:
+    folder.mkdir(exist_ok=True)
+    (folder / "scenario.toml").write_text(text)
+    return str(folder)
+
+
+def test_it_has_its_own_values_and_everything_else_of_its_base(tmp_path: Path) -> None:
+    found = library.load(write(tmp_path / "mine"))
+    base = library.load("jaywalk_arterial")
+    assert (found.name, found.duration_s, found.warmup_s) == ("mine", 40.0, 10.0)
+    assert (found.vehicles_per_hour, found.pedestrians_per_hour) == (200.0, base.pedestrians_per_hour)
+    assert found.parameters["accepted_gap_s"] == 2.5
+    assert found.parameters["goal_along_m"] == base.parameters["goal_along_m"]
+    assert (found.egos.count, found.egos.routes) == (1, (("east",),))
+    assert [one.name for one in found.pedestrians] == ["met"]
+    assert found.table is not None
+    assert base.table is not None
+    assert found.table.criteria == base.table.criteria
+    assert (found.folder, found.variant) == (base.folder, tmp_path / "mine")
+
+
+def test_a_base_may_be_a_folder_relative_to_the_variant(tmp_path: Path) -> None:
+    source = library.LIBRARY / "jaywalk_arterial"
+    target = tmp_path / "jaywalk_copy"
+    target.mkdir()
+    for file in source.iterdir():
+        (target / file.name).write_text(
+            file.read_text().replace("../road_users", str(source.parent / "road_users"))
+        )
+    found = library.load(write(tmp_path / "mine", TEXT.replace('"jaywalk_arterial"', '"../jaywalk_copy"')))
+    assert found.folder == target.resolve()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("jaywalk_arterial", "jaywalk", "base 'jaywalk': no such scenario; expected one of"),
+        ("accepted_gap_s = 2.5", "gap = 2.5", "values.gap: jaywalk_arterial has no such parameter; it has"),
+        ("accepted_gap_s = 2.5", "accepted_gap_s = -1.0", "accepted_gap_s=-1.0: expected at least 0"),
+        ("[egos]", "[demand]\nroutes = []\n[egos]", "'demand' does not go with 'base'"),
+        ("warmup_s = 10.0", "warmup_s = 50.0", "warmup_s=50: expected less than duration_s=40"),
+    ],
+)
+def test_what_does_not_fit_is_told_in_one_line(tmp_path: Path, old: str, new: str, told: str) -> None:
+    with pytest.raises(ScenarioError, match=told):
+        library.load(write(tmp_path / "mine", TEXT.replace(old, new)))
+
+
+def test_values_belong_to_a_base(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="'values' belongs to 'base'"):
+        library.load(
+            write(
+                tmp_path / "mine",
+                'description = "x"\nsumocfg = "a.sumocfg"\nduration_s = 9.0\nvalues = { a = 1 }\n',
+            )
+        )
+
+
+def test_a_base_has_no_base_itself(tmp_path: Path) -> None:
+    write(tmp_path / "one")
+    with pytest.raises(ScenarioError, match="has a base itself"):
+        library.load(write(tmp_path / "two", TEXT.replace('"jaywalk_arterial"', '"../one"')))
