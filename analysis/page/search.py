@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import io
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-from matplotlib.figure import Figure
-
 from analysis.files import write_text
-from analysis.page.report import PAGE, environment
-from analysis.plots.search import draw_boundary, draw_progress
-from analysis.search.axes import Axis
+from analysis.page.names import PAGE
+from analysis.page.report import environment
 from analysis.search.results import FAIL, UNPREVENTABLE, KindRow, Tried
 from analysis.search.sensitivity import Influence
 
@@ -25,7 +19,6 @@ def write_search_page(
     title: str,
     question: str,
     answers: Sequence[str],
-    axes: Sequence[Axis],
     tried: Sequence[Tried],
     even: int,
     kinds: Sequence[KindRow],
@@ -33,6 +26,8 @@ def write_search_page(
     influences: Sequence[Influence],
     space: Sequence[Mapping[str, str]],
     seeds: str,
+    boundary: str,
+    progress: str,
 ) -> Path:
     """Write ``report.html`` of a search and return its path.
 
@@ -42,7 +37,7 @@ def write_search_page(
         Folder of the search.
     title, question, answers
         Top of the page.
-    axes, tried, kinds, influences
+    tried, kinds, influences
         What was found.
     even
         Number of runs that the influences are from.
@@ -52,8 +47,9 @@ def write_search_page(
         Rows of what was varied: name, range, description, source.
     seeds
         What the seed did, a sentence.
+    boundary, progress
+        Pictures as SVG; empty where there is none.
     """
-    shown = _most_deciding(axes, influences)
     page = environment().get_template("search.html.jinja")
     content = page.render(
         title=title,
@@ -61,21 +57,14 @@ def write_search_page(
         answers=list(answers),
         facts=_facts(tried, kinds),
         kinds=[_kind(row, replayed) for row in kinds],
-        boundary=_svg(draw_boundary(shown, tried)) if len(shown) == 2 else "",
-        progress=_svg(draw_progress(tried)),
+        boundary=boundary,
+        progress=progress,
         influences=list(influences),
         even=even,
         space=list(space),
         seeds=seeds,
     )
     return write_text(out / PAGE, content)
-
-
-def _most_deciding(axes: Sequence[Axis], influences: Sequence[Influence]) -> list[Axis]:
-    """Return the two axes that decide most; without any influences the first two numbers."""
-    by_name = {axis.name: axis for axis in axes}
-    order = [by_name[one.axis] for one in influences] or sorted(axes, key=lambda axis: not axis.numeric)
-    return order[:2]
 
 
 def _facts(tried: Sequence[Tried], kinds: Sequence[KindRow]) -> list[dict[str, str]]:
@@ -101,11 +90,3 @@ def _kind(row: KindRow, replayed: Mapping[int, str]) -> dict[str, Any]:
         "replayed": row.number in replayed,
         "run": replayed.get(row.number, ""),
     }
-
-
-def _svg(figure: Figure) -> str:
-    """Return a figure as an element of a page, the same bytes each time."""
-    text = io.StringIO()
-    with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)

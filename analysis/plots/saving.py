@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import re
 from pathlib import Path
 
 import matplotlib
@@ -17,3 +19,11 @@ def save(figure: Figure, path: Path) -> Path:
         metadata = {"Date": None} if path.suffix.lower() == ".svg" else {"Software": None}
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata)
     return path
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure as the element of a page."""
+    text = io.StringIO()
+    with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)

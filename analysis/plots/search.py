@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis.search.axes import Axis
 from analysis.search.results import FAIL, INVALID, PASS, UNDEFINED, UNPREVENTABLE, Tried
+from analysis.search.sensitivity import Influence
 
 WIDTH_IN, HEIGHT_IN = 6.4, 4.4
 STYLES = {
@@ -39,9 +40,9 @@ def draw_boundary(axes: Sequence[Axis], tried: Sequence[Tried]) -> Figure:
         plot.scatter(
             _places(across, some),
             _places(up, some),
-            size,
-            colour,
-            marker,
+            s=size,
+            c=colour,
+            marker=marker,
             label=f"{label} ({len(some)})",
             zorder=2 + (status == FAIL),
             linewidths=0.0,
@@ -60,7 +61,7 @@ def draw_progress(tried: Sequence[Tried]) -> Figure:
     margins = [1.0 if one.verdict.margin is None else one.verdict.margin for one in tried]
     runs = np.arange(1, len(tried) + 1)
     known = [one.status != INVALID for one in tried]
-    plot.scatter(runs[known], np.array(margins)[known], 9, "#9aa3ad", label="margin of each run")
+    plot.scatter(runs[known], np.array(margins)[known], s=9, c="#9aa3ad", label="margin of each run")
     plot.step(runs, np.minimum.accumulate(margins), where="post", color="#0072b2", label="smallest so far")
     plot.axhline(0.0, color="#1b2330", linewidth=0.8)
     plot.set_xlabel("run")
@@ -71,6 +72,13 @@ def draw_progress(tried: Sequence[Tried]) -> Figure:
     count.set_ylim(0, max(1, int(failures[-1])) * 1.1)
     figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize="small")
     return figure
+
+
+def most_deciding(axes: Sequence[Axis], influences: Sequence[Influence]) -> list[Axis]:
+    """Return the two axes that decide most; without any influences numbers come first."""
+    by_name = {axis.name: axis for axis in axes}
+    order = [by_name[one.axis] for one in influences] or sorted(axes, key=lambda axis: not axis.numeric)
+    return order[:2]
 
 
 def _places(axis: Axis, tried: Sequence[Tried]) -> list[float]:

@@ -26,7 +26,7 @@ _ROLES = {
 }
 
 
-def write_report(search: Search, found: Found, shown: Shown) -> Path:
+def write_report(search: Search, found: Found, progress: Shown) -> Path:
     """Record the clearest failure of each kind, write its replay and the page of the search.
 
     Raises
@@ -36,16 +36,18 @@ def write_report(search: Search, found: Found, shown: Shown) -> Path:
     """
     try:
         from analysis.page.search import write_search_page
+        from analysis.plots.saving import svg_text
+        from analysis.plots.search import draw_boundary, draw_progress, most_deciding
     except ModuleNotFoundError as error:
         raise InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[report]"') from error
-    with shown as show:
+    with progress as show:
         replayed = _replays(search, found, show)
+    shown = most_deciding(found.axes, found.influences)
     return write_search_page(
         found.folder,
         title=found.folder.resolve().name,
         question=f"What breaks {search.request.controller} on {search.subject.loaded.name}?",
         answers=_answers(search, found),
-        axes=found.axes,
         tried=found.tried,
         even=_even(search, found),
         kinds=found.kinds,
@@ -53,6 +55,8 @@ def write_report(search: Search, found: Found, shown: Shown) -> Path:
         influences=found.influences,
         space=[_row(one) for one in search.subject.space.parameters],
         seeds=_ROLES[search.subject.space.table.seed].format(seeds=", ".join(map(str, search.seeds))),
+        boundary=svg_text(draw_boundary(shown, found.tried)) if len(shown) == 2 else "",
+        progress=svg_text(draw_progress(found.tried)),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.search.axes import Axis, distance, point, shares
+from analysis.search.axes import Axis, Point, distance, point, shares
 
 SPEED = Axis("speed_mps", 0.5, 2.5)
 SIZE = Axis("size", 1.0, 3.0, whole=True)
@@ -36,7 +36,7 @@ def test_a_point_has_a_value_for_each_axis_and_an_array_of_shares() -> None:
 
 
 def test_a_change_of_side_counts_as_much_as_the_whole_range_of_a_number() -> None:
-    here = {"speed_mps": 0.5, "side": "left"}
+    here: Point = {"speed_mps": 0.5, "side": "left"}
     axes = [SPEED, SIDE]
     assert distance(axes, here, {"speed_mps": 2.5, "side": "left"}) == pytest.approx(math.sqrt(0.5))
     assert distance(axes, here, {"speed_mps": 0.5, "side": "right"}) == pytest.approx(math.sqrt(0.5))
