@@ -12,12 +12,11 @@ from controllers.interface import Command, Drive, Perception
 from cosim.errors import InputError, SimulationError
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
-from cosim.step.frames import heading_of, rear_axle_of
-from cosim.step.plant import CAR_DRIVE, Plant, body_of
+from cosim.step.frames import heading_of
+from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
-from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.connection import start
-from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go, own_limit
+from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.everybody import Everybody
 from cosim.sumo.intervention import cause_of
@@ -26,14 +25,13 @@ from cosim.sumo.levels import Levels
 from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
 from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
-from cosim.sumo.placement import Executed, Method, Placement
+from cosim.sumo.placement import Method, Placement
 from cosim.sumo.present import Present, everybody_present
 from cosim.sumo.road_users import KnownState
-from cosim.sumo.route import Route
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import Observer, Surroundings
-from cosim.sumo.track import Track
+from cosim.sumo.takeover import Takeover, seen
 from cosim.sumo.truth import persons_truth, vehicles_truth
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
@@ -83,9 +81,8 @@ class SumoWorld:
         self._end = prepared.begin_s + scenario.duration_s
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first, not everybody)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
-        self._drive = drive
+        self._takeover = Takeover(self._network, drive)
         self._egos: dict[str, DrivenEgo] = {}
-        self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
         self._off_the_way = 0
@@ -291,7 +288,7 @@ class SumoWorld:
         plant = ego.plant
         before = plant.front
         if ego.handed_back:
-            ego.executed = self._seen(ego.name)
+            ego.executed = seen(self._sumo, ego.name)
             speed = ego.executed.speed
             heading = heading_of(self._sumo.vehicle.getAngle(ego.name))
             before_speed = plant.speed
@@ -324,11 +321,6 @@ class SumoWorld:
         ego.handed_back = ego.given_up = True
         self._given_up.append(ego.name)
 
-    def _seen(self, name: str) -> Executed:
-        vehicle = self._sumo.vehicle
-        x, y = vehicle.getPosition(name)
-        return Executed(x, y, vehicle.getSpeed(name), vehicle.getLaneID(name))
-
     def _remove_arrived(self) -> None:
         """Take egos off the road at the end of their routes: a moved vehicle never arrives."""
         for name in [name for name, ego in self._egos.items() if ego.track.arrived]:
@@ -359,31 +351,17 @@ class SumoWorld:
                 self._to_take.append(name)
 
     def _take_over(self, name: str) -> None:
-        vehicle = self._sumo.vehicle
-        kind = vehicle.getVehicleClass(name)
-        edges = tuple(vehicle.getRoute(name))
-        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
-        turning = turning_of(body, self._drive)
-        key = (edges, kind, turning)
-        if key not in self._routes:
-            try:
-                self._routes[key] = Route(self._network, edges, kind, turning)
-            except InputError as error:
-                if self._sources.is_of_share(name):
-                    self._not_taken.append(name)
-                    return
-                raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
-        seen = self._seen(name)
-        heading = heading_of(vehicle.getAngle(name))
-        rear = rear_axle_of(seen.x, seen.y, heading, body.front)
-        plant = Plant(body, self._drive, *rear, heading, seen.speed)
-        track = Track(self._routes[key], vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
-        track.update(seen.x, seen.y)
-        track.number = 0
+        try:
+            ego = self._takeover.ego_of(self._sumo, name)
+        except InputError as error:
+            if self._sources.is_of_share(name):
+                self._not_taken.append(name)
+                return
+            raise SimulationError(f'vehicle "{name}" cannot be an ego: {error}') from error
         let_go(self._sumo, name)
         self._placement.take_over(name)
         self._observer.follow(name)
-        self._egos[name] = DrivenEgo(name, plant, track, seen, own_limit(self._sumo, name), plant.front)
+        self._egos[name] = ego
         self._any_ego = True
 
     def _observe(self) -> None:

@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 
 from analysis.encounters.prediction import required_deceleration
 from analysis.geometry import clearance, closest_approach, time_to_contact, to_frame
-from tests.analysis import judges
+from tests.analysis.judges import uniform_motion
+from tests.analysis.judges.agreement import Judge
+from tests.analysis.judges.conflict_areas import conflict_area_instants
+from tests.analysis.judges.recorded_rides import curved_rides
 
 CAR = (2.25, 0.9)
 
@@ -61,14 +64,14 @@ def test_after_a_reaction_time_more_deceleration_is_needed() -> None:
 @pytest.mark.parametrize(
     ("judge", "count", "bound"),
     [
-        (judges.time_to_contact, 1000, 1e-9),
-        (judges.predicted_distance, 600, 1e-9),
-        (judges.distance_between_samples, 600, 1e-9),
-        (judges.rectangle_overlap, 4000, 0.0),
-        (judges.conflict_area_instants, 20, 0.005),
+        (uniform_motion.time_to_contact, 1000, 1e-9),
+        (uniform_motion.predicted_distance, 600, 1e-9),
+        (uniform_motion.distance_between_samples, 600, 1e-9),
+        (uniform_motion.rectangle_overlap, 4000, 0.0),
+        (conflict_area_instants, 20, 0.005),
     ],
 )
-def test_shapely_agrees(judge: judges.Judge, count: int, bound: float) -> None:
+def test_shapely_agrees(judge: Judge, count: int, bound: float) -> None:
     found = judge(count)
     assert found.disagreements == 0
     assert found.defined >= count / 5
@@ -77,11 +80,11 @@ def test_shapely_agrees(judge: judges.Judge, count: int, bound: float) -> None:
 
 @pytest.mark.parametrize(("step", "bound"), [(0.1, 0.005), (1.0, 0.02)])
 def test_shapely_agrees_on_curved_rides_at_any_step(step: float, bound: float) -> None:
-    assert judges.curved_rides(step, 6).largest <= bound
+    assert curved_rides(step, 6).largest <= bound
 
 
 def test_the_deceleration_is_what_a_search_over_braking_finds() -> None:
-    found = judges.braking()
+    found = uniform_motion.braking()
     assert found.largest <= 1e-6
 
 

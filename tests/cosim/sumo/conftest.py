@@ -10,6 +10,7 @@ import pytest
 import sumo
 
 from controllers.interface import Command, Perception, constant_command
+from cosim.step.world import Snapshot
 from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
 from cosim.sumo.world import SumoWorld
@@ -76,6 +77,7 @@ def braunschweig() -> Network:
     return read_network(folder / "fokr_bs.net.xml.gz")
 
 
+STRAIGHT = Egos(routes=(("am", "mj", "jb"),), count=1)
 OpenWorld = Callable[..., SumoWorld]
 
 
@@ -131,3 +133,19 @@ def keep_lane(perception: Perception, wish: float = 10.0) -> Command:
     steering = ego.body.wheelbase * curvature - softness * (0.9 * ego.heading_error + 0.12 * ego.across)
     limit = float(road.limit[road.limit_along <= ego.body.front + ego.speed].min())
     return constant_command(0.8 * (min(wish, limit) - ego.speed), steering)
+
+
+def drive(
+    world: SumoWorld,
+    driver: Callable[[Perception], Command] = keep_lane,
+    look: Callable[[Perception], None] = lambda perception: None,
+) -> list[Snapshot]:
+    """Run to the end and return every snapshot."""
+    snapshots = []
+    while (perceptions := world.sense()) is not None:
+        for perception in perceptions:
+            look(perception)
+            world.act(perception.ego.name, driver(perception))
+        world.advance()
+        snapshots.append(world.snapshot())
+    return snapshots

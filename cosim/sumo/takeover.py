@@ -1,0 +1,65 @@
+"""How a vehicle of SUMO becomes one that is driven from here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from controllers.interface import Drive
+from cosim.step.frames import heading_of, rear_axle_of
+from cosim.step.plant import Plant, body_of
+from cosim.sumo.bends import Turning, turning_of
+from cosim.sumo.driven_ego import DrivenEgo, own_limit
+from cosim.sumo.network import Network
+from cosim.sumo.placement import Executed
+from cosim.sumo.route import Route
+from cosim.sumo.track import Track
+
+
+class Takeover:
+    """Makes egos of vehicles as SUMO has them; egos of one route share it.
+
+    Parameters
+    ----------
+    network
+    drive : actuators of every ego
+    """
+
+    def __init__(self, network: Network, drive: Drive) -> None:
+        self._network = network
+        self._drive = drive
+        self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
+
+    def ego_of(self, sumo: Any, name: str) -> DrivenEgo:
+        """Return the ego that a vehicle is from now on: where it is, as fast, on its route.
+
+        Raises
+        ------
+        InputError
+            If the route cannot be driven.
+        """
+        vehicle = sumo.vehicle
+        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
+        route = self._route(
+            tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning_of(body, self._drive)
+        )
+        now = seen(sumo, name)
+        heading = heading_of(vehicle.getAngle(name))
+        rear = rear_axle_of(now.x, now.y, heading, body.front)
+        plant = Plant(body, self._drive, *rear, heading, now.speed)
+        track = Track(route, vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
+        track.update(now.x, now.y)
+        track.number = 0
+        return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
+
+    def _route(self, edges: tuple[str, ...], kind: str, turning: Turning) -> Route:
+        key = (edges, kind, turning)
+        if key not in self._routes:
+            self._routes[key] = Route(self._network, edges, kind, turning)
+        return self._routes[key]
+
+
+def seen(sumo: Any, name: str) -> Executed:
+    """Return where SUMO has a vehicle."""
+    vehicle = sumo.vehicle
+    x, y = vehicle.getPosition(name)
+    return Executed(x, y, vehicle.getSpeed(name), vehicle.getLaneID(name))
