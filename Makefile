@@ -117,8 +117,8 @@ study-solvers: $(VENV)/installed-bench
 
 # 1: a controller fails a case, which is what the table is to show.
 protocols: $(VENV)/installed-papers
-	$(BIN)/python -m cosim.suites all --controller all --out runs/protocols --jobs $(JOBS) || test $$? -eq 1
-	$(BIN)/python -m cosim.suites.page runs/protocols docs/protocols.md
+	$(BIN)/python -m studies.protocols all --controller all --out runs/protocols --jobs $(JOBS) || test $$? -eq 1
+	$(BIN)/python -m studies.protocols.page runs/protocols docs/protocols.md
 
 # Goes on where it was interrupted. The whole zoo of a seed writes docs/zoo.md, a quick one only its folder.
 SEED ?= 1

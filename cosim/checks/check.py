@@ -71,6 +71,8 @@ class Result:
     findings: tuple[Finding, ...]
     stopped: str
     """Why it ended early; empty if it did not."""
+    evaluations: tuple[Evaluation, ...]
+    """What the findings are made of, for each target."""
 
     @property
     def exit_code(self) -> int:
@@ -101,7 +103,7 @@ class Check:
             order = [target.name for target, _ in self.parts]
             findings = sorted([*findings, *compared], key=lambda one: order.index(one.target))
         write_findings(self.folder, findings, self.request.junit)
-        return Result(self.folder, tuple(findings), stopped)
+        return Result(self.folder, tuple(findings), stopped, tuple(one for one, _ in evaluations))
 
 
 @contextmanager

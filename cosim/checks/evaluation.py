@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -45,13 +45,18 @@ class Evaluation:
 
     def __init__(self, target: Target, batch: Batch, stopped: str, command: str) -> None:
         self._command = command
-        self._target = target
+        self.target = target
         self._batch = batch
         self._stopped = stopped
 
+    @property
+    def configurations(self) -> Sequence[Configuration]:
+        """What was run."""
+        return self._batch.matrix.configurations
+
     def findings(self) -> list[Finding]:
         """Return everything, in a fixed order."""
-        return [row for one in self._batch.matrix.configurations for row in self._configuration(one)]
+        return [row for one in self.configurations for row in self._configuration(one)]
 
     def made(self, one: Configuration) -> list[Made]:
         """Return the runs of a configuration in the order of their seeds."""
@@ -61,7 +66,7 @@ class Evaluation:
         """Return a finding that holds only its origin."""
         varied = " ".join(f"{key}={value}" for key, value in one.varied)
         return Finding(
-            target=self._target.name,
+            target=self.target.name,
             scenario_id=one.scenario_name,
             controller=one.controller,
             configuration=f"{one.controller} {varied}".strip(),
@@ -75,9 +80,9 @@ class Evaluation:
         made = self.made(one)
         origin = self.origin(one)
         yield from (validity(origin, run) for run in made)
-        if one.scenario in self._target.cases:
+        if one.scenario in self.target.cases:
             yield from (self._case(origin, one, run) for run in made)
-        for criterion in self._target.criteria[one]:
+        for criterion in self.target.criteria[one]:
             if criterion.scope == "configuration":
                 about = replace(origin, command=self._command)
                 yield judged_statistic(about, criterion, made, self._statistics)
@@ -87,21 +92,21 @@ class Evaluation:
 
     def _case(self, origin: Finding, one: Configuration, run: Made) -> Finding:
         """Return the verdict of a test protocol on a run."""
-        case = self._target.cases[one.scenario]
+        case = self.target.cases[one.scenario]
         about = about_case(origin, case, run)
         if run.reason:
             return replace(about, status="invalid", note=run.reason)
-        found = with_verdict(about, case, self._verdicts[Job(one, run.seed)])
+        found = with_verdict(about, case, self.verdicts[Job(one, run.seed)])
         return found if run.folder is None else with_culprit(found, run.folder, {})
 
     @cached_property
-    def _verdicts(self) -> Mapping[Job, Verdict]:
+    def verdicts(self) -> Mapping[Job, Verdict]:
         """Return the verdicts on all valid runs; some cases are held against the standard one beside them."""
         from cosim.suites import judging
 
         groups: dict[object, list[tuple[Job, Case, Verdict]]] = {}
-        for one in self._batch.matrix.configurations:
-            case = self._target.cases[one.scenario]
+        for one in self.configurations:
+            case = self.target.cases[one.scenario]
             for run in self.made(one):
                 if run.folder is not None and not run.reason:
                     together = one.controller, one.settings, one.sensing, run.seed
@@ -135,12 +140,12 @@ class Evaluation:
         if job.name in self._finished:
             description = self._batch.ledger.description(job.name)
             reason = "" if description["valid"] else str(description["invalid_reason"])
-            place = f"{self._target.name}/{RUN_FOLDERS}/{job.name}"
+            place = f"{self.target.name}/{RUN_FOLDERS}/{job.name}"
             return Made(
                 job.seed, job.command(), self._batch.ledger.run_folder(job.name), place, reason, description
             )
         if job.name in self._failures:
-            failed_in = f"{self._target.name}/{FAILED}/{job.name}"
+            failed_in = f"{self.target.name}/{FAILED}/{job.name}"
             return Made(job.seed, job.command(), None, failed_in, self._failures[job.name] or "failed", {})
         return Made(
             job.seed, job.command(), None, "", f"not made: {self._stopped or 'the batch ended before it'}", {}

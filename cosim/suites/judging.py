@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from analysis.errors import did_you_mean
 from analysis.protocols.impact import measure
 from analysis.protocols.verdict import Demand, Verdict, compared, decide
 from cosim.errors import InputError
@@ -28,18 +26,17 @@ def label(name: str) -> str:
     return tables.read_suite(name).label
 
 
-def cases(name: str, only: str = "") -> Sequence[Case]:
+def cases(name: str) -> Sequence[Case]:
     """Return the cases of a suite; each has a ``reference`` that every command takes as a scenario.
 
     Parameters
     ----------
     name : of the suite, with or without ``suite:``; ``NAME/CASE`` gives the one case
-    only : a case's or a group's name, where ``*`` stands for anything; empty for all
 
     Raises
     ------
     InputError
-        One line: there is no such suite, or nothing fits.
+        One line: there is no such suite or case.
     """
     suite, _, case = name.removeprefix(references.PREFIX).partition("/")
     try:
@@ -48,14 +45,7 @@ def cases(name: str, only: str = "") -> Sequence[Case]:
             every = (references.find(f"{references.PREFIX}{suite}/{case}"),)
     except ScenarioError as error:
         raise InputError(str(error)) from error
-    if not only:
-        return every
-    found = [one for one in every if any(fnmatch.fnmatchcase(text, only) for text in _texts(one))]
-    if not found:
-        hint = did_you_mean(only, sorted({text for one in every for text in _texts(one)}))
-        groups = ", ".join(dict.fromkeys(one.group.name for one in every))
-        raise InputError(f"suite:{suite}: no case fits '{only}'; {hint}its groups are: {groups}")
-    return found
+    return every
 
 
 def judge(folder: Path, case: Case) -> Verdict:
@@ -85,7 +75,3 @@ def settled(judged: Iterable[tuple[Case, Verdict]]) -> list[tuple[Case, Verdict]
         standard = by_name.get((one.suite, one.group.standard, one.ego_speed_kmh))
         found.append((one, verdict if standard is None else compared(verdict, standard)))
     return found
-
-
-def _texts(case: Case) -> tuple[str, str]:
-    return case.name, case.group.name

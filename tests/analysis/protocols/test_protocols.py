@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.errors import AnalysisError
 from analysis.protocols.colours import COLOURS, FACTORS, colour, worse
 from analysis.protocols.impact import Impact, Measured
-from analysis.protocols.table import COLUMNS, Row, read, write
-from analysis.protocols.verdict import Demand, Verdict, compared, decide
+from analysis.protocols.verdict import Demand, compared, decide
 
 
 def impact(kmh: float, across: float = 0.0, side: str = "front") -> Impact:
@@ -119,21 +115,3 @@ def test_no_worse_is_held_against_the_standard_case() -> None:
 def test_a_contact_after_a_stop_is_told() -> None:
     verdict = decide(measured(5.0, stopped=True, after_stop=True), Demand("no_contact", 30.0))
     assert "after the ego had stopped" in verdict.note
-
-
-def row(verdict: Verdict | None, note: str = "") -> Row:
-    return Row("s", "c_30kmh", "c", "aeb", 1, 30.0, "somebody", "standard", verdict, note)
-
-
-def test_rows_are_written_and_read(tmp_path: Path) -> None:
-    green, brown = (decide(measured(kmh), Demand("green", 30.0)) for kmh in (None, 5.0))
-    path = write(tmp_path, [row(green), row(brown), row(None, "time-out")])
-    rows = read(path)
-    assert tuple(rows[0]) == COLUMNS
-    assert [one["colour"] for one in rows] == ["green", "brown", ""]
-    assert [one["impact_speed_kmh"] for one in rows] == ["", "5.00", ""]
-    assert [one["valid"] for one in rows] == ["1", "1", "0"]
-    assert rows[2]["note"] == "time-out"
-    path.write_text("suite,case\n")
-    with pytest.raises(AnalysisError, match="other columns"):
-        read(path)

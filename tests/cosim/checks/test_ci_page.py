@@ -46,7 +46,7 @@ def test_every_criterion_that_the_page_shows_can_be_read() -> None:
 def test_the_number_of_encounters_for_the_bound_is_right() -> None:
     from analysis.statistics.intervals import share_upper_bound
 
-    (needed,) = map(int, re.findall(r"at least (\d+) encounters without any collision", PAGE))
+    (needed,) = map(int, re.findall(r"at least (\d+) entered encounters without any collision", PAGE))
     bounds = [share_upper_bound(0, trials) for trials in (needed - 1, needed)]
     assert bounds[0] is not None
     assert bounds[1] is not None

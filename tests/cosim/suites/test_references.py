@@ -15,7 +15,6 @@ from cosim.errors import InputError
 from cosim.running.compose import inputs_of
 from cosim.running.request import RunRequest
 from cosim.suites import judging
-from cosim.suites.running import run_cases
 from sumo_scenarios.suites import build
 
 CASE = "suite:fmvss127/obstructed_child_30kmh"
@@ -69,23 +68,8 @@ def test_the_test_speed_is_part_of_a_runs_identity(speed: float, monkeypatch: py
 
 
 @pytest.mark.sumo
-def test_cases_run_in_worker_processes_are_judged_and_resumed(tmp_path: Path) -> None:
-    cases = [case for case in judging.cases("fmvss127", "stationary") if case.ego_speed_kmh < 25.0]
-    controllers = ["constant_speed", "aeb"]
-    finished = run_cases(cases, controllers, tmp_path / "out", jobs=1)
-    assert finished.result.tally.made == 4
-    assert finished.exit_code == 1
-    verdicts = {(row.controller, row.case): row.verdict for row in finished.rows}
-    assert {name: verdict.passed for name, verdict in verdicts.items() if verdict is not None} == {
-        ("constant_speed", "stationary_10kmh"): False,
-        ("constant_speed", "stationary_20kmh"): False,
-        ("aeb", "stationary_10kmh"): True,
-        ("aeb", "stationary_20kmh"): True,
-    }
-    written = (tmp_path / "out" / "protocol.csv").read_bytes()
-    again = run_cases(cases, controllers, tmp_path / "out", jobs=1)
-    assert again.result.tally.made == 0
-    assert (tmp_path / "out" / "protocol.csv").read_bytes() == written
-    table = study_of(study(scenarios=[case.reference for case in cases]), "other")
-    with prepared(BatchRequest(Path("other.toml"), tmp_path / "other", 1, table=table)) as batch:
+def test_a_study_of_cases_lacks_a_run_for_each(tmp_path: Path) -> None:
+    cases = [f"suite:fmvss127/stationary_{speed}kmh" for speed in (10, 20)]
+    table = study_of(study(scenarios=cases), "mine")
+    with prepared(BatchRequest(Path("mine.toml"), tmp_path / "mine", 1, table=table)) as batch:
         assert len(batch.missing) == 2

@@ -1,4 +1,4 @@
-"""``python -m cosim.suites.page FOLDER PAGE``: the verdicts of all suites, below ``## Tables`` of a page.
+"""``python -m studies.protocols.page FOLDER PAGE``: the verdicts of all suites, below ``## Tables``.
 
 FOLDER holds, at any depth, one ``protocol.csv`` for each suite and set of controllers.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from analysis.errors import AnalysisError
 from analysis.markdown import table, write_below
-from analysis.protocols.table import FILE, read, score
+from studies.protocols.table import FILE, read, score
 from sumo_scenarios.suites.tables import GroupTable, read_suite
 from sumo_scenarios.suites.tables import names as suite_names
 
@@ -31,7 +31,7 @@ def write_page(folder: Path, page: Path) -> None:
     """
     files = sorted(folder.rglob(FILE))
     if not files:
-        raise AnalysisError(f"{folder}: no {FILE}; python -m cosim.suites NAME --out {folder}/NAME makes one")
+        raise AnalysisError(f"{folder}: no {FILE}; python -m studies.protocols NAME --out {folder} makes one")
     rows = [row for file in files for row in read(file)]
     write_below(page, TABLES, markdown(rows), "# Test protocols")
 

@@ -1,0 +1,1 @@
+"""Every test protocol with every controller, and the page of their verdicts."""
