@@ -9,7 +9,7 @@ from pathlib import Path
 from analysis.files import write_csv, write_json
 from analysis.screening import geojson
 from analysis.screening.changes import CHANGES, change_rows
-from analysis.screening.counts import read_counts
+from analysis.screening.counts import Counts, read_counts
 from analysis.screening.crossings_table import CROSSINGS, crossing_rows
 from analysis.screening.ranking import rank
 from analysis.sealing import seal
@@ -26,8 +26,13 @@ class Screened:
 
     rows: Sequence[Row]
     """As in crossings.csv."""
-    seeds: Sequence[int]
+    counts: Counts
     files: Sequence[Path]
+
+    @property
+    def seeds(self) -> Sequence[int]:
+        """Seeds of the valid runs."""
+        return self.counts.seeds
 
 
 def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
@@ -62,7 +67,7 @@ def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
         removed.append(folder / geojson.FILE)
         removed[0].unlink(missing_ok=True)
     seal(folder, files, removed)
-    return Screened(rows, counts.seeds, files)
+    return Screened(rows, counts, files)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,22 +79,24 @@ class Changed:
     files: Sequence[Path]
 
 
-def write_changes(folder: Path, against: Path) -> Changed:
-    """Compare the runs of two folders; write crossing_changes.csv and its dictionary into the first.
+def write_changes(folder: Path, base: Counts, alt: Counts) -> Changed:
+    """Compare an alternative with the base; write crossing_changes.csv and its dictionary.
 
     Parameters
     ----------
-    folder, against
-        Of studies whose runs recorded everybody: the base and the alternative.
+    folder
+        Of the base.
+    base, alt
+        What was counted in the runs of each.
 
     Raises
     ------
     StudyError
         When they have no valid seed or no crossing in common.
     OSError
-        When a file cannot be read or written.
+        When a file cannot be written.
     """
-    rows = change_rows(read_counts(folder), read_counts(against))
+    rows = change_rows(base, alt)
     files = [
         write_csv(folder / CHANGES.file, CHANGES.names(), cells(CHANGES, rows)),
         write_json(folder / CHANGES_PACKAGE, describe([CHANGES], "what an alternative changes")),

@@ -12,8 +12,10 @@ import typer
 from cosim.cli.batch import show_result
 from cosim.cli.options import Debug, Jobs, Scheduler, here_or_elsewhere
 from cosim.cli.screen_tables import show_changes, show_ranking
+from cosim.errors import SimulationError
 
 if TYPE_CHECKING:
+    from analysis.screening.writing import Screened
     from cosim.screening.screen import Plan, ScreenRequest
 
 LEAST_PEDESTRIANS = 30
@@ -110,14 +112,18 @@ def screen(
     if len(plans) > 1:
         check_comparable(*plans)
         _checked(plans[-1])
-    codes = []
+    codes, rankings = [], []
     for one, plan in zip(requests, plans, strict=True):
-        code, stopped = _screened(one, plan, min_pedestrians)
+        code, stopped, ranking = _screened(one, plan, min_pedestrians)
         codes.append(code)
         if stopped:
             return code
+        if ranking is not None:
+            rankings.append(ranking)
     if len(requests) > 1:
-        show_changes(compared(*requests))
+        if len(rankings) < len(requests):
+            raise SimulationError("no comparison: base or alternative has no finished run")
+        show_changes(compared(request, *rankings))
     return max(codes)
 
 
@@ -130,8 +136,8 @@ def _checked(plan: Plan) -> None:
         pass
 
 
-def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bool]:
-    """Make the runs and print the ranking; return the exit code and whether it was stopped."""
+def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bool, Screened | None]:
+    """Make the runs and print the ranking; return exit code, whether it was stopped, and the ranking."""
     from cosim.batches.batch import prepared
     from cosim.batches.progress import shown_checks, shown_tally
     from cosim.screening.screen import ranked
@@ -139,6 +145,7 @@ def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bo
     with prepared(plan.batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
         code = show_result(batch, result)
-    if result.tally.done:
-        show_ranking(ranked(request, least), least)
-    return code, bool(result.stopped)
+    ranking = ranked(request, least) if result.tally.done else None
+    if ranking is not None:
+        show_ranking(ranking, least)
+    return code, bool(result.stopped), ranking

@@ -175,15 +175,15 @@ def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:
         raise SimulationError(f"no ranking: {reason_of(error)}") from error
 
 
-def compared(request: ScreenRequest, other: ScreenRequest) -> Changed:
-    """Compare the finished runs of an alternative with those of the base, and write the differences.
+def compared(request: ScreenRequest, base: Screened, alt: Screened) -> Changed:
+    """Compare an alternative with the base, and write the differences into the folder of the request.
 
     Raises
     ------
     SimulationError
-        When there are no runs to compare, or the differences cannot be written.
+        When they have no seed in common, or the differences cannot be written.
     """
     try:
-        return write_changes(request.folder, other.folder)
+        return write_changes(request.folder, base.counts, alt.counts)
     except (AnalysisError, OSError) as error:
         raise SimulationError(f"no comparison: {reason_of(error)}") from error
