@@ -54,11 +54,12 @@ def _tiles(
         ("collisions", str(int(hit.sum()))),
         ("of them preventable", str(preventable)),
         *([("standing contacts", str(standing))] if listing is OF_EGOS else []),
-        ("serious or worse", f"{bad}{f' ({bad / entered:.1%} of entered)' if entered else ''}"),
+        ("serious or worse", str(bad)),
         ("smallest TTC", _smallest(numbers["min_ttc_s"], "s")),
         ("smallest distance", _smallest(numbers["min_dist_m"], "m")),
     ]
-    return [{"name": name, "value": value} for name, value in tiles]
+    more = {"serious or worse": f"{bad / entered:.1%} of entered".replace("%", " %")} if entered else {}
+    return [{"name": name, "value": value, "more": more.get(name, "")} for name, value in tiles]
 
 
 def _smallest(values: np.ndarray[Any, np.dtype[np.float64]], unit: str) -> str:

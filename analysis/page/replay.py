@@ -23,7 +23,7 @@ from analysis.geometry import FloatArray
 from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
-from analysis.recording.reading import read_run
+from analysis.recording.reading import Area, read_run
 from analysis.recording.traffic import read_traffic
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.thresholds import Thresholds, names
@@ -318,13 +318,19 @@ def _map(case: Case, front: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
             inner.setdefault(area.name.rsplit("_", 2)[0], []).append(area.shape)
         found.append(
             {
-                "kind": "inner_lane" if inside else area.kind,
+                "kind": _kind(area, inside),
                 "crossing_kind": area.crossing_kind,
                 "width_m": area.width_m,
                 "at": np.round(area.shape, 2).ravel().tolist(),
             }
         )
     return [*_grounds(inner.values()), *found]
+
+
+def _kind(area: Area, inside: bool) -> str:
+    if area.kind == "lane" and area.facts.get("on_foot"):
+        return "sidewalk"
+    return "inner_lane" if inside else area.kind
 
 
 def _grounds(junctions: Iterable[Sequence[FloatArray]]) -> list[dict[str, Any]]:

@@ -118,6 +118,31 @@ function drawScene(canvas, frame, data, view) {
   c.fillStyle = colour("ink");
   c.fillRect(14, height - 16, bar, 3);
   label(c, "10 m", 14, height - 22, colour("ink"), "");
+  drawNorth(c, 30, 34, view.heading, colour("ink"), colour("surface"));
+}
+
+// An arrow to the north of a scene that is turned so that the ego drives to the right.
+function drawNorth(c, x, y, heading, ink, ground) {
+  const [toX, toY] = [Math.sin(heading), -Math.cos(heading)];
+  c.globalAlpha = 0.8;
+  c.fillStyle = ground;
+  c.beginPath();
+  c.arc(x, y, 22, 0, 2 * Math.PI);
+  c.fill();
+  c.globalAlpha = 1;
+  c.fillStyle = ink;
+  c.beginPath();
+  c.moveTo(x + 11 * toX, y + 11 * toY);
+  c.lineTo(x - 9 * toX + 5 * toY, y - 9 * toY - 5 * toX);
+  c.lineTo(x - 5 * toX, y - 5 * toY);
+  c.lineTo(x - 9 * toX - 5 * toY, y - 9 * toY + 5 * toX);
+  c.closePath();
+  c.fill();
+  c.textAlign = "center";
+  c.textBaseline = "middle";
+  c.fillText("N", x + 17 * toX, y + 17 * toY);
+  c.textAlign = "start";
+  c.textBaseline = "alphabetic";
 }
 
 function label(c, text, x, y, ink, ground) {
@@ -155,6 +180,8 @@ function drawMap(c, areas, colour, trace, pixel) {
   stroke("inner_lane", "scene-road", (width) => width + 0.3);
   fill("walkingarea", "scene-walk");
   // Lanes with a margin left free: what shows between two of them is the line.
+  stroke("sidewalk", "scene-edge", (width) => width);
+  stroke("sidewalk", "scene-walk", (width) => width - 2 * Math.max(0.1, pixel));
   stroke("lane", "scene-line", (width) => width);
   stroke("lane", "scene-road", (width) => width - Math.max(0.14, pixel));
   for (const area of areas) {

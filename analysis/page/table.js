@@ -77,3 +77,8 @@ function openLinked() {
 }
 openLinked();
 window.addEventListener("hashchange", openLinked);
+
+// What is folded up is printed, but for the appendix; afterwards it is as it was.
+const folded = document.querySelectorAll("#configurations details:not([open]), #comparisons details:not([open])");
+window.addEventListener("beforeprint", () => folded.forEach((one) => (one.open = true)));
+window.addEventListener("afterprint", () => folded.forEach((one) => (one.open = false)));

@@ -92,7 +92,13 @@ def definitions(shown: Iterable[str]) -> list[dict[str, Any]]:
     """
     names = set(shown)
     by_name = {name: measure for (name, _), measure in measures_by_name().items() if name in names}
-    return [_definition(by_name[name]) for name in sorted(by_name)]
+    found: list[dict[str, Any]] = []
+    first: dict[str, str] = {}
+    for name in sorted(by_name):
+        one = _definition(by_name[name])
+        same = first.setdefault(one["made"], name)
+        found.append(one if same == name else one | {"made": f"Defined with {same}.", "source": ""})
+    return found
 
 
 def _definition(measure: Measure) -> dict[str, Any]:

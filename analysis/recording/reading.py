@@ -31,7 +31,7 @@ from analysis.recording.opening import opened_table
 IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
-_FACTS = ("lanes", "speed_limit_mps", "refuge", "longitude_deg", "latitude_deg")
+_FACTS = ("on_foot", "lanes", "speed_limit_mps", "refuge", "longitude_deg", "latitude_deg")
 _PERFECT = "perfect"
 _CROSSING_KINDS = ("zebra", "unmarked", "signal", "")
 

@@ -96,6 +96,7 @@ def map_entry(area: MapArea) -> dict[str, Any]:
         "width_m": round(area.width, 3),
         "shape_m": np.round(area.shape, 3).tolist(),
         **({"crossed": list(area.crossed)} if area.crossed else {}),
+        **({"on_foot": True} if area.on_foot else {}),
         **({} if area.facts is None else _facts(area.facts)),
     }
 

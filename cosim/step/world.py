@@ -211,6 +211,8 @@ class MapArea:
     """Of a crossing, where they are known."""
     crossed: tuple[str, ...] = ()
     """Edges that lead over or under it."""
+    on_foot: bool = False
+    """Whether a lane is one for pedestrians."""
 
 
 class World(Protocol):

@@ -18,6 +18,7 @@ ToDegrees = Callable[[float, float], tuple[float, float]]
 CELL = 20.0
 """Egos' places are remembered by cells of this size [m]."""
 _CAR = "passenger"
+_ON_FOOT = frozenset({"pedestrian", "wheelchair"})
 REACH = 80.0
 """What is nearer to a cell than this belongs to the map [m]."""
 
@@ -50,7 +51,14 @@ def areas_near(
         return bool(((places >= low) & (places <= high)).all(axis=1).any())
 
     lanes = [
-        MapArea(lane.name, "lane", lane.width, lane.shape, crossed=_sorted(crossed.get(lane.edge)))
+        MapArea(
+            lane.name,
+            "lane",
+            lane.width,
+            lane.shape,
+            crossed=_sorted(crossed.get(lane.edge)),
+            on_foot=lane.permissions.allow is not None and lane.permissions.allow <= _ON_FOOT,
+        )
         for lane in network.lanes.values()
         if near(lane.shape)
     ]

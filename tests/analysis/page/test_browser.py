@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -340,3 +341,38 @@ CONTRASTS = """() => {
   }
   return found;
 }"""
+
+
+OVERFLOWING = """() => [...document.querySelectorAll('main *, header *')].filter((one) => {
+  const box = one.getBoundingClientRect();
+  return box.width > 0 && !one.closest('svg') && box.right > document.documentElement.clientWidth + 1;
+}).map((one) => one.tagName + '.' + one.className)"""
+
+
+def test_on_paper_nothing_is_cut_off_and_every_section_begins_a_page(page: Page) -> None:
+    page.set_viewport_size({"width": 703, "height": 1000})  # A4 without margins, at 96 pixels an inch
+    page.emulate_media(media="print")
+    assert page.evaluate(OVERFLOWING) == []
+    assert page.locator("nav").is_hidden()
+    assert page.locator("#distributions svg").count() >= 6  # figures are lines, not pixels
+    breaks = page.evaluate(
+        "[...document.querySelectorAll('main > section')].map((one) => getComputedStyle(one).breakBefore)"
+    )
+    assert breaks.count("page") >= len(breaks) - 2
+    printed = page.pdf(prefer_css_page_size=True, print_background=True)
+    assert 4 <= len(re.findall(rb"/Type /Page\b(?!s)", printed)) <= 20
+
+
+def test_on_a_telephone_tables_scroll_inside_and_their_first_column_stays(page: Page) -> None:
+    page.set_viewport_size({"width": 400, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") == 400
+    table = page.locator("#configurations .scroll").first
+    name = table.locator("tbody th").first
+    before = name.bounding_box()
+    table.evaluate("one => { one.scrollLeft = 200; }")
+    assert table.evaluate("one => one.scrollLeft") > 50
+    after = name.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["x"] == pytest.approx(before["x"], abs=1.0)
+    assert after["width"] < 200.0
