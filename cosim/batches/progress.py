@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from cosim.batches.conduct import Tally
 from cosim.batches.estimate import in_words
 
-LOG_EVERY_S = 30.0
+LOG_EVERY_S = 10.0
 REDRAW_EVERY_S = 0.5
 CHECKS_EVERY_S = 10.0
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cosim.cli import terminal
+from cosim.cli import names, terminal
 from cosim.cli.options import Debug, Jobs, Settings
 
 if TYPE_CHECKING:
@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 Targets = Annotated[
     list[str] | None,
-    typer.Argument(metavar="TARGET…", help="Scenario, SUMO configuration, study file, or suite:NAME."),
+    typer.Argument(
+        metavar="TARGET…",
+        help="Scenario, SUMO configuration, study file, or suite:NAME.",
+        autocompletion=names.targets,
+    ),
 ]
 Made = Annotated[
     Path | None,
@@ -42,6 +46,7 @@ Controllers = Annotated[
         "--controller",
         metavar="NAME",
         help="Controller that drives the egos; repeatable.",
+        autocompletion=names.drivers,
         show_default="as the study, otherwise vo_mpc",
     ),
 ]

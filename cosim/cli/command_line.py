@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import typer
 
 from analysis.errors import DamageError
-from cosim.cli import analyse, compare, conformance, listing, papers
+from cosim.cli import analyse, compare, completion, conformance, listing, papers
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
 from cosim.cli import falsify as falsify_command
@@ -35,6 +35,26 @@ INTERRUPTED = 130
 """Exit code that typer makes of an interruption, without a word."""
 # The base class of typer's usage errors, which has no public name.
 UsageProblem: Any = typer.BadParameter.__mro__[2]
+
+SUMMARIES = {
+    "run": "Drive an ego through a scenario; say how safe it was.",
+    "batch": "Run a study: scenarios × controllers × seeds × parameters.",
+    "check": "Hold runs against criteria: pass or fail, with JUnit XML.",
+    "screen": "Rank the crossings of a network by their conflicts.",
+    "falsify": "Search for the cases in which a controller fails.",
+    "analyse": "Recompute the CSV files of recorded runs.",
+    "compare": "Is one controller safer than another, and slower?",
+    "report": "Write report.html: tables, figures, replays.",
+    "verify": "Check that no file of a finished run was altered.",
+    "conformance": "Check the coupling against the installed SUMO.",
+    "inspect": "Does a network support a pedestrian study?",
+    "plot": "Draw a trip or an encounter.",
+    "replay": "Write a film of an encounter.",
+    "list": "List scenarios, controllers, metrics and more.",
+    "completion": "Print a shell's completion script.",
+    "schema": "Print the JSON schema of a scenario or study file.",
+}
+"""Lines of the top-level help that are short enough not to be cut off; others would be."""
 
 app = typer.Typer(
     name="cosim",
@@ -58,6 +78,9 @@ app.command("inspect")(inspect_command.inspect)
 app.command("plot")(plot_command.plot)
 app.command("replay")(replay_command.replay)
 app.command("list")(listing.show)
+app.command("completion")(completion.completion)
+for command in app.registered_commands:
+    command.short_help = SUMMARIES.get(str(command.name))
 app.command("papers", hidden=True, context_settings=papers.ANYTHING)(papers.papers)
 
 
@@ -91,6 +114,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Before NumPy is loaded: several BLAS threads make small problems slower, not faster.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    if completion.VARIABLE in os.environ:
+        completion.prepare()
     try:
         with termination_interrupts():
             code = int(_command()(arguments, prog_name="cosim", standalone_mode=False, obj=owner) or 0)

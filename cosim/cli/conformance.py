@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from cosim.cli import terminal
 from cosim.cli.options import Debug
@@ -41,6 +40,8 @@ def conformance(
 
     console = terminal.console()
     chosen = suite.named(names) if names else suite.cases()
+    from rich.table import Table
+
     if only_list:
         table = Table(box=None, show_header=False, pad_edge=False)
         for case in chosen:

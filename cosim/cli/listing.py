@@ -7,10 +7,9 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from analysis.errors import did_you_mean
-from cosim.cli import terminal
+from cosim.cli import names, terminal
 from cosim.cli.options import Debug
 from cosim.errors import InputError
 
@@ -30,11 +29,20 @@ class Kind(StrEnum):
     SUITES = "suites"
 
 
+def _kinds(incomplete: str) -> list[str]:
+    return [kind for kind in (*Kind, *names.suites()) if kind.startswith(incomplete)]
+
+
 def show(
     what: Annotated[
-        str,
-        typer.Argument(metavar="|".join(Kind), help="What to list, or suite:NAME for the cases of a suite."),
-    ],
+        str | None,
+        typer.Argument(
+            metavar="|".join(Kind),
+            help="What to list, or suite:NAME for the cases of a suite.",
+            show_default="the names of everything",
+            autocompletion=_kinds,
+        ),
+    ] = None,
     name: Annotated[
         str | None,
         typer.Argument(metavar="[NAME]", help="A controller or a sensing model: a table of its parameters."),
@@ -45,11 +53,14 @@ def show(
 
     \b
     Examples:
+      cosim list
       cosim list scenarios
       cosim list controllers
       cosim list controllers vo_mpc
       cosim list suite:fmvss127
     """
+    if what is None:
+        return _print_names()
     if name is not None:
         return _print_parameters(what, name)
     for entry_kind in Kind:
@@ -61,6 +72,23 @@ def show(
         return _print(listing.cases(what))
     hint = did_you_mean(what, (str(kind) for kind in Kind))
     raise InputError(f"list {what}: {hint}expected one of {', '.join(Kind)}, or {SUITE}NAME")
+
+
+def _print_names() -> int:
+    """Print what there is, and how to see more of it."""
+    from textwrap import fill
+
+    known = {
+        Kind.SCENARIOS: names.scenarios(),
+        Kind.CONTROLLERS: names.controllers(),
+        Kind.SENSING: names.sensing_models(),
+        Kind.SUITES: names.suites(),
+        Kind.METRICS: names.metrics(),
+    }
+    for kind, listed in known.items():
+        typer.echo(fill(", ".join(listed), 100, initial_indent=f"{kind:12}", subsequent_indent=" " * 12))
+    typer.echo("\nwith descriptions and parameters: cosim list scenarios, cosim list controllers, …")
+    return 0
 
 
 def _entries(kind: Kind) -> Sequence[Entry]:
@@ -85,6 +113,8 @@ def _print_parameters(what: str, name: str) -> int:
     }
     if what not in described:
         raise InputError(f"list {what} {name}: a name follows {' or '.join(described)} only")
+    from rich.table import Table
+
     parameters = described[Kind(what)](name)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for title in ("parameter", "default", "unit"):
@@ -98,6 +128,8 @@ def _print_parameters(what: str, name: str) -> int:
 
 
 def _print(entries: Sequence[Entry]) -> int:
+    from rich.table import Table
+
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="bold")
     table.add_column(overflow="fold")

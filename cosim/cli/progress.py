@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 SILENT_S = 3.0
 """Nothing is shown of runs that are over sooner [s]."""
-LOG_EVERY_S = 30.0
+LOG_EVERY_S = 10.0
 REDRAW_EVERY_S = 0.2
 
 Report = Callable[[float, float | None], None]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cosim.cli import apart, terminal
+from cosim.cli import apart, names, terminal
 from cosim.cli.apart import OWN_PROCESS
 from cosim.cli.options import Debug, Out, Settings
 from cosim.running.request import RunRequest, parse_settings
@@ -19,10 +20,15 @@ if TYPE_CHECKING:
 Scenario = Annotated[
     str,
     typer.Argument(
-        metavar="SCENARIO", help="Scenario name or folder, suite:NAME/CASE, or SUMO configuration."
+        metavar="SCENARIO",
+        help="Scenario name or folder, suite:NAME/CASE, or SUMO configuration.",
+        autocompletion=names.targets,
     ),
 ]
-ControllerName = Annotated[str, typer.Option(metavar="NAME", help="Controller that drives the egos.")]
+ControllerName = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="Controller that drives the egos.", autocompletion=names.drivers),
+]
 Duration = Annotated[
     float | None,
     typer.Option(
@@ -52,6 +58,7 @@ SensingName = Annotated[
     typer.Option(
         metavar="NAME",
         help="Sensing model; see cosim list sensing.",
+        autocompletion=names.sensing,
         show_default="as the scenario",
     ),
 ]
@@ -120,8 +127,8 @@ def run(
             if ended.signal:
                 return _tell_of_crash(ended)
             raise SystemExit(ended.code)  # everything was said there
-        return _run(request, ended.tell)
-    return _run(request, lambda folder: None)
+        return _run(request, ended.tell, debug)
+    return _run(request, lambda folder: None, debug)
 
 
 def _tell_of_crash(ended: apart.Ended) -> int:
@@ -135,12 +142,14 @@ def _tell_of_crash(ended: apart.Ended) -> int:
     return _show(salvage(Path(ended.told), reason))
 
 
-def _run(request: RunRequest, begun: Callable[[Path], None]) -> int:
+def _run(request: RunRequest, begun: Callable[[Path], None], debug: bool) -> int:
     from cosim.cli.progress import shown_progress
     from cosim.running.execution import execute
 
     with shown_progress() as progress:
         outcome = execute(request, progress, begun)
+    if debug and outcome.error is not None:
+        traceback.print_exception(outcome.error)
     return _show(outcome)
 
 

@@ -26,6 +26,8 @@ class Outcome:
     """The run's row of ``runs.csv``; ``None`` when too little was recorded to analyse."""
     invalid_reason: str
     """Empty for a valid run."""
+    error: BaseException | None = None
+    """What ended the run before its time, for who looks for a defect; ``None`` where nothing did."""
 
 
 def execute(
@@ -65,4 +67,4 @@ def _analysed(result: RunResult) -> Outcome:
         if result.valid:
             raise SimulationError(f"{result.folder} could not be analysed: {reason_of(error)}") from error
         # An early end may leave nothing to analyse; what went wrong before is what the user is told.
-    return Outcome(result.folder, result.description, row, result.invalid_reason)
+    return Outcome(result.folder, result.description, row, result.invalid_reason, result.error)

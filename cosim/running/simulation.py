@@ -40,6 +40,8 @@ class RunResult:
     folder: Path
     description: dict[str, Any]
     """The content of ``run.json``."""
+    error: BaseException | None = None
+    """What ended the simulation before its time; ``None`` where nothing did."""
 
     @property
     def valid(self) -> bool:
@@ -93,18 +95,19 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     started = perf_counter()
     reason: str | None = None
     defect: Exception | None = None
+    ended_by: BaseException | None = None
     try:
         with recorder:
             _drive(composition, recorder, times, progress)
     except CosimError as error:
-        reason = str(error)
+        reason, ended_by = str(error), error
         if not recorder.ego_names and not recorder.records_everybody:
             # Nothing was driven, so nothing was recorded: what was asked for is not possible.
             raise InputError(reason) from error
     except OSError as error:
-        reason = f"the recording could not be written: {reason_of(error)}"
-    except KeyboardInterrupt:
-        reason = "interrupted"
+        reason, ended_by = f"the recording could not be written: {reason_of(error)}", error
+    except KeyboardInterrupt as error:
+        reason, ended_by = "interrupted", error
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:
@@ -115,7 +118,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     _write_description(folder, description)
     if defect is not None:
         raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
-    return RunResult(folder, description)
+    return RunResult(folder, description, ended_by)
 
 
 def _begun(folder: Path, description: Mapping[str, Any]) -> Recorder:

@@ -45,12 +45,13 @@ def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
 def test_a_controller_that_calls_exit_fails_like_any_other(at_s: float, code: int, tmp_path: Path) -> None:
     environment = {**source_environment(), **unruly.install(tmp_path / "plugin")}
     words = ["run", "midblock_zebra", "--controller", "unruly", "--duration-s", 4, "--out", "out"]
-    given = ["--set", "behaviour=exit", "--set", f"at_s={at_s}", "--set", "warmup_s=2"]
+    given = ["--set", "behaviour=exit", "--set", f"at_s={at_s}", "--set", "warmup_s=2", "--debug"]
     done = subprocess.run(
         command(*words, *given), capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
     )
     assert done.returncode == code, done.stderr
     assert "SystemExit: enough" in done.stderr.strip().splitlines()[-1]
+    assert "Traceback (most recent call last)" in done.stderr
     if code == 3:
         description = json.loads((tmp_path / "out" / "run.json").read_text())
         assert not description["valid"]
