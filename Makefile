@@ -1,6 +1,7 @@
 # make demo             compare three controllers on one scenario
 # make test             run the tests; make test-slow runs the long ones
 # make check            run the linters
+# make wheel            build the wheel and the source archive, and try the wheel in an environment of its own
 # make bench            run the benchmarks
 # make study-crossings  the study of mid-block crossings
 # make papers           the papers' claims and figures
@@ -27,7 +28,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -70,6 +71,7 @@ demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.cli.demo
 
 test: $(VENV)/installed-dev
+	@.ci/browser
 	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test-slow: $(VENV)/installed-dev
@@ -80,6 +82,12 @@ check: $(VENV)/installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+wheel: $(VENV)/installed-dev
+	rm -rf build/dist
+	$(BIN)/python -m build --quiet --outdir build/dist
+	$(BIN)/twine check --strict build/dist/*
+	$(BIN)/python .ci/smoke build/dist/*.whl
 
 format: $(VENV)/installed-dev
 	$(BIN)/ruff check --fix .

@@ -34,17 +34,22 @@ OF_VARIANTS = frozenset(
 class Table(BaseModel):
     """A TOML table whose keys are all known."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
 
 class NetworkTable(Table):
-    """Plain network sources, relative to the scenario's folder, and further netconvert arguments."""
+    """Plain network sources, from which netconvert builds the network."""
 
     nodes: str
+    """File of plain nodes, ``.nod.xml``."""
     edges: str
+    """File of plain edges, ``.edg.xml``."""
     types: str = ""
+    """File of edge types, ``.typ.xml``."""
     connections: list[str] = []
+    """Files of connections and crossings, ``.con.xml``."""
     netconvert: list[str] = []
+    """Further options of netconvert that say how the network is built; none that names a file."""
 
     @field_validator("netconvert")
     @classmethod
@@ -55,81 +60,117 @@ class NetworkTable(Table):
 
 
 class RateTable(Table):
-    """A rate in the demand text: ``share`` of a parameter that is counted per hour."""
+    """A rate that demand files use by its name: a share of a parameter that is counted per hour."""
 
     of: str
+    """Parameter that is counted per hour: ``vehicles_per_hour``, ``pedestrians_per_hour`` or one's own."""
     share: Positive
+    """Share of it that this flow has."""
 
 
 class DemandTable(Table):
-    """Demand texts (``string.Template``), relative to the scenario's folder."""
+    """Demand files, in which ``$name`` stands for a value (Python's ``string.Template``)."""
 
     routes: list[str]
+    """Route files; ``$name`` in them stands for a rate, a time or a parameter."""
     additional: list[str] = []
+    """Additional files, with vehicle types for instance."""
     vehicles_per_hour: NotNegative | None = None
+    """Default of the parameter of that name [1/h]."""
     pedestrians_per_hour: NotNegative | None = None
+    """Default of the parameter of that name [1/h]."""
 
 
 class ParameterTable(Table):
     """One further parameter of this scenario; the type of its default is its type."""
 
     default: ParameterValue
+    """Value without ``--set``; its type is the parameter's."""
     description: str
+    """What it is, for readers."""
     choices: list[str] = []
+    """Texts that are allowed; empty: any."""
     minimum: float | None = None
+    """Smallest number that is allowed."""
     maximum: float | None = None
+    """Largest number that is allowed."""
 
 
 class RouteTable(Table):
     """One ego trip, offered where the parameters have the values of ``when``."""
 
     edges: str
+    """Edges that the trip begins, passes and ends with, with blanks between them."""
     when: dict[str, ParameterValue] = {}
+    """Values of parameters with which the trip is offered; empty: always."""
 
 
 class EgosTable(Table):
-    """How egos come about."""
+    """Which vehicles are egos: trips of their own, vehicles of the demand, or a share of the cars."""
 
     routes: list[RouteTable] = []
+    """Trips of egos that are added to the demand."""
     vehicles: list[str] = []
+    """Vehicles of the demand that become egos, by their ids."""
     share: Share | None = None
+    """Share of the passenger cars of the demand that become egos."""
     count: Annotated[int, Field(ge=0)] = 0
+    """How many egos set out on the routes, in turn."""
     first_depart_s: NotNegative = 0.0
+    """When the first one does, after the warm-up [s]."""
     headway_s: Positive = 30.0
+    """Time between two of them [s]."""
     vehicle_type: str = ""
+    """Vehicle type of the egos; empty: a passenger car of 4.5 m."""
     depart_lane: str = "best"
+    """SUMO's ``departLane``."""
     depart_speed: str = "desired"
+    """SUMO's ``departSpeed``."""
 
 
 class ScenarioTable(Table):
     """The whole of ``scenario.toml``."""
 
     description: str
+    """One line for ``cosim list scenarios``."""
     duration_s: Positive
+    """Simulated time from the beginning, the warm-up included [s]."""
     warmup_s: NotNegative = 0.0
+    """Time at the beginning that is not recorded; egos set out after it [s]."""
     step_s: Step | None = None
+    """Length of a simulation step [s]; none given: as the configuration says, otherwise 0.1."""
     actuation: Actuation = "hybrid"
+    """How the motion of the egos is passed to SUMO: ``hybrid`` or ``move``."""
     lateral_resolution_m: Positive | None = None
+    """SUMO's lateral resolution [m]."""
     network: NetworkTable | None = None
+    """A network of plain sources, which netconvert builds; it needs ``[demand]``."""
     demand: DemandTable | None = None
+    """Demand on that network."""
     packaged_sumocfg: str = ""
+    """A configuration that is shipped with SUMO, in the place of a network."""
     sumocfg: str = ""
+    """A configuration of one's own, relative to the scenario's folder, in the place of a network."""
     base: str = ""
     """Scenario of which this one is a variant: its roads and demand, with other values."""
     values: dict[str, ParameterValue] = {}
-    """Of the base's parameters."""
+    """Values of the base's parameters."""
     rates: dict[str, RateTable] = {}
+    """Rates that the demand files use as ``$name``, in 1/s."""
     times: dict[str, float] = {}
+    """Times that the demand files use as ``$name``, counted from the end of the warm-up [s]."""
     parameters: dict[str, ParameterTable] = {}
+    """Further parameters of the scenario, for ``--set`` and ``[vary]``."""
     egos: EgosTable = EgosTable()
+    """Which vehicles the controller drives."""
     sensing: dict[str, ParameterValue] = {}
-    """How egos come to know of pedestrians, ``model`` and its parameters; checked by who has the models."""
+    """How egos come to know of pedestrians: ``model`` and its parameters."""
     pedestrians: list[dict[str, Any]] = []
-    """Scripted ones; checked by ``pedestrian_tables`` once the parameters have values."""
+    """Scripted pedestrians."""
     criteria: list[dict[str, Any]] = []
-    """What runs are held against; checked by who has the metrics."""
+    """What ``cosim check`` holds runs against."""
     search: dict[str, Any] = {}
-    """What a search for failures may vary; checked by who searches."""
+    """What a search for failures may vary."""
 
     @model_validator(mode="after")
     def one_source(self) -> ScenarioTable:

@@ -18,7 +18,7 @@ EXAMPLE = (
 )
 """A criterion, for those who have none."""
 
-_KEYS = (
+KEYS = (
     *("id", "scope", "metric", "statistic", "kind", "operator", "threshold"),
     *("where", "controllers", "scenarios", "allow_undefined"),
 )
@@ -65,9 +65,9 @@ def read_criteria(tables: Sequence[Mapping[str, Any]]) -> tuple[Criterion, ...]:
 
 def _criterion(table: Mapping[str, Any]) -> Criterion:
     for key in table:
-        if key not in _KEYS:
+        if key not in KEYS:
             raise CriterionError(
-                f"unknown key {key!r}; {did_you_mean(key, _KEYS)}keys that exist: {', '.join(_KEYS)}"
+                f"unknown key {key!r}; {did_you_mean(key, KEYS)}keys that exist: {', '.join(KEYS)}"
             )
     for key in ("scope", "metric", "operator"):
         _one_text(table, key)

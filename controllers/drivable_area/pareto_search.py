@@ -9,7 +9,7 @@ import numpy as np
 
 from controllers.interface import FloatArray
 
-MISSING = "needs pymoo: pip install 'sumo-cosim[papers]'"
+MISSING = "needs pymoo: pip install pymoo matplotlib"
 Judge = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Genes, shape (n, 2) -> costs, shape (n, m), and violations that are positive where broken, (n, k)."""
 

@@ -37,7 +37,7 @@ try:
     from distributed.versions import VersionMismatchWarning
 except ImportError as error:
     raise InputError(
-        f"--scheduler needs Dask, which is not installed ({error}); pip install 'sumo-cosim[cluster]'"
+        f"--scheduler needs Dask, which is not installed ({error}); pip install 'dask[distributed]'"
     ) from error
 
 _new_client: Any = Client

@@ -26,14 +26,16 @@ _RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")
 class StudyTable(BaseModel):
     """The whole of a study file."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, use_attribute_docstrings=True)
 
     scenarios: list[str]
     """Names, or paths relative to the study file."""
     controllers: list[str]
+    """Names of controllers; ``cosim list controllers`` shows them."""
     sensing: list[str] = []
     """Sensing models; none given: as each scenario says."""
     seeds: str | list[int]
+    """Seeds of the runs: a text such as ``"1-30"`` or ``"1, 5-9"``, or a list."""
     record: str = EGOS
     """Whom the runs record, as ``cosim run --record`` does."""
     settings: dict[str, Value] = Field(default={}, alias="set")
@@ -43,7 +45,7 @@ class StudyTable(BaseModel):
     run_timeout_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = DEFAULT_TIMEOUT_S
     """Wall-clock time after which a run has failed [s]."""
     criteria: list[dict[str, Any]] = []
-    """What the results are held against; kept for whoever checks them."""
+    """What ``cosim check`` holds the results against."""
 
 
 def read_study(path: Path) -> StudyTable:

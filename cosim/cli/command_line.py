@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import typer
 
 from analysis.errors import DamageError
-from cosim.cli import analyse, compare, completion, conformance, listing, papers
+from cosim.cli import analyse, compare, completion, conformance, listing, papers, schema
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
 from cosim.cli import falsify as falsify_command
@@ -78,6 +78,7 @@ app.command("inspect")(inspect_command.inspect)
 app.command("plot")(plot_command.plot)
 app.command("replay")(replay_command.replay)
 app.command("list")(listing.show)
+app.command("schema")(schema.schema)
 app.command("completion")(completion.completion)
 for command in app.registered_commands:
     command.short_help = SUMMARIES.get(str(command.name))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
+from time import monotonic
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,6 +14,14 @@ if TYPE_CHECKING:
 SCENARIO = "midblock_zebra"
 CONTROLLERS = ("vo_mpc", "sumo", "aeb")
 BASELINE = "sumo"
+NEXT = (
+    "  source .venv/bin/activate                 the command cosim, in this terminal",
+    "  cosim list scenarios                      what else there is to drive through, and its parameters",
+    "  cosim run midblock_unmarked --seed 2      one run",
+    "  cosim batch studies/crossing_safety.toml --dry-run",
+    "                                            many runs: one seed is an anecdote",
+    "  docs/own-controller.md, docs/own-network.md  your own car, your own town",
+)
 
 
 def main(seed: int = 1) -> int:
@@ -27,7 +36,15 @@ def main(seed: int = 1) -> int:
 
     console = terminal.console()
     outcomes: dict[str, Outcome] = {}
-    for controller in CONTROLLERS:
+    begun = monotonic()
+    print(
+        f"{len(CONTROLLERS)} runs of the same traffic, each with another controller; about a minute in all. "
+        "Their progress follows.",
+        file=sys.stderr,
+        flush=True,
+    )
+    for number, controller in enumerate(CONTROLLERS, 1):
+        print(f"run {number} of {len(CONTROLLERS)} …", file=sys.stderr, flush=True)
         console.print(f"cosim run {SCENARIO} --controller {controller} --seed {seed}")
         try:
             with shown_progress() as progress:
@@ -48,7 +65,11 @@ def main(seed: int = 1) -> int:
     except CosimError as error:
         print(f"cosim: no report: {error}", file=sys.stderr)
     else:
-        console.print(f"report, and replays of the encounters: {page}", soft_wrap=True)
+        console.print(
+            f"\nThe report, with replays of the encounters, opens in a browser: {page}", soft_wrap=True
+        )
+    print(f"done after {monotonic() - begun:.0f} s", file=sys.stderr)
+    console.print("\n".join(["", "What to try next:", *NEXT]), soft_wrap=True)
     return 3 if any(outcome.invalid_reason for outcome in outcomes.values()) else 0
 
 

@@ -52,4 +52,4 @@ def write_page(
 
 def _unavailable(error: ModuleNotFoundError) -> Exception:
     """Return an error that says which extra to install."""
-    return InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[report]"')
+    return InputError(f"{error.name} is not installed; run: pip install matplotlib Jinja2")

@@ -13,7 +13,7 @@ FORMATS = ("png", "svg")
 def require_matplotlib(what: str) -> None:
     """Raise `InputError` where matplotlib is not installed."""
     if importlib.util.find_spec("matplotlib") is None:
-        raise InputError(f"{what} needs matplotlib: pip install 'sumo-cosim[report]'")
+        raise InputError(f"{what} needs matplotlib: pip install matplotlib")
 
 
 def check_picture(path: Path, formats: tuple[str, ...] = FORMATS) -> None:

@@ -39,7 +39,7 @@ class GeneticBudget:
 def check_pymoo() -> None:
     """Raise ``ValueError`` when pymoo is not installed."""
     if importlib.util.find_spec("pymoo") is None:
-        raise ValueError("needs pymoo: pip install 'sumo-cosim[papers]'")
+        raise ValueError("needs pymoo: pip install pymoo matplotlib")
 
 
 @dataclass(slots=True)

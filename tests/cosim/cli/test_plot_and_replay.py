@@ -82,7 +82,7 @@ def test_without_matplotlib_one_line_says_what_to_install(
     monkeypatch.setattr(importlib.util, "find_spec", without)
     for arguments in (["plot", "run"], ["replay", "run", "--encounter", "1", "--out", "a.gif"]):
         line = refused(capsys, *arguments)
-        assert f"cosim {arguments[0]} needs matplotlib: pip install 'sumo-cosim[report]'" in line
+        assert f"cosim {arguments[0]} needs matplotlib: pip install matplotlib" in line
 
 
 def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(recorded: Path) -> None:
