@@ -22,7 +22,7 @@ PAGE = "notebook.md"
 _HEAD = """# A notebook
 
 This page is a notebook as it was executed by `python -m studies.notebook docs`; download it: \
-[first-runs.ipynb](first-runs.ipynb). It needs `pip install 'sumo-cosim[report]' jupyter`. \
+[first-runs.ipynb](first-runs.ipynb). It needs `pip install '.[report]' jupyter`. \
 [Use it from Python](python.md) explains the functions.
 """
 

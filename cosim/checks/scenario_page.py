@@ -27,7 +27,7 @@ unknown key is refused, with the keys that exist. Paths are relative to the file
 TOML language server (Taplo; the extension *Even Better TOML* of VS Code) complete keys and mark mistakes when
 the first line of the file names the schema:
 
-    cosim schema scenario > scenario.schema.json
+    cosim schema scenario --out scenario.schema.json
 
 ```toml
 #:schema ./scenario.schema.json

@@ -8,7 +8,7 @@ from sumo_scenarios import library
 try:
     import gymnasium
 except ImportError as error:
-    raise InputError("cosim.gym needs Gymnasium: pip install 'sumo-cosim[gym]'") from error
+    raise InputError("cosim.gym needs Gymnasium: pip install gymnasium") from error
 
 ANY = "cosim/scenario-v0"
 """Takes the scenario as its argument."""

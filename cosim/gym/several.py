@@ -36,7 +36,7 @@ def parallel_env(
     try:
         from cosim.gym.parallel import ParallelCrossingEnv
     except ImportError as error:
-        raise InputError("parallel_env needs PettingZoo: pip install 'sumo-cosim[gym]'") from error
+        raise InputError("parallel_env needs PettingZoo: pip install pettingzoo") from error
     return ParallelCrossingEnv(
         scenario, agents, action, weights, time_limit_s, pedestrians, sensing, parameters
     )

@@ -223,7 +223,7 @@ class _Rounds:
 
 def missing(error: ModuleNotFoundError) -> InputError:
     """Return an error that says which extra to install."""
-    return InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[search]"')
+    return InputError(f"{error.name} is not installed; run: pip install optuna cmaes SALib openturns")
 
 
 def _optuna() -> Any:

@@ -39,7 +39,7 @@ def write_report(search: Search, found: Found, progress: Shown) -> Path:
         from analysis.plots.saving import svg_text
         from analysis.plots.search import draw_boundary, draw_progress, most_deciding
     except ModuleNotFoundError as error:
-        raise InputError(f'{error.name} is not installed; run: pip install "sumo-cosim[report]"') from error
+        raise InputError(f"{error.name} is not installed; run: pip install matplotlib Jinja2") from error
     with progress as show:
         replayed = _replays(search, found, show)
     shown = most_deciding(found.axes, found.influences)

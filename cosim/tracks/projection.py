@@ -111,7 +111,7 @@ def _transformer(source: str, target: str) -> Any:
         from pyproj import Transformer
         from pyproj.exceptions import ProjError
     except ModuleNotFoundError as error:
-        raise InputError('pyproj is not installed; run: pip install "sumo-cosim[tracks]"') from error
+        raise InputError("pyproj is not installed; run: pip install pyproj") from error
     try:
         return Transformer.from_crs(source, target, always_xy=True)
     except ProjError as error:

@@ -227,4 +227,4 @@ def test_without_gymnasium_the_command_is_told() -> None:
         "try:\n    import cosim.gym\nexcept Exception as error:\n    print(type(error).__name__, error)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "InputError cosim.gym needs Gymnasium: pip install 'sumo-cosim[gym]'\n"
+    assert done.stdout == "InputError cosim.gym needs Gymnasium: pip install gymnasium\n"
