@@ -61,7 +61,7 @@ def run(
     out
         New or empty folder; not given: ``runs/<scenario>-<controller>-<seed>-<n>``.
     duration_s, step_s
-        Simulated time and length of a step [s]; not given: as the scenario says.
+        Time that is recorded after the warm-up, and length of a step [s]; not given: as the scenario says.
     actuation
         ``hybrid`` or ``move``; not given: as the scenario says.
     ego_route
