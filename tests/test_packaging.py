@@ -10,7 +10,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-import yaml
+import yaml  # type: ignore[import-untyped]  # it has no annotations
 
 from cosim.checks import scenario_page, schemas
 from sumo_scenarios.schema import ScenarioTable

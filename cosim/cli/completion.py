@@ -36,7 +36,7 @@ def completion(
       zsh, in ~/.zshrc, after compinit:       source <(cosim completion zsh)
       fish:  cosim completion fish > ~/.config/fish/completions/cosim.fish
     """
-    from typer.completion import get_completion_script
+    from typer._completion_shared import get_completion_script
 
     typer.echo(get_completion_script(prog_name="cosim", complete_var=VARIABLE, shell=shell.value))
     return 0
