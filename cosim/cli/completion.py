@@ -20,7 +20,7 @@ class Shell(StrEnum):
 
 def prepare() -> None:
     """Let typer answer what a shell asks through `VARIABLE`."""
-    from typer.completion import completion_init
+    from typer._completion_classes import completion_init
 
     completion_init()
 
