@@ -2,86 +2,34 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, get_args
 
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Scenario, routes_of, with_pedestrians
-from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, Actuation, ParameterTable, ParameterValue
+from sumo_scenarios.schema import Actuation, AtLeastOne, NotNegative, ParameterValue, Positive, Share, Step
+from sumo_scenarios.texts import Text, kind_of, read
 
-Reader = Callable[[str, str], Any]
-
-
-def _number(minimum: float, maximum: float = math.inf, open_below: bool = False) -> Reader:
-    def read(key: str, text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            raise ScenarioError(f"{key}={text}: expected a number") from None
-        too_low = value <= minimum if open_below else value < minimum
-        if not math.isfinite(value) or too_low or value > maximum:
-            raise ScenarioError(f"{key}={text}: expected {_range(minimum, maximum, open_below)}")
-        return value
-
-    return read
-
-
-def _range(minimum: float, maximum: float, open_below: bool) -> str:
-    below = f"more than {minimum:g}" if open_below else f"at least {minimum:g}"
-    if not math.isfinite(minimum):
-        below = "a finite number"
-    return below if math.isinf(maximum) else f"{below} and at most {maximum:g}"
-
-
-def _count(key: str, text: str) -> int:
-    try:
-        value = int(text)
-    except ValueError:
-        raise ScenarioError(f"{key}={text}: expected a whole number") from None
-    if value < 1:
-        raise ScenarioError(f"{key}={text}: expected at least 1")
-    return value
-
-
-def _choice(*choices: str) -> Reader:
-    def read(key: str, text: str) -> str:
-        if text not in choices:
-            raise ScenarioError(f"{key}={text}: expected one of {', '.join(choices)}")
-        return text
-
-    return read
-
-
-def _text(key: str, text: str) -> str:
-    if not text.strip():
-        raise ScenarioError(f"{key}=: expected a value")
-    return text
-
-
-# Keys of every scenario: name of the field of Scenario, and how its text is read.
-SCENARIO_KEYS: Mapping[str, Reader] = {
-    "duration_s": _number(0.0, open_below=True),
-    "warmup_s": _number(0.0),
-    "step_s": _number(SHORTEST_STEP_S, LONGEST_STEP_S),
-    "actuation": _choice(*get_args(Actuation)),
-    "lateral_resolution_m": _number(0.0, open_below=True),
+SCENARIO_KEYS: Mapping[str, Any] = {
+    "duration_s": Positive,
+    "warmup_s": NotNegative,
+    "step_s": Step,
+    "actuation": Actuation,
+    "lateral_resolution_m": Positive,
 }
-# Only where the demand is ours.
-DEMAND_KEYS: Mapping[str, Reader] = {
-    "vehicles_per_hour": _number(0.0),
-    "pedestrians_per_hour": _number(0.0),
+"""Keys of every scenario: name of the field of ``Scenario``, and its type."""
+DEMAND_KEYS: Mapping[str, Any] = {"vehicles_per_hour": NotNegative, "pedestrians_per_hour": NotNegative}
+"""Only where the demand is ours."""
+EGO_KEYS: Mapping[str, tuple[str, Any]] = {
+    "ego_count": ("count", AtLeastOne),
+    "ego_first_depart_s": ("first_depart_s", NotNegative),
+    "ego_headway_s": ("headway_s", Positive),
+    "ego_vehicle_type": ("vehicle_type", Text),
+    "ego_depart_lane": ("depart_lane", Text),
+    "ego_depart_speed_mps": ("depart_speed", Text),
 }
-# Key, field of Egos, and how its text is read.
-EGO_KEYS: Mapping[str, tuple[str, Reader]] = {
-    "ego_count": ("count", _count),
-    "ego_first_depart_s": ("first_depart_s", _number(0.0)),
-    "ego_headway_s": ("headway_s", _number(0.0, open_below=True)),
-    "ego_vehicle_type": ("vehicle_type", _text),
-    "ego_depart_lane": ("depart_lane", _text),
-    "ego_depart_speed_mps": ("depart_speed", _text),
-}
+"""Key, field of ``Egos``, and its type."""
 
 
 def parameter_names(scenario: Scenario) -> tuple[str, ...]:
@@ -133,12 +81,12 @@ def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scena
         if key in scenario.parameters:
             further[key] = _further(scenario, key, text)
         elif key in EGO_KEYS:
-            field, read = EGO_KEYS[key]
-            ego_fields[field] = read(key, text)
+            field, kind = EGO_KEYS[key]
+            ego_fields[field] = read(kind, key, text)
         elif key == "ego_share":
-            ego_fields["share"] = _number(0.0, 1.0, open_below=True)(key, text)
+            ego_fields["share"] = read(Share, key, text)
         else:
-            fields[key] = (SCENARIO_KEYS.get(key) or DEMAND_KEYS[key])(key, text)
+            fields[key] = read(SCENARIO_KEYS.get(key) or DEMAND_KEYS[key], key, text)
     if scenario.table is not None and _routes_depend_on(scenario, texts):
         ego_fields["routes"] = routes_of(scenario.table, further)
     if "actuation" in fields and "lateral_resolution_m" not in fields:
@@ -166,18 +114,6 @@ def _routes_depend_on(scenario: Scenario, texts: Mapping[str, str]) -> bool:
 
 def _further(scenario: Scenario, key: str, text: str) -> ParameterValue:
     assert scenario.table is not None, "only a scenario.toml declares further parameters"
-    parameter: ParameterTable = scenario.table.parameters[key]
-    default = parameter.default
-    if parameter.choices:
-        return str(_choice(*parameter.choices)(key, text))
-    if isinstance(default, bool):
-        return bool(_choice("true", "false")(key, text) == "true")
-    if isinstance(default, str):
-        return _text(key, text)
-    minimum = -math.inf if parameter.minimum is None else parameter.minimum
-    value: float = _number(minimum, math.inf if parameter.maximum is None else parameter.maximum)(key, text)
-    if isinstance(default, int):
-        if value != int(value):
-            raise ScenarioError(f"{key}={text}: expected a whole number")
-        return int(value)
-    return value
+    parameter = scenario.table.parameters[key]
+    value: ParameterValue = read(kind_of(parameter), key, text)
+    return value == "true" if isinstance(parameter.default, bool) else value

@@ -21,6 +21,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Step = Annotated[float, Field(ge=SHORTEST_STEP_S, le=LONGEST_STEP_S, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)]
+AtLeastOne = Annotated[int, Field(ge=1)]
 Actuation = Literal["hybrid", "move"]
 OF_VARIANTS = frozenset(
     (
