@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import typer
 
 from analysis.errors import DamageError
-from cosim.cli import analyse, compare, completion, conformance, listing, papers, schema
+from cosim.cli import analyse, calibrate, compare, completion, conformance, listing, papers, schema
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
 from cosim.cli import falsify as falsify_command
@@ -26,6 +26,7 @@ from cosim.cli import replay as replay_command
 from cosim.cli import report as report_command
 from cosim.cli import run as run_command
 from cosim.cli import screen as screen_command
+from cosim.cli import validate as validate_command
 from cosim.cli import verify as verify_command
 from cosim.cli.apart import OWN_PROCESS
 from cosim.cli.interruption import termination_interrupts
@@ -69,6 +70,8 @@ app.command("batch")(batch_command.batch)
 app.command("check")(check_command.check)
 app.command("screen")(screen_command.screen)
 app.command("falsify")(falsify_command.falsify)
+app.command("validate")(validate_command.validate)
+app.command("calibrate")(calibrate.calibrate)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)
 app.command("report")(report_command.report)

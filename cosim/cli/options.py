@@ -34,6 +34,14 @@ NetworkFile = Annotated[
         "--network", metavar="NET", help="Judge tracks on this network, or that of a SUMO configuration."
     ),
 ]
+Tracks = Annotated[
+    str,
+    typer.Option(
+        "--tracks",
+        metavar="FILE",
+        help="Tracks of real road users; tasi: those of DLR Urban Traffic in that package.",
+    ),
+]
 Crs = Annotated[
     str | None,
     typer.Option(

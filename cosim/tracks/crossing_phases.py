@@ -23,6 +23,8 @@ BESIDE_M = 0.5
 AHEAD_M = 4.0
 """Who is nearer to the crossing that they walk on next waits for it, or comes to it."""
 AHEAD_S = 60.0
+KERB_M, STANDING_MPS = 3.0, 0.3
+"""Who stands on a crossing so near to where they came onto it waits, too: kerbs are drawn roughly."""
 SHORTEST_S = 0.5
 """A shorter stay touches the edge of a crossing, and is no walk over it."""
 
@@ -70,10 +72,14 @@ class CrossingPhases:
         points: Any = shapely.points(people["x_m"].to_numpy(), people["y_m"].to_numpy())
         on = self._on(points)
         codes = pd.factorize(people["id"])[0]
+        speed = people["speed_mps"].to_numpy()
         for own in np.split(np.arange(count), np.flatnonzero(np.diff(codes)) + 1):
             walks = self._walks(on[own], step_s)
             begin = 0
-            for first, last, number in walks:
+            for begin_of_walk, last, number in walks:
+                first = begin_of_walk + self._stood(
+                    points[own[begin_of_walk : last + 1]], speed[own], begin_of_walk
+                )
                 for at in own[first : last + 1]:
                     phase[at], crossing[at] = PedestrianPhase.CROSSING.value, self._names[number]
                 before = own[max(begin, first - int(AHEAD_S / step_s)) : first]
@@ -82,6 +88,13 @@ class CrossingPhases:
                     phase[at], crossing[at] = PedestrianPhase.WAITING.value, self._names[number]
                 begin = last + 1
         return Phases(phase, crossing)
+
+    def _stood(self, walk: NDArray[np.object_], speed: FloatArray, first: int) -> int:
+        """Return how many samples at the begin of a walk are of who still stands at the kerb."""
+        at_kerb = shapely.distance(walk, walk[0]) <= KERB_M
+        left = int(np.argmin(at_kerb)) if not at_kerb.all() else len(walk)
+        stands = np.flatnonzero(speed[first : first + left] < STANDING_MPS)
+        return int(stands[-1]) + 1 if len(stands) and stands[-1] + 1 < len(walk) else 0
 
     def _on(self, points: NDArray[np.object_]) -> IntArray:
         """Return the crossing whose axis is nearest, of those that a point is on; −1 for none."""

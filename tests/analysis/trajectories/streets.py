@@ -53,3 +53,12 @@ def crowd() -> list[pd.DataFrame]:
         tracks.append(car(f"car {number}", speed, begin_s=begin, duration_s=14.5))
         tracks.append(walker(f"walker {number}", begin + late, 1.2 + 0.1 * number))
     return tracks
+
+
+def rush() -> list[pd.DataFrame]:
+    """Return ten cars and ten pedestrians, one of each every 20 s, who walk at 1.0 to 1.9 m/s."""
+    tracks = []
+    for number in range(10):
+        tracks.append(car(f"car {number}", 9.0 + 0.3 * number, begin_s=20.0 * number, duration_s=14.0))
+        tracks.append(walker(f"walker {number}", 20.0 * number + 9.0, 1.0 + 0.1 * number))
+    return tracks

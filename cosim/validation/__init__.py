@@ -1,0 +1,1 @@
+"""Simulation held against real tracks: the demand rebuilt, runs over seeds, comparison, calibration."""

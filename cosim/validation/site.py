@@ -1,0 +1,94 @@
+"""The scenario in which a recording is simulated again: its network and signals with the rebuilt demand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import pandas as pd
+
+from analysis.files import write_text
+from cosim.errors import InputError
+from cosim.sumo.network import Network
+from cosim.validation.demand import Rebuilt, Types, rebuild
+from sumo_scenarios import library
+from sumo_scenarios.sumocfg import read_sumocfg
+
+CONFIGURATION = "rebuilt.sumocfg"
+ROUTES = "rebuilt.rou.xml"
+STEP_S = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What of a scenario is kept: everything but its demand."""
+
+    name: str
+    net_file: Path
+    additional_files: tuple[Path, ...]
+    begin_s: float
+    options: dict[str, str]
+
+
+def read_site(name: str, work: Path) -> Site:
+    """Return the network, signals and options of a scenario.
+
+    Parameters
+    ----------
+    name : of a scenario, its folder, or a SUMO configuration
+    work : folder for what has to be made of plain sources
+
+    Raises
+    ------
+    InputError
+        If there is no such scenario, or one of its files is missing.
+    """
+    try:
+        scenario = library.load(name)
+        if scenario.sumocfg is not None:
+            found = read_sumocfg(scenario.sumocfg)
+            kept = {key: value for key, value in found.options.items() if key.startswith("pedestrian.")}
+            return Site(scenario.name, found.net_file, found.additional_files, found.begin_s, kept)
+        work.mkdir(parents=True, exist_ok=True)
+        prepared = library.prepare(scenario, 1, work)
+    except (library.ScenarioError, OSError) as error:
+        raise InputError(str(error)) from error
+    options = dict(zip(prepared.options[::2], prepared.options[1::2], strict=False))
+    added = tuple(Path(file) for file in options.get("--additional-files", "").split(",") if file)
+    return Site(scenario.name, prepared.net_file, added, prepared.begin_s, {})
+
+
+def write_site(
+    folder: Path, site: Site, network: Network, frame: pd.DataFrame, types: Types, duration_s: float
+) -> tuple[Path, Rebuilt]:
+    """Write the configuration in which a recording is simulated again, and return it with its demand.
+
+    Parameters
+    ----------
+    folder : to write to
+    site
+    network : of the site
+    frame : placed samples whose demand it has
+    types : attributes of the types of road users
+    duration_s : of the simulation
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    first = float(frame["time_s"].min())
+    begin = site.begin_s - (first - first % 1.0)
+    demand = rebuild(frame, network, folder / ROUTES, begin, types)
+    inputs = {
+        "net-file": str(site.net_file.resolve()),
+        "route-files": ROUTES,
+        "additional-files": ",".join(str(path.resolve()) for path in site.additional_files),
+    }
+    times = {
+        "begin": f"{site.begin_s:g}",
+        "end": f"{site.begin_s + duration_s:g}",
+        "step-length": f"{STEP_S:g}",
+    }
+    options = {**{key: value for key, value in inputs.items() if value}, **times, **site.options}
+    options["ignore-route-errors"] = "true"
+    lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items()]
+    path = write_text(folder / CONFIGURATION, "\n".join(["<configuration>", *lines, "</configuration>", ""]))
+    return path, demand

@@ -1,0 +1,125 @@
+"""The street simulated again and compared, from the command line."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from analysis.files import read_csv, read_json
+from cosim.errors import InputError
+from cosim.validation.calibrate import CalibrationRequest, calibrated, types_of
+from cosim.validation.span import span_of
+from cosim.validation.types_file import read_types, types_text
+from tests.analysis.trajectories import streets
+from tests.cosim.cli.commands import ended
+from tests.cosim.tracks import networks
+
+CONFIGURATION = """<configuration><input><net-file value="street.net.xml"/></input>
+<time><begin value="0"/><end value="200"/><step-length value="0.1"/></time></configuration>"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with street.sumocfg and tracks.csv of ten cars and ten pedestrians."""
+    folder = tmp_path_factory.mktemp("site")
+    networks.street(folder)
+    (folder / "street.sumocfg").write_text(CONFIGURATION)
+    streets.write(folder / "tracks.csv", streets.rush())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def validation(folder: Path) -> Path:
+    out = folder / "validation"
+    done = ended(
+        *("validate", folder / "street.sumocfg", "--tracks", folder / "tracks.csv"),
+        *("--seeds", "1-2", "--jobs", "1", "--out", out),
+    )
+    assert "walking_speed" in done.stdout
+    assert "simulated again: 10 car, 10 pedestrian" in done.stdout
+    return out
+
+
+@pytest.mark.sumo
+def test_who_departed_when_and_where_is_simulated_again(validation: Path) -> None:
+    routes = ElementTree.parse(validation / "scenario" / "rebuilt.rou.xml").getroot()
+    trip = next(iter(routes.iter("trip")))
+    assert (trip.get("from"), trip.get("to"), trip.get("departLane")) == ("e1", "e2", "1")
+    assert float(trip.get("departPos", "")) == pytest.approx(22.25, abs=0.3)
+    walk = next(iter(routes.iter("walk")))
+    assert {walk.get("from"), walk.get("to")} <= {"e1", "e2", "w1", "w2"}
+    record = read_json(validation / "validation.json")
+    assert record["departed"] == {"car": 10, "pedestrian": 10}
+    assert record["left_out"] == {}
+    runs = sorted((validation / "simulated").rglob("traffic.parquet"))
+    assert len(runs) == 2
+    assert pd.read_parquet(runs[0])["object_id"].nunique() == 20
+
+
+@pytest.mark.sumo
+def test_real_road_users_are_counted_once_and_simulated_ones_in_every_run(validation: Path) -> None:
+    rows = {row["quantity"]: row for row in read_csv(validation / "validation.csv")}
+    speed = rows["walking_speed"]
+    assert (speed["n_real"], speed["n_simulated"], speed["role"]) == ("10", "20", "outcome")
+    assert float(speed["real_mean"]) == pytest.approx(1.45, abs=0.01)
+    assert float(speed["difference_lo"]) < float(speed["difference"]) < float(speed["difference_hi"])
+    assert rows["bicycle_speed"]["verdict"] == "too few"
+    assert rows["car_speed"]["verdict"] in ("different", "indistinguishable")
+
+
+@pytest.mark.sumo
+def test_a_validation_is_resumed_and_gives_the_same_bytes(validation: Path, folder: Path) -> None:
+    before = (validation / "validation.csv").read_bytes()
+    done = ended(
+        *("validate", folder / "street.sumocfg", "--tracks", folder / "tracks.csv"),
+        *("--seeds", "1-2", "--jobs", "1", "--out", validation),
+    )
+    assert "2 of 2 runs finished" in done.stdout
+    assert (validation / "validation.csv").read_bytes() == before
+
+
+@pytest.mark.sumo
+def test_a_calibration_writes_types_that_a_validation_takes(folder: Path, tmp_path: Path) -> None:
+    done = calibrated(
+        CalibrationRequest(
+            str(folder / "street.sumocfg"), str(folder / "tracks.csv"), split_s=100.0, out=tmp_path / "c"
+        )
+    )
+    assert done.estimates["walking_speed"].n == 5
+    types = read_types(done.file)
+    assert float(types["pedestrian"]["desiredMaxSpeed"]) == pytest.approx(1.2, abs=0.01)
+    assert "n = 5" in done.file.read_text()
+    assert "car" not in types or "tau" not in types["car"], "nobody follows anybody here"
+    rows = {row["parameter"]: row for row in read_csv(tmp_path / "c" / "estimates.csv")}
+    assert rows["critical_gap"]["value"] == ""
+    assert "pedestrians chose among gaps" in rows["critical_gap"]["method"]
+    assert types_of({**done.estimates})[0] == types
+
+
+def test_bad_requests_are_refused_in_one_line(tmp_path: Path, folder: Path) -> None:
+    street, tracks = folder / "street.sumocfg", folder / "tracks.csv"
+    out = ("--out", tmp_path / "out")
+    assert "no such scenario" in ended("validate", "nowhere", "--tracks", tracks, *out, code=2).stderr
+    said = ended("validate", street, "--tracks", "absent.csv", *out, code=2).stderr
+    assert "absent.csv: cannot be read" in said
+    said = ended("validate", street, "--tracks", tracks, "--from", "90", "--to", "20", *out, code=2).stderr
+    assert "expected a part of the recording" in said
+    said = ended("calibrate", street, "--tracks", tracks, "--split", "9000", *out, code=2).stderr
+    assert "expected a second within the recording" in said
+
+
+def test_types_are_read_as_they_were_written_and_wrong_ones_refused(tmp_path: Path) -> None:
+    types = {"car": {"tau": "1.1", "speedFactor": "normc(1,0.1,0.5,1.5)"}}
+    path = tmp_path / "types.toml"
+    path.write_text(types_text(types, {"car.tau": "time_gap 1.1 s"}))
+    assert read_types(path) == types
+    path.write_text('[types.cra]\ntau = "1"\n')
+    with pytest.raises(InputError, match="unknown class 'cra'; did you mean 'car'"):
+        read_types(path)
+    path.write_text("tau = 1\n")
+    with pytest.raises(InputError, match=r"expected tables \[types.car\]"):
+        read_types(path)
+    assert span_of(None, None) is None
