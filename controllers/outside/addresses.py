@@ -1,9 +1,10 @@
-"""Controllers named by where they are instead of by a name of the catalogue: ``./patient.py``."""
+"""Controllers named by where they are: ``./patient.py``, ``process:./my_controller``, ``fmu:acc.fmu``."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib.util
+import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,6 +18,10 @@ class AddressError(ValueError):
     """There is nothing at an address, or nothing that can drive; one line for the user."""
 
 
+PROCESS, FMU = "process:", "fmu:"
+"""How the addresses of programs and of functional mock-up units begin."""
+
+
 @dataclass(frozen=True, slots=True)
 class Found:
     """What is at an address, in the form of a module of the catalogue."""
@@ -28,15 +33,15 @@ class Found:
 def is_address(name: str) -> bool:
     """Tell an address from a name of the catalogue.
 
-    >>> is_address("./patient.py"), is_address("vo_mpc")
-    (True, False)
+    >>> is_address("./patient.py"), is_address("process:node drive.js"), is_address("vo_mpc")
+    (True, True, False)
     """
-    return name.endswith(".py")
+    return name.startswith((PROCESS, FMU)) or name.endswith(".py")
 
 
 def files(name: str) -> dict[str, str]:
     """Return the files that a controller at an address is made of, and their SHA-256."""
-    paths = [Path(name)] if is_address(name) else []
+    paths = [Path(word) for word in _words(name)] if is_address(name) else []
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths if path.is_file()}
 
 
@@ -50,10 +55,30 @@ def find(name: str) -> Found:
     Exception
         Whatever the file raises when it is loaded.
     """
+    if name.startswith(PROCESS):
+        from controllers.outside.process.driver import builder
+
+        command = name.removeprefix(PROCESS)
+        return Found(builder(command), f"The program {command}.")
+    if name.startswith(FMU):
+        from controllers.outside.fmu.driver import builder as unit_builder
+
+        path = name.removeprefix(FMU)
+        return Found(unit_builder(path), f"The functional mock-up unit {path}.")
     module = _python_file(Path(name))
     if not callable(getattr(module, "build", None)):
         raise AddressError(f"controller '{name}' has no function build(**parameters)")
     return Found(module.build, module.__doc__ or f"The controller in {name}.")
+
+
+def _words(name: str) -> list[str]:
+    """Return what in an address may be a file."""
+    for prefix in (PROCESS, FMU):
+        if name.startswith(prefix):
+            words = shlex.split(name.removeprefix(prefix))
+            beside = [str(Path(words[0]).with_suffix(".toml"))] if prefix == FMU and words else []
+            return words + beside
+    return [name]
 
 
 def _python_file(path: Path) -> ModuleType:

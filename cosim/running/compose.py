@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,7 +19,7 @@ from cosim.running.request import RunRequest
 from cosim.sensing import catalog as sensing_catalog
 from cosim.sensing import chosen
 from cosim.sensing.interface import Sensing
-from cosim.step.drivers import Drivers
+from cosim.step.drivers import Drivers, release
 from cosim.step.loop import Record
 from cosim.step.world import World
 from cosim.sumo.world import SumoWorld
@@ -44,10 +44,10 @@ class Composition:
 
     def close(self) -> None:
         """End the simulation and remove the files it was started from."""
-        try:
+        with ExitStack() as stack:
+            stack.callback(self._work_dir.cleanup)
+            stack.callback(self.drivers.close)
             self.world.close()
-        finally:
-            self._work_dir.cleanup()
 
 
 def compose(request: RunRequest) -> Composition:
@@ -119,7 +119,11 @@ def _tried(request: RunRequest) -> _Tried:
         )
     given = _controller_parameters(request, scenario, sensing_name, controller_texts)
     # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
-    rehearse(str(request.controller), catalog.build(request.controller, seed=request.seed, **given), given)
+    trial = catalog.build(request.controller, seed=request.seed, **given)
+    try:
+        rehearse(str(request.controller), trial, given)
+    finally:
+        release(trial)
     return _Tried(scenario, given, sensing_name, sensing)
 
 

@@ -36,7 +36,11 @@ class Drivers(Mapping[str, Controller]):
     def keep(self, names: Collection[str]) -> None:
         """Let the controllers of all other egos go: with its programs one may hold some 200 kB."""
         for name in self._built.keys() - set(names):
-            del self._built[name]
+            release(self._built.pop(name))
+
+    def close(self) -> None:
+        """Let all controllers go."""
+        self.keep(())
 
 
 class Departures:
@@ -58,6 +62,13 @@ class Departures:
     def stepped(self, snapshot: Snapshot) -> None:
         """Keep the controllers of the egos that are still on the road."""
         self._drivers.keep([ego.name for ego in snapshot.egos])
+
+
+def release(controller: Controller) -> None:
+    """Let a controller go: one that holds more than memory, such as a process, has a method ``close``."""
+    close = getattr(controller, "close", None)
+    if callable(close):
+        close()
 
 
 def seed_of(seed: int, name: str) -> int:

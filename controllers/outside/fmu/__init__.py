@@ -1,0 +1,1 @@
+"""Controllers that are functional mock-up units: ``--controller fmu:acc.fmu``."""

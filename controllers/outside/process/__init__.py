@@ -1,0 +1,1 @@
+"""Controllers that are programs of their own: ``--controller process:./my_controller``."""
