@@ -19,6 +19,7 @@ from analysis.results.rows import measure
 from analysis.thresholds import with_settings
 from controllers import catalog
 from controllers.interface import Controller
+from controllers.outside import addresses
 from controllers.settings import call, model_of
 from cosim.cli import (
     analyse,
@@ -126,7 +127,8 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
         with_settings(parse_settings(settings))
     if name == "run":
         texts = parse_settings(settings)
-        assert values["controller"] in catalog.names()
+        named = values["controller"] in catalog.names()
+        assert named or values["controller"].startswith((addresses.PROCESS, addresses.FMU))
         if values["scenario"].endswith(".sumocfg"):
             assert any(values[key] for key in ("ego_route", "ego_vehicle", "ego_share"))
         else:
@@ -155,7 +157,8 @@ def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
 def parameters() -> set[str]:
     """Return the names of all parameters there are."""
     known = {"ego_route", "ego_vehicle", "ego_share"}  # of a study: docs/batches.md
-    for controller in catalog.names():
+    outside = [f"{addresses.PROCESS}program", f"{addresses.FMU}unit.fmu"]
+    for controller in (*catalog.names(), *outside):
         known |= catalog.parameters(controller).keys() | catalog.moved(controller).keys()
     for scenario in library.names():
         known |= library.parameter_values(library.load(scenario)).keys()
