@@ -105,8 +105,8 @@ def distance(axes: Sequence[Axis], one: Point, other: Point) -> float:
     Examples
     --------
     >>> speed, side = Axis("speed", 0.0, 4.0), Axis("side", choices=("left", "right"))
-    >>> distance([speed, side], {"speed": 1.0, "side": "left"}, {"speed": 3.0, "side": "left"}) ** 2
-    0.125
+    >>> distance([speed, side], {"speed": 0.0, "side": "left"}, {"speed": 4.0, "side": "right"})
+    1.0
     """
     total = sum(_apart(axis, one[axis.name], other[axis.name]) ** 2 for axis in axes)
     return math.sqrt(total / max(len(axes), 1))

@@ -115,6 +115,22 @@ def _margins(criterion: Criterion, encounters: Sequence[Cells], runs: Sequence[C
             yield _Margin(min(value, -LEAST), row)
 
 
+def judge_contacts(encounters: Sequence[Cells], preventable_only: bool) -> float:
+    """Return the margin of a run to a contact, 1 without any encounter.
+
+    Parameters
+    ----------
+    encounters
+        Rows of its encounters.csv.
+    preventable_only
+        Whether a contact counts only where the careful driver would have prevented it.
+    """
+    counted = encounters
+    if not preventable_only:
+        counted = [{**row, "preventable_r157": ""} for row in encounters]
+    return min((_of_contact(row).value for row in counted), default=1.0)
+
+
 def squashed(value: float) -> float:
     """Return a number brought between −1 and 1, 0 staying where it is.
 

@@ -19,6 +19,7 @@ from analysis.errors import DamageError
 from cosim.cli import analyse, calibrate, compare, completion, conformance, listing, papers, schema
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
+from cosim.cli import estimate as estimate_command
 from cosim.cli import falsify as falsify_command
 from cosim.cli import inspect as inspect_command
 from cosim.cli import plot as plot_command
@@ -70,6 +71,7 @@ app.command("batch")(batch_command.batch)
 app.command("check")(check_command.check)
 app.command("screen")(screen_command.screen)
 app.command("falsify")(falsify_command.falsify)
+app.command("estimate")(estimate_command.estimate)
 app.command("validate")(validate_command.validate)
 app.command("calibrate")(calibrate.calibrate)
 app.command("analyse")(analyse.analyse)

@@ -9,25 +9,23 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
-from analysis.files import write_text
 from analysis.search.axes import Axis, Point
 from analysis.search.kinds import kinds
 from analysis.search.objective import Verdict
 from analysis.search.results import FAIL, INVALID, KindRow, Tried, write_results
 from analysis.search.sensitivity import Influence, influences
 from cosim.batches.conduct import Tally
-from cosim.batches.study import DEFAULT_TIMEOUT_S, toml_value
+from cosim.batches.study import DEFAULT_TIMEOUT_S
 from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError
 from cosim.recording import folders
 from cosim.search import regression, shrinking
+from cosim.search.folder import begin, check_folder, described
 from cosim.search.proposals import GENERATION, NEUTRAL, Proposer, first_generations, missing, propose
 from cosim.search.subject import Subject, read_subject
-from cosim.search.trials import Answer, Trial, Trials, running
+from cosim.search.trials import Trial, Trials, running
 
-ABOUT = "search.toml"
 TRIALS = "trials"
 SEED_AXIS = "seed"
 
@@ -102,7 +100,7 @@ class Search:
             When no trial has a result, or no run can be made any more.
         """
         request, folder = self.request, self.request.folder
-        _begin(folder, self.about)
+        begin(folder, self.about)
         handling = Handling(request.run_timeout_s, drop_recordings=True)
         runs = request.budget * (len(self.seeds) if self._averaged else 1)
         with (
@@ -243,71 +241,21 @@ def prepared(request: FalsifyRequest) -> Search:
     assert least <= request.budget
     folder = request.folder
     folders.check_links(folder)
-    about = _about(request, subject, seeds)
-    _check_folder(folder, about)
+    about = described(
+        "A search for failures: what decides its trials. Written by cosim falsify.",
+        subject,
+        {
+            "budget": request.budget,
+            "method": request.method,
+            "seed": request.seed,
+            "role_of_seeds": table.seed,
+            "seeds": list(seeds),
+            "generation": GENERATION,
+        },
+        request.settings,
+    )
+    check_folder(folder, about)
     return Search(request, subject, axes, seeds, about)
-
-
-def _about(request: FalsifyRequest, subject: Subject, seeds: Sequence[int]) -> str:
-    """Return what decides the trials, as TOML; kept in the folder, so that nothing else resumes there."""
-    content: dict[str, Any] = {
-        "scenario": request.scenario,
-        "controller": request.controller,
-        "budget": request.budget,
-        "method": request.method,
-        "seed": request.seed,
-        "role_of_seeds": subject.space.table.seed,
-        "seeds": list(seeds),
-        "generation": GENERATION,
-        "set": dict(request.settings),
-        "criteria": [
-            f"{one.id}: {one.scope} {one.metric} {one.operator} {one.threshold:g}" for one in subject.criteria
-        ],
-        "space": subject.space.table.model_dump(exclude_unset=True, exclude_none=True),
-    }
-    lines = ["# A search for failures: what decides its trials. Written by cosim falsify."]
-    for key, value in content.items():
-        if key == "space":
-            for name, one in value.items():
-                lines.append(f"space.{name} = {toml_value(one)}")
-        else:
-            lines.append(f"{key} = {toml_value(value)}")
-    return "\n".join(lines) + "\n"
-
-
-def _check_folder(folder: Path, about: str) -> None:
-    if not folder.exists():
-        return
-    if not folder.is_dir():
-        raise InputError(f"--out {folder}: expected a folder, this is a file")
-    file = folder / ABOUT
-    if not file.is_file():
-        if any(folder.iterdir()):
-            raise InputError(
-                f"--out {folder}: expected an empty or new folder, or the one of this search; "
-                "this one has other files in it"
-            )
-        return
-    before, now = file.read_text(encoding="utf-8").splitlines(), about.splitlines()
-    if before != now:
-        differs = next((one for one in now if one not in before), "")
-        was = next((one for one in before if one not in now), "")
-        raise InputError(
-            f"--out {folder} belongs to another search: there {_cut(was)}, here {_cut(differs)}; "
-            "expected the same search, or a new folder"
-        )
-
-
-def _cut(line: str, longest: int = 120) -> str:
-    return line if len(line) <= longest else f"{line[:longest]}…"
-
-
-def _begin(folder: Path, about: str) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_text(folder / ABOUT, about)
-    except OSError as error:
-        raise InputError(f"--out {folder}: {error.strerror}") from error
 
 
 def _check_answers(tried: Sequence[Tried]) -> None:
@@ -340,6 +288,3 @@ def command(request: FalsifyRequest) -> str:
 def silent() -> Iterator[Callable[[Tally], None]]:
     """Show nothing."""
     yield lambda tally: None
-
-
-__all__ = ["Answer", "FalsifyRequest", "Found", "Search", "command", "prepared", "silent"]

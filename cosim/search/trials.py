@@ -103,6 +103,10 @@ class Trials:
         kept = set(self._ledger.finished())
         return [self._answer(trial, job, kept, failures) for trial, job in zip(trials, jobs, strict=True)]
 
+    def encounters(self, trial: Trial) -> list[dict[str, str]]:
+        """Return the rows of encounters.csv of a finished trial."""
+        return read_csv(self.run_folder(trial) / ENCOUNTERS.file)
+
     def run_folder(self, trial: Trial) -> Path:
         """Return where the run of a trial is."""
         return self._ledger.run_folder(self._configured(trial).name)

@@ -1,0 +1,221 @@
+"""How probable an event is: crude Monte Carlo, subset simulation and importance sampling by OpenTURNS.
+
+The inputs are independent standard normal numbers; the event is a margin below 0. The last two methods need
+a margin that says how near the event is. Their own intervals rest on approximations, so each is run several
+times from other random numbers, and the interval comes from the scatter of these replications.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+from analysis.geometry import FloatArray
+from analysis.statistics.intervals import share_interval
+
+METHODS = ("crude", "subset", "importance")
+BLOCK = 100
+"""Margins that are asked for at a time."""
+BLOCKS_OF_LEVEL = 4
+"""Blocks of each level of a replication; 400 margins a level."""
+LEVEL = 0.1
+"""Conditional probability of each level."""
+FEWEST_REPLICATIONS = 4
+MOST_REPLICATIONS = 100
+
+Evaluate = Callable[[FloatArray], FloatArray]
+"""Standard normal numbers, an array (n, dimension), to margins, an array (n)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Probability:
+    """An estimate."""
+
+    method: str
+    estimate: float
+    low: float
+    high: float
+    """95 % interval."""
+    variation: float | None
+    """Coefficient of variation of the estimate; ``None`` while it is 0."""
+    runs: int
+    """Margins that were asked for."""
+    events: int
+    """Of these below 0."""
+    replications: int
+    reached: bool
+    """Whether the wanted coefficient of variation was reached."""
+
+
+class _Counting:
+    """Evaluates, counts, and keeps what went wrong, which OpenTURNS would put into words of its own."""
+
+    def __init__(self, evaluate: Evaluate) -> None:
+        self._evaluate = evaluate
+        self.runs = 0
+        self.events = 0
+        self.error: BaseException | None = None
+
+    def __call__(self, inputs: Any) -> FloatArray:
+        try:
+            margins = np.asarray(self._evaluate(np.asarray(inputs, dtype=np.float64)), dtype=np.float64)
+        except BaseException as error:
+            self.error = error
+            raise
+        self.runs += len(margins)
+        self.events += int(np.count_nonzero(margins < 0.0))
+        return margins
+
+
+def estimate(
+    method: str, evaluate: Evaluate, dimension: int, *, variation: float, most: int, seed: int
+) -> Probability:
+    """Estimate a probability until its coefficient of variation is small enough.
+
+    Parameters
+    ----------
+    method
+        One of `METHODS`.
+    evaluate
+    dimension
+        Number of inputs.
+    variation
+        Wanted coefficient of variation.
+    most
+        Margins that may be asked for; a replication that has begun is finished.
+    seed
+
+    Raises
+    ------
+    ModuleNotFoundError
+        Without OpenTURNS, for the methods that need it.
+    """
+    counting = _Counting(evaluate)
+    if method == "crude":
+        return _crude(counting, dimension, variation, most, seed)
+    return _replicated(method, counting, dimension, variation, most, seed)
+
+
+def _crude(counting: _Counting, dimension: int, variation: float, most: int, seed: int) -> Probability:
+    """Draw until there are enough events; the interval is the exact one of Clopper and Pearson."""
+    generator = np.random.default_rng(seed)
+    reached = False
+    while counting.runs < most and not reached:
+        counting(generator.standard_normal((min(BLOCK, most - counting.runs), dimension)))
+        found = _variation_of_share(counting.events, counting.runs)
+        reached = found is not None and found <= variation
+    interval = share_interval(counting.events, counting.runs)
+    assert interval is not None
+    return Probability(
+        "crude",
+        counting.events / counting.runs,
+        interval.low,
+        interval.high,
+        _variation_of_share(counting.events, counting.runs),
+        counting.runs,
+        counting.events,
+        1,
+        reached,
+    )
+
+
+def _variation_of_share(events: int, trials: int) -> float | None:
+    share = events / trials
+    return math.sqrt((1.0 - share) / (share * trials)) if events else None
+
+
+def _replicated(
+    method: str, counting: _Counting, dimension: int, variation: float, most: int, seed: int
+) -> Probability:
+    found: list[float] = []
+    attempts = 0
+    reached = False
+    while attempts < MOST_REPLICATIONS and not reached:
+        if len(found) >= FEWEST_REPLICATIONS and counting.runs * (1.0 + 1.0 / attempts) > most:
+            break
+        value = _replication(method, counting, dimension, seed + attempts)
+        attempts += 1
+        if value is not None:
+            found.append(value)
+        scatter = _variation_of_mean(found)
+        reached = len(found) >= FEWEST_REPLICATIONS and scatter is not None and scatter <= variation
+        if counting.runs > most and len(found) >= 2:
+            break
+    mean = float(np.mean(found)) if found else 0.0
+    scatter = _variation_of_mean(found)
+    low, high = _interval(mean, scatter, len(found))
+    return Probability(method, mean, low, high, scatter, counting.runs, counting.events, len(found), reached)
+
+
+def _variation_of_mean(values: list[float]) -> float | None:
+    if len(values) < 2 or not any(values):
+        return None
+    return float(np.std(values, ddof=1) / np.mean(values) / math.sqrt(len(values)))
+
+
+def _interval(mean: float, scatter: float | None, count: int) -> tuple[float, float]:
+    """Return the 95 % interval of a positive number that scatters by factors."""
+    if scatter is None:
+        return 0.0, 1.0
+    wide = float(student.ppf(0.975, count - 1)) * math.sqrt(math.log1p(scatter**2))
+    return mean * math.exp(-wide), min(1.0, mean * math.exp(wide))
+
+
+def _replication(method: str, counting: _Counting, dimension: int, seed: int) -> float | None:
+    """Return one estimate; ``None`` where OpenTURNS finds none."""
+    import openturns as ot
+
+    ot.RandomGenerator.SetSeed(seed)
+    function = ot.PythonFunction(
+        dimension, 1, func_sample=lambda inputs: counting(inputs).reshape(-1, 1).tolist()
+    )
+    inputs = ot.RandomVector(ot.Normal(dimension))
+    event = ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Less(), 0.0)
+    algorithm = ot.SubsetSampling(event) if method == "subset" else ot.NAIS(event, LEVEL)
+    algorithm.setBlockSize(BLOCK)
+    algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL)
+    try:
+        algorithm.run()
+    except (TypeError, RuntimeError):
+        if counting.error is not None:
+            raise counting.error from None
+        return None  # its own estimate of the variance was below 0
+    return float(algorithm.getResult().getProbabilityEstimate())
+
+
+_UNITS = (
+    (1e2, "a hundred"),
+    (1e3, "a thousand"),
+    (1e4, "ten thousand"),
+    (1e5, "a hundred thousand"),
+    (1e6, "a million"),
+    (1e7, "ten million"),
+    (1e8, "a hundred million"),
+    (1e9, "a thousand million"),
+)
+
+
+def in_words(low: float, high: float) -> str:
+    """Return an interval as numbers of passages.
+
+    Examples
+    --------
+    >>> in_words(2.2e-6, 8.7e-6)
+    'between 2 and 9 in a million'
+    >>> in_words(0.011, 0.034)
+    'between 11 and 34 in a thousand'
+    >>> in_words(0.0, 0.0004)
+    'at most 40 in a hundred thousand'
+    """
+    fitting = [number for number, _ in _UNITS if (high - low) * number >= 5.0]
+    unit = min(fitting, default=_UNITS[-1][0])
+    name = dict(_UNITS)[unit]
+    at_most = math.ceil(high * unit - 1e-9)
+    if low <= 0.0:
+        return f"at most {at_most} in {name}"
+    return f"between {math.floor(low * unit + 1e-9)} and {at_most} in {name}"

@@ -1,0 +1,195 @@
+"""How soon a search finds planted faults, how often intervals of an estimate hold, and what a search costs.
+
+``python benchmarks/falsify.py faults | toy | estimate | time`` prints a table and its bars each.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from measuring.planted import AXES, TOY_AXES, Faults, toy_margin
+from scipy.stats import norm
+
+from analysis.markdown import table_of
+from analysis.search.axes import Axis, Point
+from analysis.search.probability import estimate
+from cosim.search.proposals import GENERATION, propose
+
+BUDGET = 500
+REPEATS = 30
+FAULTS = 3
+Row = dict[str, Any]
+
+
+def search(
+    method: str, axes: Sequence[Axis], margin: Callable[[Point], float], seed: int, stop: bool
+) -> list[tuple[Point, float]]:
+    """Return the trials of a search, up to the generation with the first failure if wanted."""
+    proposer = propose(method, axes, seed, BUDGET)
+    tried: list[tuple[Point, float]] = []
+    while len(tried) < BUDGET:
+        points = proposer.ask(GENERATION)
+        margins = [margin(one) for one in points]
+        proposer.tell(points, margins)
+        tried += zip(points, margins, strict=True)
+        if stop and min(margins) < 0.0:
+            break
+    return tried
+
+
+def first(tried: Sequence[tuple[Point, float]]) -> int:
+    """Return the number of the first failing trial, one more than the budget without any."""
+    return next((number for number, (_, margin) in enumerate(tried, 1) if margin < 0.0), BUDGET + 1)
+
+
+def faults() -> None:
+    """Print how soon planted faults are found on functions."""
+    rows: list[Row] = []
+    for slope, volumes in ((True, (0.02, 0.005, 0.001)), (False, (0.001,))):
+        for volume in volumes:
+            for method in ("cma-es", "tpe", "nsga-ii", "sobol", "random"):
+                repeats = 5 if method == "tpe" else REPEATS
+                firsts, distinct = [], []
+                for seed in range(repeats):
+                    planted = Faults(volume, FAULTS, seed, slope)
+                    tried = search(method, AXES, planted.margin, seed, stop=False)
+                    firsts.append(first(tried))
+                    distinct.append(len({planted.hit(point) for point, _ in tried} - {None}))
+                rows.append(
+                    {
+                        "volume [%]": f"{100 * volume:g}" + ("" if slope else ", no slope"),
+                        "method": method,
+                        "repeats": repeats,
+                        "found within 500 [%]": round(100 * sum(one <= BUDGET for one in firsts) / repeats),
+                        "median runs to the first": "> 500" if median(firsts) > BUDGET else median(firsts),
+                        f"faults found of {FAULTS}, mean": round(sum(distinct) / repeats, 2),
+                    }
+                )
+    print(table_of(rows))
+
+
+def toy() -> None:
+    """Print how soon a controller's planted fault is found on the toy road."""
+    rows: list[Row] = []
+    for volume in (0.02, 0.005, 0.001):
+        half = 0.5 * volume ** (1.0 / len(TOY_AXES))
+        for method in ("cma-es", "random"):
+            firsts = []
+            for seed in range(10):
+                generator = np.random.default_rng(seed)
+                centre = {axis.name: float(generator.uniform(half, 1.0 - half)) for axis in TOY_AXES}
+                firsts.append(first(search(method, TOY_AXES, toy_margin([centre], half), seed, stop=True)))
+            rows.append(
+                {
+                    "volume [%]": f"{100 * volume:g}",
+                    "method": method,
+                    "found within 500 [%]": 10 * sum(one <= BUDGET for one in firsts),
+                    "median runs to the first": "> 500" if median(firsts) > BUDGET else median(firsts),
+                }
+            )
+    print(table_of(rows))
+
+
+def estimates() -> None:
+    """Print how often the 95 % interval holds a known probability, and with how many runs."""
+    rows: list[Row] = []
+    for shape in ("one region", "two regions"):
+        for probability in (1e-3, 1e-4, 1e-5, 1e-6):
+            for method in ("importance", "subset"):
+                found = [
+                    estimate(
+                        method, _limit(shape, probability), 6, variation=0.3, most=40000, seed=1000 * seed
+                    )
+                    for seed in range(100)
+                ]
+                runs = sum(one.runs for one in found) / len(found)
+                crude = 1.0 / (probability * 0.3**2)
+                rows.append(
+                    {
+                        "limit state": shape,
+                        "probability": f"{probability:g}",
+                        "method": method,
+                        "intervals that hold it, of 100": sum(
+                            one.low <= probability <= one.high for one in found
+                        ),
+                        "runs, mean": round(runs),
+                        "crude runs per run": f"{crude / runs:.3g}",
+                    }
+                )
+    print(table_of(rows))
+
+
+def _limit(shape: str, probability: float) -> Callable[[Any], Any]:
+    if shape == "one region":
+        far = -norm.ppf(probability)
+        return lambda inputs: far - inputs.sum(axis=1) / np.sqrt(inputs.shape[1])
+    far = -norm.ppf(0.5 * probability)
+    return lambda inputs: far - np.abs(inputs[:, 0])
+
+
+SPACE = """
+warmup_s = 1.0
+duration_s = 16.0
+egos = { count = 1, depart_lane = "1", routes = [{ edges = "east" }] }
+[[pedestrians]]
+name = "met"
+kind = "line"
+lane = "east_1"
+from_m = [120.0, -2.5]
+to_m = [120.0, 6.0]
+speed_mps = "$speed_mps"
+start = { ego_arrival_s = "$gap_s" }
+[parameters.gap_s]
+minimum = 1.0
+maximum = 6.0
+[parameters.speed_mps]
+minimum = 1.0
+maximum = 2.0
+"""
+
+
+def time_of_search(budget: int = 200) -> None:
+    """Print the wall time of a search against that of its runs in turn in one process."""
+    from cosim.running.execution import execute
+    from cosim.running.request import RunRequest
+    from cosim.search.search import FalsifyRequest, prepared, silent
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "space.toml").write_text(SPACE)
+        rows: list[Row] = []
+        for jobs in (1, 2):
+            out = folder / f"search-{jobs}"
+            request = FalsifyRequest(
+                "jaywalk_arterial",
+                "aeb",
+                budget,
+                settings={"vehicles_per_hour": "100"},
+                space=folder / "space.toml",
+                out=out,
+                jobs=jobs,
+                shrink=False,
+            )
+            started = perf_counter()
+            prepared(request).run(silent())
+            rows.append({"what": f"search, --jobs {jobs}", "s": round(perf_counter() - started, 1)})
+        scenarios = sorted((folder / "search-1/trials/scenarios").iterdir())
+        started = perf_counter()
+        for number, scenario in enumerate(scenarios):
+            execute(RunRequest(str(scenario), "aeb", seed=1, out=folder / f"run-{number}"))
+        in_turn = perf_counter() - started
+        rows.append({"what": "the same runs in turn in one process", "s": round(in_turn, 1)})
+        for row in rows:
+            row["times that"] = round(float(row["s"]) / in_turn, 2)
+        print(table_of(rows))
+
+
+if __name__ == "__main__":
+    {"faults": faults, "toy": toy, "estimate": estimates, "time": time_of_search}[sys.argv[1]]()

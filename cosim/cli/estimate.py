@@ -1,0 +1,145 @@
+"""``cosim estimate``: how often an event would happen in a passage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cosim.cli import terminal
+from cosim.cli.options import Debug, Jobs, Settings
+
+if TYPE_CHECKING:
+    from cosim.search.estimate import Estimated, EstimateRequest
+
+_EVENTS = {
+    "contact": "a contact",
+    "preventable-contact": "a contact that a careful driver would have prevented",
+    "criteria": "a violated criterion that a careful driver would have kept",
+}
+
+
+def estimate(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario's name or folder, or a SUMO configuration.")
+    ],
+    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller.")] = "vo_mpc",
+    event: Annotated[
+        str, typer.Option(metavar="NAME", help="contact, preventable-contact or criteria.")
+    ] = "contact",
+    method: Annotated[str, typer.Option(metavar="NAME", help="crude, subset or importance.")] = "importance",
+    variation: Annotated[
+        float, typer.Option(metavar="X", help="Stop at this coefficient of variation.")
+    ] = 0.3,
+    budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of runs at most.")] = 5000,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of what is drawn.")] = 1,
+    space: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="What is drawn.", show_default="[search] of the scenario, or its crossings"
+        ),
+    ] = None,
+    criteria: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="[[criteria]] of the event criteria.", show_default="the scenario's"
+        ),
+    ] = None,
+    settings: Settings = None,
+    jobs: Jobs = None,
+    run_timeout_s: Annotated[
+        float, typer.Option(metavar="S", min=1, help="Wall-clock time after which a run has failed.")
+    ] = 600.0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Output folder; resumes an earlier estimate.",
+            show_default="runs/estimate-…",
+        ),
+    ] = None,
+    debug: Debug = False,
+) -> int:
+    """Estimate how often an event would happen in a passage, given the distributions of the space.
+
+    Repeat the command to resume.
+
+    \b
+    Examples:
+      cosim estimate jaywalk_arterial --controller aeb --method crude --budget 1000 --out results/crude
+      cosim estimate jaywalk_arterial --controller vo_mpc --variation 0.2 --budget 20000
+
+    \b
+    Exit codes: 0 done, 2 bad input (nothing is run), 3 no run has a result, or it was interrupted.
+    """
+    from cosim.batches.progress import shown_tally
+    from cosim.errors import InputError
+    from cosim.running.request import parse_settings
+    from cosim.search.estimate import EstimateRequest, prepared_estimate, run_estimate
+
+    if not 0 <= seed < 2**31 - 10000:
+        raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 10001}, got {seed}")
+    request = EstimateRequest(
+        scenario,
+        controller,
+        event,
+        method,
+        variation,
+        budget,
+        seed,
+        parse_settings(settings or []),
+        space,
+        criteria,
+        out,
+        jobs,
+        run_timeout_s,
+    )
+    subject, about = prepared_estimate(request)
+    for note in subject.notes:
+        typer.echo(f"cosim: note: {note}", err=True)
+    try:
+        found = run_estimate(request, subject, about, shown_tally())
+    except KeyboardInterrupt:
+        typer.echo(f"cosim: interrupted; what is finished is kept; to resume: {request.command()}", err=True)
+        return 3
+    _show(request, found)
+    return 0
+
+
+def _show(request: EstimateRequest, found: Estimated) -> None:
+    """Print the answer, and what it does not say."""
+    from analysis.search.probability import in_words
+
+    console = terminal.console()
+
+    def say(text: str) -> None:
+        console.print(text, soft_wrap=True)
+
+    one = found.probability
+    what = _EVENTS[request.event]
+    if one.events == 0:
+        say(f"No run of {one.runs} had {what}.")
+    if one.method == "crude" or one.events:
+        say(
+            f"{request.controller} on {request.scenario}: {what} in {in_words(one.low, one.high)} passages "
+            f"of this kind (95 %), given these distributions; estimate {one.estimate:.2g}"
+        )
+    else:
+        say("The method found no way to the event; that gives no bound: --method crude does.")
+    variation = "–" if one.variation is None else f"{one.variation:.2f}"
+    say(
+        f"{one.runs} runs by {one.method}, {one.events} with the event; coefficient of variation {variation}"
+        + ("" if one.reached else f", the wanted {request.variation:g} was not reached")
+    )
+    if one.replications > 1:
+        say(f"The interval is from the scatter of {one.replications} independent estimates.")
+    if found.invalid:
+        say(f"{found.invalid} runs failed; none of them counts as an event.")
+    say(
+        "It does not say how often such passages occur, and it holds for the declared distributions only: "
+        "what they leave out has probability 0 here. Pedestrians who behave otherwise, other roads and "
+        "faults of sensors or software are not in it."
+    )
+    say(f"files: {found.folder}")

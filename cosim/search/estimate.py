@@ -1,0 +1,282 @@
+"""How often an event would happen in a passage, given declared distributions."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from scipy.special import ndtr
+
+from analysis.errors import did_you_mean
+from analysis.files import write_csv, write_json
+from analysis.geometry import FloatArray
+from analysis.sealing import seal_tables
+from analysis.search.axes import Value
+from analysis.search.objective import judge_contacts
+from analysis.search.probability import METHODS, Probability, estimate
+from analysis.search.results import PACKAGE
+from analysis.tables import column
+from analysis.tables.cells import cells
+from analysis.tables.column import Table
+from analysis.tables.datapackage import describe
+from cosim.batches.study import DEFAULT_TIMEOUT_S
+from cosim.batches.worker import Handling
+from cosim.errors import InputError, SimulationError
+from cosim.recording import folders
+from cosim.search.folder import begin, check_folder, described
+from cosim.search.proposals import missing
+from cosim.search.search import TRIALS, Shown
+from cosim.search.subject import Subject, read_subject
+from cosim.search.trials import Answer, Trial, Trials, running
+
+EVENTS = ("contact", "preventable-contact", "criteria")
+SEEDS = 1000
+"""So many seeds are drawn from: traffic and everything else that is random."""
+FEWEST = 100
+NOTHING = 1.0
+"""Margin of a run that failed; it is no event."""
+
+
+@dataclass(frozen=True, slots=True)
+class EstimateRequest:
+    """Request of a user for a probability."""
+
+    scenario: str
+    controller: str = "vo_mpc"
+    event: str = "contact"
+    method: str = "importance"
+    variation: float = 0.3
+    budget: int = 5000
+    seed: int = 1
+    settings: Mapping[str, str] = field(default_factory=dict)
+    space: Path | None = None
+    criteria: Path | None = None
+    out: Path | None = None
+    jobs: int | None = None
+    run_timeout_s: float = DEFAULT_TIMEOUT_S
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the estimate."""
+        name = f"estimate-{Path(self.scenario).stem}-{self.controller}-{self.seed}"
+        return folders.DEFAULT_PARENT / name if self.out is None else self.out
+
+    @property
+    def processes(self) -> int:
+        """Runs at a time."""
+        return self.jobs or len(os.sched_getaffinity(0))
+
+    def command(self) -> str:
+        """Return the command that goes on where an estimate has ended."""
+        words = ["cosim", "estimate", self.scenario, "--controller", self.controller, "--event", self.event]
+        words += ["--method", self.method, "--variation", f"{self.variation:g}", "--budget", str(self.budget)]
+        words += ["--seed", str(self.seed)]
+        for key, text in self.settings.items():
+            words += ["--set", f"{key}={text}"]
+        for flag, value in (("--space", self.space), ("--criteria", self.criteria), ("--out", self.out)):
+            words += [] if value is None else [flag, str(value)]
+        return shlex.join(words)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated:
+    """Result of an estimate."""
+
+    folder: Path
+    probability: Probability
+    invalid: int
+    """Runs that failed; none of them counts as an event."""
+    unpreventable: int
+    """Runs with an event that nobody could have prevented."""
+
+
+def prepared_estimate(request: EstimateRequest) -> tuple[Subject, str]:
+    """Check everything that can be wrong, and return what is estimated and what decides its runs.
+
+    Raises
+    ------
+    InputError
+        One line with what was expected.
+    """
+    for option, value, known in (("--method", request.method, METHODS), ("--event", request.event, EVENTS)):
+        if value not in known:
+            hint = did_you_mean(value, known)
+            raise InputError(f"{option} {value}: {hint}expected one of {', '.join(known)}")
+    if not 0.0 < request.variation < 1.0:
+        raise InputError(f"--variation: expected a number above 0 and below 1, got {request.variation:g}")
+    if request.budget < FEWEST:
+        raise InputError(f"--budget {request.budget}: expected at least {FEWEST} runs")
+    if request.method != "crude":
+        try:
+            import openturns  # noqa: F401
+        except ModuleNotFoundError as error:
+            raise missing(error) from error
+    subject = read_subject(
+        request.scenario, request.controller, request.settings, request.space, request.criteria
+    )
+    about = described(
+        "What decides the runs of an estimate. Written by cosim estimate.",
+        subject,
+        {
+            "event": request.event,
+            "method": request.method,
+            "variation": request.variation,
+            "budget": request.budget,
+            "seed": request.seed,
+            "seeds": SEEDS,
+        },
+        request.settings,
+    )
+    folders.check_links(request.folder)
+    check_folder(request.folder, about)
+    return subject, about
+
+
+def run_estimate(request: EstimateRequest, subject: Subject, about: str, shown: Shown) -> Estimated:
+    """Make the runs, and write the estimate.
+
+    Raises
+    ------
+    InputError
+        For a run that cannot be made, or runs of another estimate, code or version.
+    SimulationError
+        When every run of the first block failed.
+    """
+    folder = request.folder
+    begin(folder, about)
+    handling = Handling(request.run_timeout_s, drop_recordings=True)
+    with (
+        shown as show,
+        running(subject, folder / TRIALS, about, request.processes, handling, request.budget, show) as trials,
+    ):
+        margins = Margins(subject, trials, request.event, request.seed)
+        found = estimate(
+            request.method,
+            margins,
+            margins.dimension,
+            variation=request.variation,
+            most=request.budget,
+            seed=request.seed,
+        )
+    invalid = sum(bool(one.invalid) for one in margins.answers)
+    unpreventable = sum(one.verdict.unpreventable for one in margins.answers)
+    _write(folder, request, found, invalid, unpreventable)
+    return Estimated(folder, found, invalid, unpreventable)
+
+
+class Margins:
+    """Runs the passages that standard normal numbers stand for, each once, and returns their margins.
+
+    Parameters
+    ----------
+    subject
+    trials
+        Makes runs.
+    event
+        One of `EVENTS`.
+    seed
+        First of the seeds that are drawn from.
+    """
+
+    def __init__(self, subject: Subject, trials: Trials, event: str, seed: int) -> None:
+        self._subject = subject
+        self._trials = trials
+        self._event = event
+        self._seed = seed
+        self._known: dict[tuple[tuple[str, Value], ...], float] = {}
+        self.answers: list[Answer] = []
+        self.dimension = len(subject.space.parameters) + 1
+
+    def __call__(self, inputs: FloatArray) -> FloatArray:
+        """Return the margins of passages."""
+        points = [self._point(row) for row in ndtr(inputs).tolist()]
+        new = [one for one in dict.fromkeys(points) if one not in self._known]
+        answers = self._trials.run([self._trial(one, number) for number, one in enumerate(new, 1)])
+        self.answers += answers
+        if not self._known and answers and all(one.invalid for one in answers):
+            raise SimulationError(
+                f"every one of {len(answers)} runs failed, for instance: {answers[0].invalid}"
+            )
+        for point, answer in zip(new, answers, strict=True):
+            self._known[point] = self._margin(answer)
+        return np.array([self._known[one] for one in points])
+
+    def _point(self, shares: Sequence[float]) -> tuple[tuple[str, Value], ...]:
+        parameters = self._subject.space.parameters
+        point: dict[str, Value] = {
+            one.axis.name: one.quantile(share) for one, share in zip(parameters, shares[:-1], strict=True)
+        }
+        # What changes nothing where it is does not make another passage.
+        kept = {one.axis.name: point[one.axis.name] for one in parameters if one.axis.matters(point)}
+        rest = {one.axis.name: one.axis.value(0.5) for one in parameters if one.axis.name not in kept}
+        seed = self._seed + min(int(shares[-1] * SEEDS), SEEDS - 1)
+        return (*sorted({**rest, **kept}.items()), (" seed", seed))
+
+    def _trial(self, point: tuple[tuple[str, Value], ...], number: int) -> Trial:
+        values = dict(point)
+        seed = int(values.pop(" seed"))
+        name = f"passage-{len(self.answers) + number:06d}"
+        one = self._subject
+        return Trial(name, values, seed, f"A passage of {one.controller} in {one.loaded.name}, drawn")
+
+    def _margin(self, answer: Answer) -> float:
+        if answer.invalid:
+            return NOTHING
+        if self._event == "criteria":
+            return NOTHING if answer.verdict.margin is None else answer.verdict.margin
+        rows = self._trials.encounters(answer.trial)
+        return judge_contacts(rows, preventable_only=self._event == "preventable-contact")
+
+
+ESTIMATE = Table(
+    "estimate",
+    "The probability of an event per passage",
+    (
+        column.text("scenario_id", "scenario", required=True),
+        column.text("controller", "name of the controller", required=True),
+        column.text("event", "what happens", *EVENTS, required=True),
+        column.text("method", "how it was estimated", *METHODS, required=True),
+        column.at_least_0("probability", "1", "of the event, per passage", required=True),
+        column.at_least_0("ci95_lo", "1", "95 % interval, from", required=True),
+        column.at_least_0("ci95_hi", "1", "to", required=True),
+        column.at_least_0("variation", "1", "coefficient of variation of the estimate"),
+        column.flag("reached", "whether the wanted coefficient of variation was reached", required=True),
+        column.count("n_runs", "margins that were asked for", required=True),
+        column.count("n_events", "of these with the event", required=True),
+        column.count("n_replications", "independent estimates that the interval is from", required=True),
+        column.count("n_invalid", "runs that failed, counted as no event", required=True),
+        column.count("n_unpreventable", "runs with what nobody could have prevented", required=True),
+        column.count("seed", "first seed", required=True),
+    ),
+    ("scenario_id", "controller", "event", "method"),
+)
+
+
+def _write(
+    folder: Path, request: EstimateRequest, found: Probability, invalid: int, unpreventable: int
+) -> None:
+    row = {
+        "scenario_id": request.scenario,
+        "controller": request.controller,
+        "event": request.event,
+        "method": found.method,
+        "probability": found.estimate,
+        "ci95_lo": found.low,
+        "ci95_hi": found.high,
+        "variation": found.variation,
+        "reached": found.reached,
+        "n_runs": found.runs,
+        "n_events": found.events,
+        "n_replications": found.replications,
+        "n_invalid": invalid,
+        "n_unpreventable": unpreventable,
+        "seed": request.seed,
+    }
+    table = write_csv(
+        folder / ESTIMATE.file, ESTIMATE.names(), cells(ESTIMATE, [row], number="{:.6g}".format)
+    )
+    seal_tables(folder, [table, write_json(folder / PACKAGE, describe([ESTIMATE], "an estimate"))])

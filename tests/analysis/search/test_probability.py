@@ -1,0 +1,74 @@
+"""Estimates of probabilities that are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from analysis.geometry import FloatArray
+from analysis.search.probability import METHODS, estimate, in_words
+
+DIMENSION = 6
+
+
+def plane(probability: float) -> Callable[[FloatArray], FloatArray]:
+    """Return a margin that is negative with this probability."""
+    distance = -norm.ppf(probability)
+    return lambda inputs: np.asarray(distance - inputs.sum(axis=1) / math.sqrt(DIMENSION))
+
+
+@pytest.mark.parametrize(("method", "probability"), [("crude", 0.02), ("subset", 1e-4), ("importance", 1e-5)])
+def test_most_intervals_hold_a_known_probability(method: str, probability: float) -> None:
+    found = [
+        estimate(method, plane(probability), DIMENSION, variation=0.3, most=30000, seed=1000 * seed)
+        for seed in range(10)
+    ]
+    # Of ten 95 % intervals, fewer than eight hold it once in eighty times.
+    assert sum(one.low <= probability <= one.high for one in found) >= 8
+    assert np.mean([one.estimate for one in found]) == pytest.approx(probability, rel=0.25)
+    for one in found:
+        assert one.reached
+        assert one.variation is not None
+        assert one.variation <= 0.3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_same_seed_gives_the_same_estimate(method: str) -> None:
+    first, second, other = (
+        estimate(method, plane(0.01), DIMENSION, variation=0.3, most=3000, seed=seed) for seed in (1, 1, 2)
+    )
+    assert first == second
+    assert first.estimate != other.estimate
+
+
+def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sampling() -> None:
+    found = estimate("importance", plane(1e-5), DIMENSION, variation=0.3, most=30000, seed=7)
+    # Crude sampling needs 1 / (p · 0.3²) runs for a coefficient of variation of 0.3.
+    assert found.runs < 0.01 / (1e-5 * 0.3**2)
+
+
+def test_crude_sampling_stops_at_its_budget_and_says_so() -> None:
+    found = estimate("crude", plane(1e-6), DIMENSION, variation=0.3, most=250, seed=1)
+    assert (found.runs, found.events, found.estimate, found.reached) == (250, 0, 0.0, False)
+    # Exact: (0.025)^(1/250) is the largest share of non-events that is excluded.
+    assert found.high == pytest.approx(1.0 - 0.025 ** (1.0 / 250.0))
+    assert found.variation is None
+
+
+def test_an_error_of_the_runs_is_told_and_not_one_of_the_library() -> None:
+    def broken(inputs: FloatArray) -> FloatArray:
+        raise OSError("no room for files")
+
+    for method in METHODS:
+        with pytest.raises(OSError, match="no room for files"):
+            estimate(method, broken, DIMENSION, variation=0.3, most=1000, seed=1)
+
+
+def test_an_interval_is_told_in_numbers_of_passages() -> None:
+    assert in_words(2.2e-6, 8.7e-6) == "between 2 and 9 in a million"
+    assert in_words(0.0, 0.0141) == "at most 15 in a thousand"
+    assert in_words(0.2, 0.3) == "between 20 and 30 in a hundred"
