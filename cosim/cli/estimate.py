@@ -62,7 +62,9 @@ def estimate(
     ] = None,
     debug: Debug = False,
 ) -> int:
-    """Estimate how often an event would happen in a passage, given the distributions of the space.
+    """Estimate how probable a contact is per passage.
+
+    The parameters of the space are drawn from their declared distributions.
 
     Repeat the command to resume.
 
