@@ -1,4 +1,4 @@
-"""``cosim conformance``: checks the coupling with the installed SUMO."""
+"""``cosim conformance``: checks the coupling with the installed SUMO, or a controller."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Debug
+from cosim.cli.options import Debug, Settings
 
 
 def conformance(
@@ -21,9 +21,16 @@ def conformance(
         Path | None,
         typer.Option("--out", metavar="FILE", help="Also write the table as Markdown.", show_default=False),
     ] = None,
+    controller: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Check this controller, not the coupling.", show_default=False),
+    ] = None,
+    settings: Settings = None,
     debug: Debug = False,
 ) -> int:
-    """Check the coupling against the installed SUMO; every case has a control that must fail.
+    """Check the coupling against the installed SUMO, or a controller against what every one promises.
+
+    Every case of the coupling has a control that must fail.
 
     \b
     Examples:
@@ -31,10 +38,15 @@ def conformance(
       cosim conformance --jobs 2
       cosim conformance --out conformance.md
       cosim conformance --list
+      cosim conformance --controller vo_mpc
+      cosim conformance --controller ./patient.py --set margin_m=1
 
     \b
-    Exit codes: 0 all as expected, 1 a case or a control is not as expected, 2 unknown case.
+    Exit codes: 0 all as expected, 1 a case or a control is not as expected or a promise is broken,
+    2 unknown case or controller.
     """
+    if controller is not None:
+        return _check_controller(controller, settings or [], names or [], out)
     from cosim.conformance import suite
     from cosim.conformance.table import HEADINGS, markdown, summary, sumo_version, table_rows
 
@@ -62,6 +74,40 @@ def conformance(
         _write(out, markdown(results))
         console.print(f"\ntable: {out}", soft_wrap=True)
     return 0 if all(result.green for result in results) else 1
+
+
+def _check_controller(name: str, settings: list[str], cases: list[str], out: Path | None) -> int:
+    """Print what a controller keeps of the contract, and return the exit code."""
+    from rich.table import Table
+
+    from analysis.markdown import table as markdown_table
+    from cosim.conformance.contract_table import HEADINGS, verdicts
+    from cosim.errors import InputError
+    from cosim.running.inventory import controller_maker
+    from cosim.running.request import parse_settings
+
+    if cases:
+        raise InputError(f"{cases[0]}: --controller takes no case; every check is run")
+    factory = controller_maker(name, parse_settings(settings, "deadline_ms=50"))
+    if out is not None:
+        _write(out, "")
+    table = Table(title=f"What {name} keeps of what every controller promises", title_justify="left")
+    for heading in HEADINGS:
+        table.add_column(heading, overflow="fold")
+    found = []
+    for one in verdicts(factory):
+        found.append(one)
+        table.add_row(*one.row())
+    console = terminal.console()
+    console.print(table)
+    broken = [one.name for one in found if not one.kept]
+    said = f"{len(found) - len(broken)} of {len(found)} promises kept"
+    said += f"; broken: {', '.join(broken)}" if broken else ""
+    console.print(said, soft_wrap=True)
+    if out is not None:
+        _write(out, f"{said}.\n\n{markdown_table(HEADINGS, [one.row() for one in found])}\n")
+        console.print(f"\ntable: {out}", soft_wrap=True)
+    return 1 if broken else 0
 
 
 def _write(path: Path, text: str) -> None:

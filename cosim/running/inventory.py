@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from analysis.results import metric_catalog
 from controllers import catalog
+from controllers.interface import Controller
 from controllers.parameters import Parameter
 from cosim.errors import InputError
 from cosim.sensing import catalog as sensing_catalog
+from cosim.step.drivers import release
 from sumo_scenarios import library
 
 
@@ -62,6 +65,22 @@ def described_controller(name: str) -> tuple[Parameter, ...]:
         return catalog.described(name)
     except catalog.CatalogError as error:
         raise InputError(str(error)) from error
+
+
+def controller_maker(name: str, settings: Mapping[str, str]) -> Callable[[], Controller]:
+    """Return what makes a controller anew with these parameters, as ``--set`` takes them.
+
+    Raises
+    ------
+    InputError
+        If there is no such controller or parameter, or it cannot be made.
+    """
+    try:
+        values: dict[str, Any] = catalog.parse(name, settings)
+        release(catalog.build(name, **values))
+    except catalog.CatalogError as error:
+        raise InputError(str(error)) from error
+    return partial(catalog.build, name, **values)
 
 
 def described_sensing(name: str) -> tuple[Parameter, ...]:

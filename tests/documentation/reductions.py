@@ -38,6 +38,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2"),
     ("cosim", "check", "suite:"): ONE_CASE,
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
+    ("cosim", "conformance", "--controller"): (),
     ("cosim", "conformance"): ("route",),
     ("cosim", "falsify"): ("--budget", "10", "--no-report"),
     ("python", "-m", "studies.papers"): ("003",),
