@@ -8,6 +8,8 @@
 # make study-papers     the papers' methods in the same traffic
 # make protocols        every controller through the test protocols
 # make study-roadside   the effect of a roadside unit where a bus hides pedestrians
+# make study-planted    does a screening find the one dangerous crossing? REPLICATIONS=50 of each defect (hours)
+# make study-penetration  what becomes of everybody when a share of the cars are egos
 # make study-solvers    the same drives with four solvers
 # make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
 # make chaos            batches that are killed, run out of disk or are damaged: ROUNDS=200 of them from SEED=1
@@ -28,7 +30,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -94,7 +96,7 @@ format: $(VENV)/installed-dev
 	$(BIN)/ruff format .
 
 # The other files there are run by hand and say so.
-BENCHMARKS := control_step other_methods growth control_over_sumo many_egos memory instructions batch_throughput bars
+BENCHMARKS := control_step other_methods growth control_over_sumo many_egos judging_everybody memory instructions batch_throughput bars
 
 bench: $(VENV)/installed-bench
 	@failed=0; for script in $(BENCHMARKS); do \
@@ -117,6 +119,16 @@ study-papers: $(VENV)/installed-papers
 study-roadside: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/roadside/roadside.toml --out runs/study-roadside --jobs $(JOBS)
 	$(BIN)/python -m studies.roadside.page runs/study-roadside docs/study-roadside.md
+
+REPLICATIONS ?= 50
+
+study-planted: $(VENV)/installed
+	$(BIN)/python -m studies.planted runs/study-planted --replications $(REPLICATIONS) --jobs $(JOBS)
+	$(BIN)/python -m studies.planted.page runs/study-planted docs/study-planted.md
+
+study-penetration: $(VENV)/installed-papers
+	$(BIN)/cosim batch studies/penetration/penetration.toml --out runs/study-penetration --jobs $(JOBS)
+	$(BIN)/python -m studies.penetration.page runs/study-penetration docs/study-penetration.md
 
 study-solvers: $(VENV)/installed-bench
 	$(BIN)/cosim batch studies/solvers/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)

@@ -16,6 +16,7 @@ from analysis.geometry import FloatArray
 from analysis.page.encounters import Encounters
 from analysis.page.tables import read_rows
 from analysis.recording.reading import Area, read_map
+from analysis.screening.caution import caution
 from analysis.screening.changes import CHANGES, TOTAL
 from analysis.screening.crossings_table import CROSSINGS
 from analysis.study.runs import StudyRun
@@ -53,6 +54,7 @@ def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | N
         "ranked": ranked,
         "seeds": len({run.seed for run in runs if run.valid}),
         "map": _map(rows, _areas(runs)),
+        "caution": caution(rows),
         "changes": _changes(root / CHANGES.file),
     }
 

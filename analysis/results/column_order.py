@@ -22,7 +22,7 @@ evasive_status collision n_collisions t_collision_s contact_standing impact_spee
 p_fatal_rosen2009 p_mais3_mm2025 severity x_conflict_m y_conflict_m controller_status contact_place
 contact_moved_by contact_class contact_risk_seen_s preventable_r157 visible_before_conflict_s late_entry
 k_mean_s n_interventions n_straight n_lane_change n_autonomous slack_share side_changes actuation
-sensing
+sensing hidden_before_conflict
 """
 
 RUNS = """
@@ -46,7 +46,7 @@ side_changes n_stopped_on_crossing n_stopped_on_crossing_foreseeable deadlock n_
 n_vehicle_overlaps_ego_closed k_mean_s compute_p50_ms compute_p95_ms compute_p99_ms n_teleports
 sum_p_fatal_rosen2009 n_follower_conflicts n_follower_ttc_lt_1p5 n_follower_drac_gt_3p4
 follower_min_ttc_s follower_max_drac_mps2 n_vehicle_conflicts_following n_vehicle_conflicts_beside
-n_vehicle_conflicts_oncoming n_vehicle_conflicts_crossing min_vehicle_pet_s
+n_vehicle_conflicts_oncoming n_vehicle_conflicts_crossing min_vehicle_pet_s n_hidden_before_conflict
 """
 
 

@@ -23,7 +23,7 @@ _USED = (
 _SPEEDS = ("vehicle_speed_mean_mps", "vehicle_speed_p85_mps")
 _MET = (
     *("encounters", "entered", "conflicts", "severe", "collisions"),
-    *("yields", "yieldable", "late", "late_defined", "cyclist_encounters", "cyclist_conflicts"),
+    *("yields", "yieldable", "late", "late_defined", "hidden", "cyclist_encounters", "cyclist_conflicts"),
 )
 
 Cells = Mapping[str, str]
@@ -107,6 +107,7 @@ def _count(row: Cells, each: Mapping[str, FloatArray], at: tuple[int, int]) -> N
     each["yields"][at] += row["yielded"] == "1"
     each["late_defined"][at] += row["late_entry"] != ""
     each["late"][at] += row["late_entry"] == "1"
+    each["hidden"][at] += row.get("hidden_before_conflict") == "1"  # studies of before lack it
 
 
 def _append(values: list[float], cell: str) -> None:

@@ -66,6 +66,9 @@ CROSSINGS = Table(
         at_least_0("yield_rate", "1", "of the vehicles that could yield"),
         at_least_0("late_entry_share", "1", "entries inside the vehicle's comfortable stopping distance"),
         at_least_0("red_light_share", "1", "pedestrians who began on red"),
+        at_least_0(
+            "hidden_share", "1", "conflicts before which another vehicle hid the pedestrian from the driver"
+        ),
         at_least_0("ped_delay_mean_s", "s", "mean delay of pedestrians"),
         text("ped_los_hcm2010", "level of service by mean delay", "A", "B", "C", "D", "E", "F"),
         count("n_cyclist_encounters", "encounters of bicycles and pedestrians, counted nowhere else"),
@@ -110,6 +113,7 @@ def crossing_rows(counts: Counts, ranking: Ranking) -> list[Row]:
         "yield_rate": _ratio(counts.total("yields"), counts.total("yieldable")),
         "late_entry_share": _ratio(counts.total("late"), counts.total("late_defined")),
         "red_light_share": _ratio(counts.total("n_red_light_walkers"), pedestrians),
+        "hidden_share": _ratio(counts.total("hidden"), conflicts),
         "ped_delay_mean_s": delay,
         "n_cyclist_encounters": counts.total("cyclist_encounters"),
         "n_cyclist_conflicts": counts.total("cyclist_conflicts"),
@@ -131,6 +135,7 @@ def _compared(counts: Counts, measured: Mapping[str, FloatArray]) -> dict[str, F
         "yields": measured["yield_rate"],
         "late": measured["late_entry_share"],
         "red": measured["red_light_share"],
+        "hidden": measured["hidden_share"],
         "length": np.array([float(cells["length_m"]) for cells in counts.crossings]),
     }
 

@@ -22,8 +22,8 @@ def reasons(values: Mapping[str, FloatArray], compared: Sequence[int]) -> list[s
     Parameters
     ----------
     values
-        ``speed`` [m/s], ``vehicles``, ``pedestrians`` [1/h], ``yields``, ``late``, ``red`` (shares) and
-        ``length`` [m], shape (n,); nan for what is undefined.
+        ``speed`` [m/s], ``vehicles``, ``pedestrians`` [1/h], ``yields``, ``late``, ``red``, ``hidden``
+        (shares) and ``length`` [m], shape (n,); nan for what is undefined.
     compared
         Numbers of the crossings whose median is usual.
     """
@@ -52,6 +52,9 @@ def _of(number: int, values: Mapping[str, FloatArray], usual: Mapping[str, float
         found.append(f"pedestrians enter close before vehicles ({told})")
     if own["red"] > usual["red"] + RATHER_SHARE:
         found.append(f"pedestrians walk on red ({own['red']:.0%})")
+    if own["hidden"] > usual["hidden"] + RATHER_SHARE:
+        told = f"{own['hidden']:.0%} of conflicts, median of all {usual['hidden']:.0%}"
+        found.append(f"sight obstructed by vehicles ({told})")
     if own["length"] > LONGER * usual["length"]:
         found.append(f"long crossing ({own['length']:.0f} m, median of all {usual['length']:.0f})")
     return found

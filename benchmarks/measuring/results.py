@@ -26,6 +26,7 @@ SECTIONS = (
     "control_over_sumo",
     "many_egos",
     "memory",
+    "judging_everybody",
     "endurance",
     "instructions",
     "batch",

@@ -27,6 +27,8 @@ def show_ranking(found: Screened, least: float) -> None:
     found : the ranking
     least : pedestrians below which a crossing is not ranked
     """
+    from analysis.screening.caution import caution
+
     rows = [row for row in found.rows if row["rank"] is not None]
     table = _table("rank", "95 %", "crossing", "conflicts per 1000 pedestrians", "expected", "why")
     for row in rows[:SHOWN]:
@@ -39,6 +41,8 @@ def show_ranking(found: Screened, least: float) -> None:
         f"{len(found.rows)} crossings, {len(rows)} ranked over {len(found.seeds)} seeds, "
         f"{worse} significantly worse than the others; {left_out} with fewer than {least:g} pedestrians"
     )
+    if told := caution(found.rows):
+        typer.echo(f"cosim: note: {told}", err=True)
     if not any(row["pedestrians_per_h"] for row in found.rows):
         typer.echo("cosim: note: nobody walked over a crossing; does the demand have persons?", err=True)
     if len(found.seeds) == 1:

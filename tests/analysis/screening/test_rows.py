@@ -15,6 +15,7 @@ USUAL = {
     "yields": 0.8,
     "late": 0.1,
     "red": 0.0,
+    "hidden": 0.05,
     "length": 7.0,
 }
 
@@ -27,6 +28,7 @@ USUAL = {
         ("yields", 0.1, "drivers rarely yield (10%, median of all 80%)"),
         ("late", 0.5, "pedestrians enter close before vehicles (50%, median of all 10%)"),
         ("red", 0.4, "pedestrians walk on red (40%)"),
+        ("hidden", 0.5, "sight obstructed by vehicles (50% of conflicts, median of all 5%)"),
         ("length", 14.0, "long crossing (14 m, median of all 7)"),
         ("yields", float("nan"), ""),
     ],

@@ -1,0 +1,110 @@
+"""``python -m studies.planted.page FOLDER PAGE``: the table of the replications that are finished.
+
+Writes it below the line ``## Table`` of the page, which keeps what stands above it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from analysis.errors import StudyError
+from analysis.markdown import table, write_below
+from analysis.statistics.intervals import share_interval
+from studies.planted.outcomes import RUNS, Replication, replications
+from studies.planted.town import DEFECTS, STREETS, Defect
+
+TABLE = "## Table"
+BARS = {"found": 0.90, "false_alarms": 0.05}
+"""Least share of replications that find the planted crossing; most crossings called worse for nothing."""
+_HEADS = (
+    *("planted", "replications", "conflicts per 1000 pedestrians there", "on the others"),
+    *("ranks first (95 %)", "median rank", "called worse", "others called worse (95 %)"),
+    "fewest pedestrians on a crossing",
+)
+
+
+def markdown(found: dict[str, list[Replication]]) -> str:
+    """Return the table, a row for each variant, and the verdict on the bars."""
+    rows = [_texts(defect, found[defect.name]) for defect in DEFECTS if found[defect.name]]
+    return f"{table(_HEADS, rows)}\n\n{_verdict(found)}\n"
+
+
+def write_page(folder: Path, page: Path) -> None:
+    """Write the table of a study's folder.
+
+    Raises
+    ------
+    StudyError
+        If no replication is finished, or its files cannot be read.
+    """
+    found = {defect.name: replications(folder, defect) for defect in DEFECTS}
+    if not any(found.values()):
+        raise StudyError(f"{folder}: no finished replication; python -m studies.planted {folder} makes them")
+    write_below(page, TABLE, markdown(found), "# Planted defects")
+
+
+def _texts(defect: Defect, made: Sequence[Replication]) -> list[str]:
+    rates = 1000.0 * np.mean([one.rates for one in made], axis=0)
+    planted = defect.name != "nothing"
+    alarms, others = _alarms(defect, made)
+    return [
+        defect.meaning,
+        str(len(made)),
+        f"{rates[0]:.0f}",
+        f"{rates[1]:.0f}",
+        _share(sum(one.found for one in made), len(made)) if planted else "",
+        f"{np.median([one.rank for one in made]):g}",
+        _share(sum(one.called_worse for one in made), len(made)) if planted else "",
+        _share(alarms, others),
+        f"{min(one.pedestrians for one in made):.0f}",
+    ]
+
+
+def _alarms(defect: Defect, made: Sequence[Replication]) -> tuple[int, int]:
+    """Return how many crossings without a defect were called worse, and how many there were."""
+    if defect.name == "nothing":
+        return sum(int(one.worse.sum()) for one in made), STREETS * len(made)
+    return sum(one.false_alarms for one in made), (STREETS - 1) * len(made)
+
+
+def _share(hits: int, of: int) -> str:
+    ends = share_interval(hits, of)
+    interval = "" if ends is None else f" ({ends.low:.0%} … {ends.high:.0%})"
+    return f"{hits} of {of}, {hits / of:.0%}{interval}"
+
+
+def _verdict(found: dict[str, list[Replication]]) -> str:
+    """Return which bars are met, one line each."""
+    lines = []
+    for defect in DEFECTS:
+        made = found[defect.name]
+        if not made:
+            lines.append(f"- {defect.name}: not run.")
+        elif defect.name == "nothing":
+            alarms, others = _alarms(defect, made)
+            met = alarms / others <= BARS["false_alarms"]
+            lines.append(
+                f"- {defect.name}: at most {BARS['false_alarms']:.0%} of crossings called worse: "
+                f"{_word(met)}."
+            )
+        else:
+            met = np.mean([one.found for one in made]) >= BARS["found"]
+            lines.append(
+                f"- {defect.name}: first in at least {BARS['found']:.0%} of replications: {_word(bool(met))}."
+            )
+    return f"A replication is {RUNS} runs. The bars, on the replications above:\n\n" + "\n".join(lines)
+
+
+def _word(met: bool) -> str:
+    return "met" if met else "**missed**"
+
+
+if __name__ == "__main__":
+    try:
+        write_page(Path(sys.argv[1]), Path(sys.argv[2]))
+    except StudyError as problem:
+        sys.exit(f"planted: {problem}")
