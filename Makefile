@@ -10,6 +10,7 @@
 # make study-roadside   the effect of a roadside unit where a bus hides pedestrians
 # make study-planted    does a screening find the one dangerous crossing? REPLICATIONS=50 of each defect (hours)
 # make study-penetration  what becomes of everybody when a share of the cars are egos
+# make study-town       a whole town screened: the largest network with crossings of SUMO's games
 # make study-solvers    the same drives with four solvers
 # make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
 # make chaos            batches that are killed, run out of disk or are damaged: ROUNDS=200 of them from SEED=1
@@ -30,7 +31,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-town study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -129,6 +130,10 @@ study-planted: $(VENV)/installed
 study-penetration: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/penetration/penetration.toml --out runs/study-penetration --jobs $(JOBS)
 	$(BIN)/python -m studies.penetration.page runs/study-penetration docs/study-penetration.md
+
+study-town: $(VENV)/installed-dev
+	$(BIN)/python -m studies.town runs/study-town --jobs $(JOBS) $(TOWN)
+	$(BIN)/python -m studies.town.page runs/study-town docs/study-town.md
 
 study-solvers: $(VENV)/installed-bench
 	$(BIN)/cosim batch studies/solvers/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import false_discovery_control, rankdata, ttest_1samp
 
-from analysis.geometry import BoolArray, FloatArray
+from analysis.geometry import FloatArray
 from analysis.screening.shrinkage import Prior, expected, fit
 from analysis.statistics.ratios import contributions
 
 RESAMPLES = 2000
+_BLOCK = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,30 +80,37 @@ def _rank_intervals(
     drawn = np.random.default_rng(runs).multinomial(runs, np.full(runs, 1.0 / runs), RESAMPLES).T
     k, e = (conflicts @ drawn).T, (exposure @ drawn).T
     usual = k.sum(axis=1) / np.maximum(e.sum(axis=1), 1.0)
-    drawings = zip(k, e, usual.tolist(), strict=True)
-    rates = np.column_stack(
-        [expected(events, walks, prior._replace(mean=mean)) for events, walks, mean in drawings]
-    )
-    low, high = np.percentile(_ranks(rates), (2.5, 97.5), axis=1)
+    # Ranks are halves of whole numbers: exact in few bytes, of which ten thousand crossings need many.
+    ranks = np.empty((len(conflicts), RESAMPLES), dtype=np.float32)
+    for number, mean in enumerate(usual.tolist()):
+        ranks[:, number] = _ranks(expected(k[number], e[number], prior._replace(mean=mean)))
+    ends = [
+        np.percentile(ranks[at : at + _BLOCK].astype(np.float64), (2.5, 97.5), axis=1)
+        for at in range(0, len(ranks), _BLOCK)
+    ]
+    low, high = np.concatenate(ends, axis=1)
     return low, high
 
 
 def _p_worse(conflicts: FloatArray, exposure: FloatArray) -> FloatArray:
-    found = np.array([_p_of(conflicts, exposure, number) for number in range(len(conflicts))])
+    all_conflicts, all_exposure = conflicts.sum(axis=0), exposure.sum(axis=0)
+    found = np.array(
+        [
+            _p_of(own, walks, all_conflicts - own, all_exposure - walks)
+            for own, walks in zip(conflicts, exposure, strict=True)
+        ]
+    )
     defined = np.isfinite(found)
     if defined.any():
         found[defined] = false_discovery_control(found[defined])
     return found
 
 
-def _p_of(conflicts: FloatArray, exposure: FloatArray, number: int) -> float:
-    """Return the p of one crossing against all others, as ratios of sums over runs."""
-    others: BoolArray = np.arange(len(conflicts)) != number
-    rest = exposure[others].sum(axis=0)
-    if conflicts.shape[1] < 2 or rest.sum() <= 0.0:
+def _p_of(conflicts: FloatArray, exposure: FloatArray, others: FloatArray, walks: FloatArray) -> float:
+    """Return the p of one crossing against all others together, as ratios of sums over runs."""
+    if len(conflicts) < 2 or walks.sum() <= 0.0:
         return np.nan
-    own = contributions(conflicts[number], exposure[number])
-    differences = own - contributions(conflicts[others].sum(axis=0), rest)
+    differences = contributions(conflicts, exposure) - contributions(others, walks)
     if np.ptp(differences) < 1e-12:
         return np.nan
     return float(ttest_1samp(differences, 0.0, alternative="greater").pvalue)

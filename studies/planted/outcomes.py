@@ -63,11 +63,12 @@ def replications(folder: Path, defect: Defect) -> list[Replication]:
     found: list[Replication] = []
     for block in sorted((folder / defect.name).glob("block-*")):
         if (block / "runs.csv").is_file():
-            found.extend(_of_block(read_counts(block)))
+            found.extend(of_counts(read_counts(block)))
     return found
 
 
-def _of_block(counts: Counts) -> Iterator[Replication]:
+def of_counts(counts: Counts) -> Iterator[Replication]:
+    """Yield the replications that are whole among the runs of a block."""
     names = [cells["crossing_id"] for cells in counts.crossings]
     planted = names.index(crossing_of(PLANTED))
     column = {seed: number for number, seed in enumerate(counts.seeds)}

@@ -92,9 +92,9 @@ def _verdict(found: dict[str, list[Replication]]) -> str:
                 f"{_word(met)}."
             )
         else:
-            met = np.mean([one.found for one in made]) >= BARS["found"]
+            met = bool(np.mean([one.found for one in made]) >= BARS["found"])
             lines.append(
-                f"- {defect.name}: first in at least {BARS['found']:.0%} of replications: {_word(bool(met))}."
+                f"- {defect.name}: first in at least {BARS['found']:.0%} of replications: {_word(met)}."
             )
     return f"A replication is {RUNS} runs. The bars, on the replications above:\n\n" + "\n".join(lines)
 

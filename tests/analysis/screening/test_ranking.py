@@ -68,3 +68,12 @@ def test_few_walks_are_drawn_to_the_mean_and_many_are_believed() -> None:
     few, many = expected(np.array([2.0, 2000.0]), np.array([2.0, 2000.0]), prior)
     assert prior.mean < few < 0.8
     assert many == pytest.approx(1.0, abs=0.01)
+
+
+def test_ten_thousand_crossings_are_ranked_and_few_of_them_called_worse_for_nothing() -> None:
+    rng = np.random.default_rng(1)
+    walks = rng.poisson(40, (10_000, 5)).astype(np.float64)
+    ranking = rank(rng.poisson(0.2 * walks).astype(np.float64), walks, 30.0)
+    assert np.isfinite(ranking.rank).all()
+    assert (ranking.rank_low <= ranking.rank_high).all()
+    assert (ranking.p_worse < 0.05).mean() <= 0.05

@@ -1,0 +1,1 @@
+"""A whole town screened: ``make study-town``."""

@@ -1,0 +1,61 @@
+"""``python -m studies.town FOLDER``: makes the town and screens it.
+
+The town is the largest network with crossings among SUMO's games; cars and people are those of
+``randomTrips.py``. Repeat the command to resume.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from cosim.batches.batch import prepared
+from cosim.batches.progress import shown_checks, shown_tally
+from cosim.errors import CosimError
+from cosim.screening.screen import ScreenRequest, planned, ranked
+from studies.zoo import town
+from studies.zoo.collected import recipes
+from studies.zoo.programs import ZooError
+
+RECIPE, DEMAND_SEED = "game-drt", 1
+SCREENING, TOWN = "screening", "town"
+BEGIN_S = 240.0
+"""Cars and people fill the town until then."""
+LEAST_PEDESTRIANS = 30.0
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Make what is missing, and rank the crossings; return 0 if all runs are good."""
+    parser = argparse.ArgumentParser(prog="python -m studies.town", description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seeds", default="9801-9810")
+    parser.add_argument("--minutes", type=float, default=20.0, help="that count, in each run")
+    parser.add_argument("--step-s", default="0.2")
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args(words)
+    recipe = next(one for one in recipes()[0] if one.name == RECIPE)
+    end = BEGIN_S + 60.0 * given.minutes
+    configuration = town.make(recipe, DEMAND_SEED, end, given.folder / TOWN)
+    request = ScreenRequest(
+        str(configuration),
+        given.seeds,
+        {"step_s": given.step_s},
+        BEGIN_S,
+        end,
+        given.folder / SCREENING,
+        given.jobs,
+    )
+    with prepared(planned(request).batch, shown_checks()) as batch:
+        result = batch.run(shown_tally())
+    if result.tally.done:
+        ranked(request, LEAST_PEDESTRIANS)
+    return 0 if result.good else 3
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except (CosimError, ZooError) as problem:
+        sys.exit(f"town: {problem}")
