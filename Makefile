@@ -11,6 +11,7 @@
 # make study-planted    does a screening find the one dangerous crossing? REPLICATIONS=50 of each defect (hours)
 # make study-penetration  what becomes of everybody when a share of the cars are egos
 # make study-town       a whole town screened: the largest network with crossings of SUMO's games
+# make study-validation  the simulation beside real tracks of one junction
 # make study-solvers    the same drives with four solvers
 # make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
 # make chaos            batches that are killed, run out of disk or are damaged: ROUNDS=200 of them from SEED=1
@@ -31,7 +32,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-town study-solvers protocols zoo fuzz chaos golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-town study-solvers study-validation protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -112,6 +113,22 @@ papers: $(VENV)/installed-papers
 	rm -rf runs/papers
 	$(BIN)/python -m studies.papers --out runs/papers
 	$(BIN)/python -m studies.papers.page runs/papers docs
+
+# The recording is in the wheel of tasi, which is not imported: none of what it requires is needed.
+$(VENV)/installed-tracks: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[test,tracks]'
+	$(PIP) install --quiet -c constraints.txt --no-deps tasi
+	@touch $@
+
+study-validation: $(VENV)/installed-tracks
+	mkdir -p runs/study-validation
+	rm -rf runs/study-validation/calibration
+	$(BIN)/cosim validate braunschweig --tracks tasi --seeds 1-3 --jobs $(JOBS) --out runs/study-validation/all
+	$(BIN)/cosim calibrate braunschweig --tracks tasi --split 450 --seeds 1-3 --jobs $(JOBS) --out runs/study-validation/calibration
+	$(BIN)/python -m studies.validation.cost > runs/study-validation/cost.md
+	$(BIN)/python -m studies.validation.planted > runs/study-validation/planted.md
+	$(BIN)/python -m tests.cosim.tracks.pairs runs/study-validation/all/real > runs/study-validation/pairs.txt
+	$(BIN)/python -m studies.validation.page runs/study-validation docs/validation.md
 
 study-papers: $(VENV)/installed-papers
 	$(BIN)/cosim batch studies/methods/methods.toml --out runs/study-papers

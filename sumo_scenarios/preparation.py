@@ -16,6 +16,7 @@ from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.outputs import NOWHERE, SilentCopies, included_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
 from sumo_scenarios.private_copy import private_configuration
+from sumo_scenarios.replaced_types import types_file, with_types
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -74,14 +75,18 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
-    configuration = read_sumocfg(sumocfg)
+    configuration, types = read_sumocfg(sumocfg), types_file(scenario)
     demand = (*configuration.route_files, *configuration.additional_files)
     included = [file for path in demand for file in included_files(path)]
     files = (sumocfg, configuration.net_file, *demand, *included)
     copies = SilentCopies(work_dir)
+    if types is not None:
+        configuration = with_types(configuration, types, work_dir)
     copy, left_out = private_configuration(configuration, work_dir, copies)
     options = ("--configuration-file", str(copy), *_run_options(scenario, seed))
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
+    if types is not None:
+        inputs["types"] = sha256(types)
     left_out += dict.fromkeys(copies.left_out)
     return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out))
 

@@ -37,12 +37,17 @@ def private_configuration(
         ("additional-files", configuration.additional_files),
     ):
         if files:
-            options[key] = ",".join(str(copies.of(path.resolve())) for path in files)
+            options[key] = ",".join(_beside(copies.of(path.resolve()), work_dir) for path in files)
     work_dir.mkdir(parents=True, exist_ok=True)
     target = work_dir / "run.sumocfg"
     lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items()]
     target.write_text("<configuration>\n" + "\n".join(lines) + "\n</configuration>\n", encoding="utf-8")
     return target, written_outputs(configuration.options)
+
+
+def _beside(path: Path, work_dir: Path) -> str:
+    """Return a file as the copy names it: one beside it by its name, so that equal inputs give equal bytes."""
+    return path.name if path.parent == work_dir.resolve() else str(path)
 
 
 def _absolute(names: str, folder: Path) -> str:

@@ -26,7 +26,7 @@ Actuation = Literal["hybrid", "move"]
 OF_VARIANTS = frozenset(
     (
         *("base", "values", "description", "duration_s", "warmup_s", "step_s", "actuation"),
-        *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "search"),
+        *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "search", "types"),
     )
 )
 """Keys of a scenario.toml with a base; what it leaves out is as the base says."""
@@ -156,6 +156,8 @@ class ScenarioTable(Table):
     """Scenario of which this one is a variant: its roads and demand, with other values."""
     values: dict[str, ParameterValue] = {}
     """Values of the base's parameters."""
+    types: str = ""
+    """File of vTypes, relative to the scenario's folder, in place of the configuration's of the same ids."""
     rates: dict[str, RateTable] = {}
     """Rates that the demand files use as ``$name``, in 1/s."""
     times: dict[str, float] = {}
@@ -187,6 +189,8 @@ class ScenarioTable(Table):
             raise ValueError("'values' belongs to 'base'")
         if sum((self.network is not None, bool(self.packaged_sumocfg), bool(self.sumocfg))) != 1:
             raise ValueError("expected exactly one of [network], sumocfg, packaged_sumocfg, base")
+        if self.types and self.network is not None:
+            raise ValueError("'types' belongs to a configuration; with [network] they are in [demand]")
         if (self.network is None) != (self.demand is None):
             raise ValueError("[demand] belongs to [network]: expected both or none")
         counted = {"vehicles_per_hour", "pedestrians_per_hour", *self.parameters}

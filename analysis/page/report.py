@@ -39,7 +39,10 @@ from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
 from analysis.study.runs import StudyRun, find_run_folders
 from analysis.study.seeds_needed import MEANING
+from analysis.validation.statement import SENTENCE
 
+REAL = "tracks"
+"""Controller of recordings of real traffic."""
 OF_EACH = 20
 """So many of the worst encounters of each configuration are listed, however good it is."""
 
@@ -131,6 +134,9 @@ def write_report(
         question=_question(study, baseline) if screened is None else _question_of_town(study),
         answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
         town=screened,
+        of_egos=listing is OF_EGOS,
+        simulated=any(run.controller != REAL for run in study.runs),
+        validation=SENTENCE,
         worst={name: [found.at(row) for row in some] for name, some in worst.items()},
         replayed=replayed,
         valid=f"{len(found.runs)} of {len(study.runs) + len(origin.failed_runs(root))}",

@@ -57,6 +57,7 @@ SLOW: Sequence[Words] = (
     ("cosim", "check", "suite:fmvss127", "--controller", "vo_mpc", "--out"),
     ("python", "-m", "studies.papers"),
     ("cosim", "replay"),
+    ("cosim", "validate"),
     ("python", "benchmarks/predictors.py"),
 )
 """Left to the slow tests; nothing else may need what they make. As above, the last word is a prefix."""
@@ -143,6 +144,13 @@ def _street(folder: Path) -> None:
     """Make street.net.xml, and tracks.csv of people who walk over its crossing before cars."""
     networks.street(folder)
     streets.write(folder / "tracks.csv", streets.crowd())
+
+
+def _site(folder: Path) -> None:
+    """Make street.sumocfg, and tracks.csv of more people and cars."""
+    networks.street(folder)
+    networks.configure(folder)
+    streets.write(folder / "tracks.csv", streets.rush())
 
 
 def _benchmarks(folder: Path) -> None:
@@ -251,6 +259,7 @@ PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {
     "docs/own-controller.md": (_plug_in,),
     "docs/plots.md": (_runs("vo_mpc"),),
     "docs/real-tracks.md": (_street,),
+    "docs/validation.md": (_site,),
     "docs/report.md": (_runs("vo_mpc", "sumo", "aeb", of=BRIEF),),
 }
 SLOW_PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {

@@ -20,6 +20,7 @@ from sumo_scenarios.library import (
 
 BUILT_IN = (
     "braunschweig",
+    "braunschweig_calibrated",
     "bus_stop_occlusion",
     "decision_rules",
     "jaywalk_arterial",

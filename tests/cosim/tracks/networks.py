@@ -39,3 +39,14 @@ def street(folder: Path, *options: str, crossing: str = CROSSING) -> Path:
         capture_output=True,
     )
     return folder / "street.net.xml"
+
+
+CONFIGURATION = """<configuration><input><net-file value="street.net.xml"/></input>
+<time><begin value="0"/><end value="200"/><step-length value="0.1"/></time></configuration>"""
+
+
+def configure(folder: Path) -> Path:
+    """Write street.sumocfg, which has the street and no demand."""
+    path = folder / "street.sumocfg"
+    path.write_text(CONFIGURATION)
+    return path

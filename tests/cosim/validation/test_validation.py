@@ -17,16 +17,13 @@ from tests.analysis.trajectories import streets
 from tests.cosim.cli.commands import ended
 from tests.cosim.tracks import networks
 
-CONFIGURATION = """<configuration><input><net-file value="street.net.xml"/></input>
-<time><begin value="0"/><end value="200"/><step-length value="0.1"/></time></configuration>"""
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with street.sumocfg and tracks.csv of ten cars and ten pedestrians."""
     folder = tmp_path_factory.mktemp("site")
     networks.street(folder)
-    (folder / "street.sumocfg").write_text(CONFIGURATION)
+    networks.configure(folder)
     streets.write(folder / "tracks.csv", streets.rush())
     return folder
 

@@ -1,0 +1,10 @@
+"""What validation says, in one sentence: it stands in README.md and in every report of a simulation."""
+
+from __future__ import annotations
+
+SENTENCE = (
+    "Behaviour in the simulation was compared with real tracks of one signalised junction only: pedestrian "
+    "behaviour is not validated for gap acceptance, yielding or waiting, and SUMO's own cars accelerate and "
+    "brake harder and keep to the middle of their lane more strictly than real ones."
+)
+"""The findings of docs/validation.md."""
