@@ -46,8 +46,8 @@ def private_configuration(
 
 
 def _beside(path: Path, work_dir: Path) -> str:
-    """Return a file as the copy names it: one beside it by its name, so that equal inputs give equal bytes."""
-    return path.name if path.parent == work_dir.resolve() else str(path)
+    """Return a file as the copy names it: one beside it by its name, which is the same in every folder."""
+    return path.name if path.parent.resolve() == work_dir.resolve() else str(path)
 
 
 def _absolute(names: str, folder: Path) -> str:
