@@ -12,9 +12,9 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from multiprocessing import forkserver, get_context
+from multiprocessing import get_context
 from multiprocessing.connection import Pipe
-from multiprocessing.context import BaseContext, ForkServerContext, ForkServerProcess
+from multiprocessing.context import BaseContext
 from types import ModuleType
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas")
@@ -22,25 +22,6 @@ LOADED = ("cosim.running.execution", "libsumo", "pandas")
 
 _starting = threading.Lock()
 _BEGIN_WITHIN_S = 30.0
-
-
-class _BegunProcess(ForkServerProcess):
-    """A process of which ``start`` returns when it has read what it is to do.
-
-    Until then it needs locks that the pool which started it may already take away, when it is stopped.
-    """
-
-    def start(self) -> None:
-        heard, self._silence = Pipe(duplex=False)
-        with heard:
-            with self._silence, _main_left_alone():
-                super().start()
-            # Nothing is ever said: the process closes its end as it begins, or by its own end.
-            heard.poll(_BEGIN_WITHIN_S)
-
-    def run(self) -> None:
-        self._silence.close()
-        super().run()
 
 
 @contextmanager
@@ -55,24 +36,54 @@ def _main_left_alone() -> Iterator[None]:
             sys.modules["__main__"] = program
 
 
-class _Context(ForkServerContext):
-    Process = _BegunProcess
+if sys.platform != "win32":
+    from multiprocessing import forkserver
+    from multiprocessing.context import ForkServerContext, ForkServerProcess
+
+    class _BegunProcess(ForkServerProcess):
+        """A process of which ``start`` returns when it has read what it is to do.
+
+        Until then it needs locks that the pool which started it may already take away, when it is stopped.
+        """
+
+        def start(self) -> None:
+            heard, self._silence = Pipe(duplex=False)
+            with heard:
+                with self._silence, _main_left_alone():
+                    super().start()
+                # Nothing is ever said: the process closes its end as it begins, or by its own end.
+                heard.poll(_BEGIN_WITHIN_S)
+
+        def run(self) -> None:
+            self._silence.close()
+            super().run()
+
+    class _Context(ForkServerContext):
+        Process = _BegunProcess
 
 
 def context() -> BaseContext:
     """Return how processes are to be started; to be called shortly before."""
     # New interpreters look for modules in the current folder first: a user's file named like one of the
     # standard library would be executed.
-    if not sys.platform.startswith("linux"):
+    if sys.platform == "win32" or sys.platform == "darwin":
         os.environ.setdefault("PYTHONSAFEPATH", "1")  # each process is a new interpreter
         return get_context("spawn")  # system libraries of macOS do not bear to be copied
-    found = _Context()
-    found.set_forkserver_preload([*LOADED])
-    path = os.pathsep.join(place or os.getcwd() for place in sys.path)
-    # What this program imports, the processes can import, also where it has changed ``sys.path``.
-    with _starting, _variables(PYTHONSAFEPATH="1", PYTHONPATH=path):
-        forkserver.ensure_running()
-    return found
+    else:
+        found = _Context()
+        found.set_forkserver_preload([*LOADED])
+        path = os.pathsep.join(place or os.getcwd() for place in sys.path)
+        # What this program imports, the processes can import, also where it has changed ``sys.path``.
+        with _starting, _variables(PYTHONSAFEPATH="1", PYTHONPATH=path):
+            forkserver.ensure_running()
+        return found
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def hold_back(number: signal.Signals) -> Callable[[], None]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -22,6 +21,7 @@ from cosim.batches.study import StudyTable, read_study, study_text
 from cosim.batches.worker import Handling
 from cosim.errors import SimulationError
 from cosim.presentation.notes import outputs_notes
+from cosim.processes import cores
 from cosim.recording.folders import DEFAULT_PARENT
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class BatchRequest:
     @property
     def processes(self) -> int:
         """Worker processes on this machine."""
-        return self.jobs or len(os.sched_getaffinity(0))
+        return self.jobs or cores()
 
     def command(self) -> str:
         """Return the command that goes on where a batch has ended."""

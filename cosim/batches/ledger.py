@@ -6,7 +6,6 @@ moment and loses nothing but the runs in flight.
 
 from __future__ import annotations
 
-import fcntl
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ from analysis.files import PART, write_csv, write_json, write_text
 from analysis.study.runs import STUDY_FILE
 from cosim.batches.identity import Identity, differences
 from cosim.batches.job import Job
+from cosim.batches.lock import take
 from cosim.batches.outcome import RUN, Outcome
 from cosim.batches.stored import DAMAGED, FAILURE, read_failure, read_made, run_damages
 from cosim.errors import InputError
@@ -81,7 +81,7 @@ class Ledger:
             raise InputError(f"--out {self.folder}: {error.strerror}") from error
         with lock:
             try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                take(lock)
             except BlockingIOError as error:
                 raise InputError(f"--out {self.folder}: another batch is at work in this folder") from error
             try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import signal
+import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
@@ -12,7 +13,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, cast
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -108,8 +109,9 @@ class Pool:
         with ExitStack() as end:
             # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The threads of
             # the pool inherit what is blocked here, and the processes that they start.
-            before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-            end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, before)
+            if sys.platform != "win32":
+                before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+                end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, before)
             # A process on its way would outlive this one, of whose end it would complain. Blocking is not
             # enough: a thread of a library may take the signal.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -122,7 +124,7 @@ class Pool:
                     max_tasks=self._runs_per_process,
                     initializer=worker.begin,
                     initargs=(dict(os.environ),),
-                    context=processes.context(),
+                    context=cast(Any, processes.context()),
                 )
                 assert self._pool.active  # started here and now, with the signal blocked
             return self._pool

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -19,6 +18,7 @@ from cosim.batches.conduct import Tally
 from cosim.batches.study import DEFAULT_TIMEOUT_S
 from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError
+from cosim.processes import cores
 from cosim.recording import folders
 from cosim.search import regression, shrinking
 from cosim.search.folder import begin, check_folder, described
@@ -60,7 +60,7 @@ class FalsifyRequest:
     @property
     def processes(self) -> int:
         """Runs at a time."""
-        return self.jobs or len(os.sched_getaffinity(0))
+        return self.jobs or cores()
 
 
 @dataclass(frozen=True, slots=True)
