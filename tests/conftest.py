@@ -1,10 +1,25 @@
-"""The last line of the tests: which did not run, and why."""
+"""Which tests need a POSIX system, and the last line of the tests: which did not run, and why."""
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 
 import pytest
+
+NEED_POSIX = (
+    "chaos",
+    "fuzz",
+    "cosim/batches/test_dask_cluster.py",
+    "cosim/batches/test_failures.py",
+    "cosim/batches/test_unruly_at_once.py",
+    "cosim/cli/test_crash.py",
+    "cosim/recording/test_folders.py",
+    "cosim/running/test_no_room.py",
+    "studies/papers/test_command.py",
+)
+"""They use signals, processes that are killed, limits of resources or links; elsewhere they are not collected."""
+collect_ignore = [] if os.name == "posix" else list(NEED_POSIX)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
