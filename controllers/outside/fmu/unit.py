@@ -35,7 +35,7 @@ class Unit:
         try:
             import fmpy
         except ImportError as error:
-            raise UnitError("fmu: needs FMPy: pip install 'sumo-cosim[fmu]'") from error
+            raise UnitError("fmu: needs FMPy: pip install fmpy") from error
         self._path = path
         if not path.is_file():
             raise UnitError(f"{path}: there is no such file")
