@@ -196,7 +196,7 @@ def _msgpack() -> Any:
     try:
         import msgpack
     except ImportError as error:
-        raise LinkError("the program speaks MessagePack: pip install pyzmq msgpack") from error
+        raise LinkError("the program speaks MessagePack: pip install msgpack") from error
     return msgpack
 
 
