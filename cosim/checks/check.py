@@ -22,10 +22,11 @@ from cosim.checks.files import PACKAGE, check_junit, write_findings
 from cosim.checks.finding import Finding, exit_code
 from cosim.checks.target import Target, Wishes, expanded, read_target
 from cosim.errors import InputError
+from cosim.presentation.workbook import WORKBOOK
 from cosim.recording import folders
 
 DEFAULT_LEVEL = 0.05
-_OURS = (CRITERIA.file, PACKAGE, MANIFEST, PAGE, DATA)
+_OURS = (CRITERIA.file, PACKAGE, MANIFEST, PAGE, DATA, WORKBOOK)
 """What a check and a report of it leave in the check's folder."""
 
 

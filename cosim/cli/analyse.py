@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Bodies, Crs, Debug, NetworkFile, Out
+from cosim.cli.options import Bodies, Crs, Debug, NetworkFile, Out, Xlsx
 
 if TYPE_CHECKING:
     from analysis.thresholds import Thresholds
@@ -28,6 +28,7 @@ def analyse(
     ssam: Annotated[
         bool, typer.Option("--ssam", help="Also write run.trj in SSAM's format and ssam_id_map.csv.")
     ] = False,
+    xlsx: Xlsx = False,
     network: NetworkFile = None,
     out: Out = None,
     crs: Crs = None,
@@ -43,7 +44,7 @@ def analyse(
     Examples:
       cosim analyse runs/midblock_zebra-vo_mpc-1-1
       cosim analyse runs/* --set severity_ttc_serious_s=1.2
-      cosim analyse runs/midblock_zebra-vo_mpc-1-1 --ssam
+      cosim analyse runs/midblock_zebra-vo_mpc-1-1 --ssam --xlsx
       cosim analyse tracks.csv --network town.net.xml --out results/street
 
     \b
@@ -81,6 +82,10 @@ def analyse(
             typer.echo(f"cosim: {error}", err=True)
             continue
         console.print(f"{folder}/encounters.csv, {folder}/runs.csv", soft_wrap=True)
+        if xlsx:
+            from cosim.presentation.workbook import write_workbook
+
+            console.print(f"{write_workbook([folder], folder)}", soft_wrap=True)
         if len(folders) == 1:
             console.print(run_table(read_row(folder)))
     if len(folders) > 1 and failed:

@@ -12,6 +12,9 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Output folder, new or empty.", show_default="runs/…"),
 ]
+Xlsx = Annotated[
+    bool, typer.Option("--xlsx", help="Also write the tables as tables.xlsx, with units and definitions.")
+]
 Settings = Annotated[
     list[str] | None,
     typer.Option(

@@ -9,7 +9,7 @@ import typer
 
 from cosim.cli import terminal
 from cosim.cli.damage import damaged_runs
-from cosim.cli.options import Debug
+from cosim.cli.options import Debug, Xlsx
 
 
 def report(
@@ -40,6 +40,7 @@ def report(
         int, typer.Option(metavar="N", min=1, help="Number of encounters listed, worst first.")
     ] = 200,
     replays: Annotated[int, typer.Option(metavar="N", min=0, help="Number of them with a replay.")] = 100,
+    xlsx: Xlsx = False,
     debug: Debug = False,
 ) -> int:
     """Write report.html: comparison, tables, distributions, the worst encounters and their replays.
@@ -50,6 +51,7 @@ def report(
       cosim report runs/midblock_zebra-vo_mpc-1-1
       cosim report runs/midblock_zebra-sumo-1-1 runs/midblock_zebra-aeb-1-1 --out results/two
       cosim report results/study --base aeb --replays 500
+      cosim report results/study --xlsx
 
     \b
     Exit codes: 0 success, 2 no such folder, no run in it, or runs that do not belong together, 3 a run is
@@ -66,4 +68,9 @@ def report(
     for note in notes:
         console.print(note, soft_wrap=True)
     console.print(f"{path}", soft_wrap=True)
+    if xlsx:
+        from analysis.page.names import DATA
+        from cosim.presentation.workbook import write_workbook
+
+        console.print(f"{write_workbook([*folders, path.parent / DATA], path.parent)}", soft_wrap=True)
     return damaged_runs(damaged)
