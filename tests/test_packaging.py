@@ -41,12 +41,14 @@ def test_the_citation_is_valid_and_of_this_version() -> None:
 
 @pytest.mark.parametrize("name", schemas.NAMES)
 def test_the_schemas_in_the_documentation_are_current(name: str) -> None:
-    assert (ROOT / "docs/schemas" / schemas.file_name(name)).read_text("utf-8") == schemas.text(name)
+    there = (ROOT / "docs/schemas" / schemas.file_name(name)).read_text("utf-8")
+    assert there == schemas.text(name), "python -m cosim.checks.schemas docs/schemas writes it"
     jsonschema.Draft202012Validator.check_schema(schemas.schema(name))
 
 
 def test_the_page_of_scenario_files_is_current() -> None:
-    assert (ROOT / "docs/scenario-files.md").read_text("utf-8") == scenario_page.render()
+    there = (ROOT / "docs/scenario-files.md").read_text("utf-8")
+    assert there == scenario_page.render(), "python -m cosim.checks.scenario_page docs/scenario-files.md"
 
 
 @pytest.mark.parametrize(
