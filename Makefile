@@ -12,6 +12,7 @@
 # make study-penetration  what becomes of everybody when a share of the cars are egos
 # make study-town       a whole town screened: the largest network with crossings of SUMO's games
 # make study-validation  the simulation beside real tracks of one junction
+# make study-falsify    what breaks the controllers
 # make study-solvers    the same drives with four solvers
 # make fuzz             files with mistakes: CASES=5000 of them from SEED=1 (a quarter of an hour)
 # make chaos            batches that are killed, run out of disk or are damaged: ROUNDS=200 of them from SEED=1
@@ -32,7 +33,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-planted study-penetration study-town study-solvers study-validation protocols zoo fuzz chaos golden screenshots pictures docs clean
+.PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-falsify study-planted study-penetration study-town study-solvers study-validation protocols zoo fuzz chaos golden screenshots pictures docs clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -51,6 +52,10 @@ $(VENV)/installed-dev: $(VENV)/installed
 
 $(VENV)/installed-papers: $(VENV)/installed
 	$(PIP) install --quiet -c constraints.txt -e '.[papers]'
+	@touch $@
+
+$(VENV)/installed-search: $(VENV)/installed
+	$(PIP) install --quiet -c constraints.txt -e '.[search]'
 	@touch $@
 
 $(VENV)/installed-report: $(VENV)/installed
@@ -151,6 +156,9 @@ study-penetration: $(VENV)/installed-papers
 study-town: $(VENV)/installed-dev
 	$(BIN)/python -m studies.town runs/study-town --jobs $(JOBS) $(TOWN)
 	$(BIN)/python -m studies.town.page runs/study-town docs/study-town.md
+
+study-falsify: $(VENV)/installed-search
+	$(BIN)/python -m studies.falsify runs/study-falsify docs/study-falsify.md
 
 study-solvers: $(VENV)/installed-bench
 	$(BIN)/cosim batch studies/solvers/solvers.toml --out runs/study-solvers/closed-loop --jobs $(JOBS)

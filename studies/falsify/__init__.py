@@ -1,0 +1,1 @@
+"""What breaks the controllers: the same search for each."""
