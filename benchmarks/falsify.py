@@ -83,7 +83,7 @@ def toy() -> None:
         for method in ("cma-es", "random"):
             firsts = []
             for seed in range(10):
-                generator = np.random.default_rng(seed)
+                generator = np.random.default_rng(10_000 + seed)  # not the numbers that a search draws
                 centre = {axis.name: float(generator.uniform(half, 1.0 - half)) for axis in TOY_AXES}
                 firsts.append(first(search(method, TOY_AXES, toy_margin([centre], half), seed, stop=True)))
             rows.append(
