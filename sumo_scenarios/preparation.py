@@ -16,6 +16,7 @@ from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.outputs import NOWHERE, SilentCopies, included_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
 from sumo_scenarios.private_copy import private_configuration
+from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_file
 from sumo_scenarios.replaced_types import types_file, with_types
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
@@ -87,6 +88,9 @@ def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_di
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
     if types is not None:
         inputs["types"] = sha256(types)
+    if (recorded := vehicles_file(scenario)) is not None:
+        read_recorded_vehicles(recorded)
+        inputs["recorded vehicles"] = sha256(recorded)
     left_out += dict.fromkeys(copies.left_out)
     return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out))
 

@@ -158,6 +158,8 @@ class ScenarioTable(Table):
     """Values of the base's parameters."""
     types: str = ""
     """File of vTypes, relative to the scenario's folder, in place of the configuration's of the same ids."""
+    recorded_vehicles: str = ""
+    """Vehicles that SUMO moves as they were recorded, relative to the scenario's folder."""
     rates: dict[str, RateTable] = {}
     """Rates that the demand files use as ``$name``, in 1/s."""
     times: dict[str, float] = {}

@@ -100,7 +100,8 @@ def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
     """Return the gap that half of the pedestrians accept, and how sharply they choose.
 
     P(accept) = 1 / (1 + exp(-(b0 + b1 gap))); the critical gap is -b0 / b1 [s], with an interval by the delta
-    method; b1 [1/s]. The covariance is robust to several gaps of one pedestrian.
+    method; b1 [1/s]. Of the model's errors and those robust to several gaps of one pedestrian the larger one
+    counts: with few pedestrians the robust ones are too small.
     """
     names = ("critical_gap", "s"), ("gap_slope", "1/s")
     accepted = offered["accepted"].to_numpy(np.float64) if len(offered) else np.zeros(0)
@@ -111,17 +112,20 @@ def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
     design = sm.add_constant(offered["gap_s"].to_numpy(np.float64))
     groups = pd.factorize(offered["id"])[0]
     try:
-        fit = sm.Logit(accepted, design).fit(disp=0, cov_type="cluster", cov_kwds={"groups": groups})
+        model = sm.Logit(accepted, design)
+        fit = model.fit(disp=0)
+        robust = model.fit(disp=0, cov_type="cluster", cov_kwds={"groups": groups})
     except (PerfectSeparationError, PerfectSeparationWarning, np.linalg.LinAlgError):
         told = "every accepted gap is longer than every rejected one"
         return undefined(*names[0], people, told), undefined(*names[1], people, told)
-    (b0, b1), covariance = np.asarray(fit.params), np.asarray(fit.cov_params())
+    b0, b1 = np.asarray(fit.params).tolist()
+    covariances = [np.asarray(one.cov_params()) for one in (fit, robust)]
     reach = float(stats.norm.ppf(0.5 + 0.5 * LEVEL))
     slope: NDArray[np.float64] = np.array([-1.0 / b1, b0 / b1**2])
-    error = float(np.sqrt(slope @ covariance @ slope))
-    gap, sharp = float(-b0 / b1), float(np.sqrt(covariance[1, 1]))
+    error = max(float(np.sqrt(slope @ one @ slope)) for one in covariances)
+    gap, sharp = -b0 / b1, max(float(np.sqrt(one[1, 1])) for one in covariances)
     method = "logit"
     return (
         Estimate(*names[0], gap, gap - reach * error, gap + reach * error, people, method),
-        Estimate(*names[1], float(b1), float(b1 - reach * sharp), float(b1 + reach * sharp), people, method),
+        Estimate(*names[1], b1, b1 - reach * sharp, b1 + reach * sharp, people, method),
     )

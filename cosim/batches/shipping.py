@@ -17,6 +17,7 @@ from sumo_scenarios.demand import placeholders
 from sumo_scenarios.library import Scenario
 from sumo_scenarios.network_cache import source_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
+from sumo_scenarios.recorded_vehicles import vehicles_file
 from sumo_scenarios.replaced_types import types_file
 from sumo_scenarios.sumocfg import read_sumocfg
 
@@ -59,8 +60,9 @@ def _bundle(place: str, entry: Path, files: Sequence[Path]) -> Bundle:
 
 def _files(scenario: Scenario) -> Iterator[Path]:
     folder, table = scenario.folder, scenario.table
-    if (types := types_file(scenario)) is not None:
-        yield types
+    for named in (types_file(scenario), vehicles_file(scenario)):
+        if named is not None:
+            yield named
     if scenario.variant is not None:
         yield scenario.variant / library.DEFINITION
         if folder is not None and folder.parent == library.LIBRARY:

@@ -27,6 +27,7 @@ from cosim.cli import replay as replay_command
 from cosim.cli import report as report_command
 from cosim.cli import run as run_command
 from cosim.cli import screen as screen_command
+from cosim.cli import stand_in as stand_in_command
 from cosim.cli import validate as validate_command
 from cosim.cli import verify as verify_command
 from cosim.cli.apart import OWN_PROCESS
@@ -76,6 +77,7 @@ app.command("screen")(screen_command.screen)
 app.command("falsify")(falsify_command.falsify)
 app.command("estimate")(estimate_command.estimate)
 app.command("validate")(validate_command.validate)
+app.command("stand-in")(stand_in_command.stand_in)
 app.command("calibrate")(calibrate.calibrate)
 app.command("analyse")(analyse.analyse)
 app.command("compare")(compare.compare)

@@ -27,6 +27,7 @@ from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
 from cosim.sumo.placement import Method, Placement
 from cosim.sumo.present import Present, everybody_present
+from cosim.sumo.recorded_vehicles import RecordedVehicles
 from cosim.sumo.road_users import KnownState
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
@@ -36,6 +37,7 @@ from cosim.sumo.truth import persons_truth, vehicles_truth
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
+from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_file
 
 FloatArray = NDArray[np.float64]
 
@@ -81,6 +83,10 @@ class SumoWorld:
         self._end = prepared.begin_s + scenario.duration_s
         self._sources = EgoSources(scenario.egos, self._network, seed, self._first, not everybody)
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
+        recorded = vehicles_file(scenario)
+        self._recorded = RecordedVehicles(
+            {} if recorded is None else read_recorded_vehicles(recorded), prepared.begin_s
+        )
         self._takeover = Takeover(self._network, drive)
         self._egos: dict[str, DrivenEgo] = {}
         self._visited: set[tuple[int, int]] = set()
@@ -247,9 +253,11 @@ class SumoWorld:
         if self._scripted.any:
             egos = [road_user(ego.name, ego.plant, ego.track) for ego in self._egos.values()]
             driven = [ego.name for ego in self._egos.values() if not ego.handed_back]
+            driven += sorted(self._recorded.names)
             self._scripted.walk(self._time, egos, driven)
 
     def _step(self) -> None:
+        self._recorded.move(self._sumo, self._time + self.step, self._remove)
         self._sumo.simulationStep()
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()

@@ -48,7 +48,9 @@ class _Place:
     at: float
 
 
-def rebuild(frame: pd.DataFrame, network: Network, path: Path, begin_s: float, types: Types) -> Rebuilt:
+def rebuild(
+    frame: pd.DataFrame, network: Network, path: Path, begin_s: float, types: Types, with_speeds: bool = False
+) -> Rebuilt:
     """Write the demand of a recording as a route file.
 
     Parameters
@@ -58,15 +60,16 @@ def rebuild(frame: pd.DataFrame, network: Network, path: Path, begin_s: float, t
     path : to write to
     begin_s : simulated time that stands for the first second of the recording [s]
     types : attributes of types beside the class; classes without are SUMO's own
+    with_speeds : whether vehicles depart as fast as they were; otherwise as fast as SUMO finds safe
     """
-    ways = _Ways(network)
+    ways = _Ways(network, with_speeds)
     lines: list[tuple[float, str]] = []
     departed: dict[str, int] = {}
     left_out: dict[str, int] = {}
     named: set[str] = set()
     for recorded, track in frame.groupby("id", sort=True):
         kind = str(track["kind"].iloc[0])
-        name = _allowed(str(recorded), named)
+        name = allowed_name(str(recorded), named)
         line = ways.walk(name, track, begin_s) if kind == PEDESTRIAN else ways.trip(name, track, begin_s)
         counts = left_out if line is None else departed
         counts[kind] = counts.get(kind, 0) + 1
@@ -78,7 +81,7 @@ def rebuild(frame: pd.DataFrame, network: Network, path: Path, begin_s: float, t
     return Rebuilt(path, departed, left_out)
 
 
-def _allowed(name: str, taken: set[str]) -> str:
+def allowed_name(name: str, taken: set[str]) -> str:
     """Return a name as SUMO takes it, and note it; it has no blanks and few other signs."""
     plain = made = re.sub(r"[^A-Za-z0-9_.-]", "_", name)
     number = 1
@@ -102,8 +105,9 @@ def _type(kind: str, attributes: Mapping[str, str]) -> str:
 class _Ways:
     """Finds edges that road users came from and went to."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: Network, with_speeds: bool) -> None:
         self._network = network
+        self._with_speeds = with_speeds
         self._next: dict[str, dict[str, list[str]]] = {}
         self._sidewalks = [
             lane
@@ -135,7 +139,7 @@ class _Ways:
                 # From a cycle lane that leads elsewhere SUMO's bicycles never get away.
                 "departLane": "best" if kind == "bicycle" else str(start.lane),
                 "departPos": f"{start.at:.2f}",
-                "departSpeed": "max",
+                "departSpeed": f"{float(track['speed_mps'].iloc[0]):.2f}" if self._with_speeds else "max",
                 "arrivalPos": "max",
             }
         )

@@ -77,9 +77,23 @@ def write_site(
     first = float(frame["time_s"].min())
     begin = site.begin_s - (first - first % 1.0)
     demand = rebuild(frame, network, folder / ROUTES, begin, types)
+    path = write_configuration(folder / CONFIGURATION, site, ROUTES, duration_s)
+    return path, demand
+
+
+def write_configuration(path: Path, site: Site, routes: str, duration_s: float) -> Path:
+    """Write a configuration of a site with other demand.
+
+    Parameters
+    ----------
+    path : to write to
+    site
+    routes : name of the route file beside it
+    duration_s : of the simulation
+    """
     inputs = {
         "net-file": str(site.net_file.resolve()),
-        "route-files": ROUTES,
+        "route-files": routes,
         "additional-files": ",".join(str(path.resolve()) for path in site.additional_files),
     }
     times = {
@@ -90,5 +104,4 @@ def write_site(
     options = {**{key: value for key, value in inputs.items() if value}, **times, **site.options}
     options["ignore-route-errors"] = "true"
     lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items()]
-    path = write_text(folder / CONFIGURATION, "\n".join(["<configuration>", *lines, "</configuration>", ""]))
-    return path, demand
+    return write_text(path, "\n".join(["<configuration>", *lines, "</configuration>", ""]))
