@@ -1,16 +1,18 @@
-"""Recorded trajectories of pedestrians: a CSV file of time, x, y and perhaps a person."""
+"""Recorded trajectories of pedestrians: a CSV file of time, x, y and perhaps a person, or OpenSCENARIO."""
 
 from __future__ import annotations
 
 import csv
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.openscenario import ENDING, read_walks
 
 FloatArray = NDArray[np.float64]
 
@@ -30,6 +32,8 @@ def read_trajectories(path: Path) -> Mapping[str, FloatArray]:
         One line with file and row: a column that is missing, something that is no number, time that does
         not go on, somebody faster than 12.5 m/s, or a person with fewer than two rows.
     """
+    if path.suffix.lower() == ENDING:
+        return _of_walks(path, read_walks(path))
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return _read(path, csv.DictReader(file))
@@ -61,6 +65,18 @@ def _read(path: Path, reader: csv.DictReader[str]) -> Mapping[str, FloatArray]:
         points.append((time, x, y))
     if not found:
         raise ScenarioError(f"{path}: has no rows; expected at least two of a person")
+    return _arrays(path, found)
+
+
+def _of_walks(path: Path, walks: Mapping[str, list[tuple[float, float, float]]]) -> Mapping[str, FloatArray]:
+    """Return the walks of an OpenSCENARIO file, checked like those of a CSV file."""
+    for person, points in walks.items():
+        for number, (before, now) in enumerate(pairwise(points), 2):
+            _check_step(f"{path}, vertex {number}", before, now, person)
+    return _arrays(path, walks)
+
+
+def _arrays(path: Path, found: Mapping[str, list[tuple[float, float, float]]]) -> Mapping[str, FloatArray]:
     for person, points in found.items():
         if len(points) < 2:
             raise ScenarioError(f"{path}: {_who(person)} has one row only; expected at least two")

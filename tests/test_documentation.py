@@ -27,6 +27,7 @@ from cosim.cli import (
     check,
     compare,
     conformance,
+    export,
     listing,
     plot,
     replay,
@@ -97,6 +98,7 @@ def commands() -> list[str]:
             inspect_command.inspect,
             plot.plot,
             replay.replay,
+            export.export,
             listing.show,
         )
     ]

@@ -20,6 +20,7 @@ from cosim.cli import analyse, calibrate, compare, completion, conformance, list
 from cosim.cli import batch as batch_command
 from cosim.cli import check as check_command
 from cosim.cli import estimate as estimate_command
+from cosim.cli import export as export_command
 from cosim.cli import falsify as falsify_command
 from cosim.cli import inspect as inspect_command
 from cosim.cli import plot as plot_command
@@ -52,10 +53,11 @@ SUMMARIES = {
     "compare": "Is one controller safer than another, and slower?",
     "report": "Write report.html: tables, figures, replays.",
     "verify": "Check that no file of a finished run was altered.",
-    "conformance": "Check the coupling against the installed SUMO.",
+    "conformance": "Check the coupling with SUMO, or a controller.",
     "inspect": "Does a network support a pedestrian study?",
     "plot": "Draw a trip or an encounter.",
     "replay": "Write a film of an encounter.",
+    "export": "Write an encounter as OpenSCENARIO.",
     "list": "List scenarios, controllers, metrics and more.",
     "completion": "Print a shell's completion script.",
     "schema": "Print the JSON schema of a scenario or study file.",
@@ -87,6 +89,7 @@ app.command("conformance")(conformance.conformance)
 app.command("inspect")(inspect_command.inspect)
 app.command("plot")(plot_command.plot)
 app.command("replay")(replay_command.replay)
+app.command("export")(export_command.export)
 app.command("list")(listing.show)
 app.command("schema")(schema.schema)
 app.command("completion")(completion.completion)

@@ -13,7 +13,7 @@ import pytest
 from studies import notebook
 from tests.documentation.command_blocks import ROOT, fences
 
-PAGES = ("docs/python.md", "docs/gymnasium.md")
+PAGES = ("docs/python.md", "docs/gymnasium.md", "docs/openscenario.md")
 
 
 @pytest.mark.sumo

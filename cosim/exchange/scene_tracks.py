@@ -1,0 +1,119 @@
+"""Everybody in an encounter as trajectories that begin at time 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from analysis.encounters.case import prepare
+from analysis.errors import AnalysisError
+from analysis.geometry import FloatArray
+from analysis.plots.scene import Piece, Scene, choose
+from analysis.recording.reading import read_run
+from controllers.interface import Body
+from cosim.errors import InputError
+from cosim.step.plant import body_of
+
+NEAR_M = 80.0
+"""Others are exported if they come nearer to the ego than this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mover:
+    """One road user of an encounter."""
+
+    name: str
+    kind: str
+    """``ego``, ``vehicle`` or ``pedestrian``."""
+    time: FloatArray
+    """From the beginning of the encounter on [s]."""
+    x: FloatArray
+    """Rear axle of a vehicle, centre of a pedestrian [m]."""
+    y: FloatArray
+    heading: FloatArray
+    """[rad]"""
+    speed: float
+    """At its first sample [m/s]."""
+    body: Body
+    """Of a pedestrian: length and width are the disc's diameter."""
+
+
+def read_movers(folder: Path, encounter: int) -> list[Mover]:
+    """Return the ego, the pedestrian and whoever was near them in an encounter of a recorded run.
+
+    Raises
+    ------
+    InputError
+        If the run cannot be read or has no such encounter.
+    """
+    try:
+        scene = choose(prepare(read_run(folder)), None, encounter)
+    except AnalysisError as error:
+        raise InputError(str(error)) from error
+    factor, begin = scene.case.grid.factor, scene.begin_s
+    (ego,) = scene.pieces()[:1]
+    egos = [_vehicle(scene.ego, "ego", ego, factor, begin)]
+    names = {one.name for one in scene.case.egos}
+    vehicles = [
+        _vehicle(f"vehicle {name}", "vehicle", piece, factor, begin)
+        for name, piece in _others(scene, ego, "vehicles")
+        if name not in names
+    ]
+    people = [
+        _pedestrian(f"pedestrian {name}", piece, factor, begin)
+        for name, piece in _others(scene, ego, "persons")
+    ]
+    return [one for one in (*egos, *people, *vehicles) if len(one.time) > 1]
+
+
+def _others(scene: Scene, ego: Piece, what: str) -> list[tuple[str, Piece]]:
+    """Return the first piece of each other within the window that comes near the ego."""
+    found: dict[str, Piece] = {}
+    for track in getattr(scene.case, what):
+        first, last = max(track.first, ego.first), min(track.last, ego.last)
+        if first >= last or track.name in found:
+            continue
+        piece = Piece(track, first, last, scene.case.grid.time[first : last + 1])
+        own = slice(first - ego.first, last - ego.first + 1)
+        if np.hypot(piece.x - ego.x[own], piece.y - ego.y[own]).min() < NEAR_M:
+            found[track.name] = piece
+    return sorted(found.items())
+
+
+def _chosen(piece: Piece, factor: int) -> slice:
+    """Return the recorded instants of a piece."""
+    return slice(-piece.first % factor, None, factor)
+
+
+def _vehicle(name: str, kind: str, piece: Piece, factor: int, begin: float) -> Mover:
+    chosen = _chosen(piece, factor)
+    body = body_of(piece.track.length, piece.track.width)
+    heading = piece.heading[chosen]
+    behind = 0.5 * body.length - body.rear_overhang  # of the centre, to the rear axle
+    x, y = piece.x[chosen] - behind * np.cos(heading), piece.y[chosen] - behind * np.sin(heading)
+    speed = float(piece.track.speed[piece.part][chosen][:1].sum())
+    return Mover(name, kind, piece.time[chosen] - begin, x, y, heading, speed, body)
+
+
+def _pedestrian(name: str, piece: Piece, factor: int, begin: float) -> Mover:
+    chosen = _chosen(piece, factor)
+    diameter = piece.track.width
+    x_speed, y_speed = (getattr(piece.track, one)[piece.part][chosen] for one in ("x_speed", "y_speed"))
+    moving = np.hypot(x_speed, y_speed) > 1e-3
+    heading = np.arctan2(y_speed, x_speed)
+    # Standing, they look where they looked last.
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(heading)), 0))
+    speed = float(np.hypot(x_speed, y_speed)[:1].sum())
+    body = Body(diameter, diameter, diameter, 0.5 * diameter)
+    return Mover(
+        name,
+        "pedestrian",
+        piece.time[chosen] - begin,
+        piece.x[chosen],
+        piece.y[chosen],
+        np.unwrap(heading[last]),
+        speed,
+        body,
+    )
