@@ -99,20 +99,16 @@ def run(
     request = RunRequest(
         scenario=str(scenario),
         controller=chosen,
-        seed=seed,
-        settings={key: _text(value) for key, value in parameters.items()},
-        duration_s=duration_s,
-        step_s=step_s,
+        seed=int(seed),
+        settings={key: as_text(value) for key, value in parameters.items()},
+        duration_s=None if duration_s is None else float(duration_s),
+        step_s=None if step_s is None else float(step_s),
         actuation=actuation,
         ego_route=tuple(route),
         ego_vehicle=ego_vehicle,
-        ego_share=ego_share,
+        ego_share=None if ego_share is None else float(ego_share),
         sensing=sensing,
         record=record,
         out=None if out is None else Path(out),
     )
     return Run(execute(request, progress).folder)
-
-
-def _text(value: object) -> str:
-    return repr(value) if isinstance(value, float) else as_text(value)

@@ -35,7 +35,7 @@ def request_of(
         raise InputError(f"time_limit_s: expected a number of seconds above 0, got {time_limit_s:g}")
     own = ego_route or ego_vehicle is not None
     there = scenario_settings(str(scenario))
-    settings = {key: repr(v) if isinstance(v, float) else as_text(v) for key, v in parameters.items()}
+    settings = {key: as_text(value) for key, value in parameters.items()}
     if float(there.get("warmup_s", 0.0)) > WARMUP_S:
         settings.setdefault("warmup_s", repr(WARMUP_S))
     warmup_s = float(settings.get("warmup_s", there.get("warmup_s", 0.0)))

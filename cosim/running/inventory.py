@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -116,7 +117,11 @@ def sensing_models() -> list[Entry]:
 
 def as_text(value: object) -> str:
     """Return a value as ``--set`` takes it."""
-    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+    if value is None or isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, numbers.Real):  # NumPy's say their type when they are shown
+        return str(int(value)) if isinstance(value, numbers.Integral) else repr(float(value))
+    return str(value)
 
 
 def _setting(key: str, value: object) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -103,6 +104,20 @@ def test_runs_are_compared_loaded_and_drawn(both: tuple[cosim.Run, cosim.Run]) -
     assert picture.__dict__["_repr_png_"]()[:4] == b"\x89PNG"
     again = cosim.analyse(loaded, severity_ttc_serious_s=1.2)
     assert again.table("runs.csv")["n_encounters"].item() == loaded.numbers["n_encounters"]
+
+
+def test_numbers_of_numpy_are_numbers(folder: Path) -> None:
+    ran = cosim.run(
+        "midblock_zebra",
+        controller="sumo",
+        seed=np.int64(2),  # type: ignore[arg-type]  # what people pass
+        duration_s=np.float64(8.0),
+        warmup_s=np.float32(5.0),
+        ego_count=np.int64(1),
+        out=folder / "numpy",
+    )
+    assert ran.valid
+    assert ran.description["parameters"]["scenario"]["warmup_s"] == 5.0
 
 
 def test_a_batch_gives_the_tables_of_a_study(folder: Path) -> None:
