@@ -135,8 +135,12 @@ study-validation: $(VENV)/installed-tracks
 	$(BIN)/python -m tests.cosim.tracks.pairs runs/study-validation/all/real > runs/study-validation/pairs.txt
 	$(BIN)/python -m studies.validation.page runs/study-validation docs/validation.md
 
+METHODS := studies/methods/midblock_zebra.toml studies/methods/midblock_unmarked.toml \
+	studies/methods/jaywalk_arterial.toml studies/methods/bus_stop_occlusion.toml \
+	studies/methods/signalised_junction.toml studies/methods/rules_as_printed.toml
+
 study-papers: $(VENV)/installed-papers
-	$(BIN)/cosim batch studies/methods/methods.toml --out runs/study-papers
+	$(BIN)/python -m studies.methods runs/study-papers $(METHODS) --jobs $(JOBS)
 	$(BIN)/python -m studies.methods.page runs/study-papers docs/study-papers.md
 
 study-roadside: $(VENV)/installed-papers

@@ -102,6 +102,10 @@ class TrapezoidalBraking:
         return ramped, full, np.maximum(times - self.ends, 0.0)
 
 
+ARRIVALS = 201
+"""Points of a braking between which the time of arrival is interpolated."""
+
+
 @dataclass(frozen=True, slots=True)
 class SmoothBraking:
     """Speeds v = v0 + a t + b t² + c t³ up to t_s and v_s from then on; all fields of shape (n,).
@@ -125,6 +129,25 @@ class SmoothBraking:
         """Return what is driven up to t_s: (v0 + v_s) t_s / 2 + a0 t_s² / 12 [m]."""
         mean = 0.5 * (self.speed + self.final_speed)
         return np.asarray(mean * self.duration + self.acceleration * self.duration**2 / 12.0)
+
+    def arrival(self, distance: float) -> FloatArray:
+        """Return when a place is reached, shape (n,); inf for never [s].
+
+        t_s + (x − X_s) / v_s where the speed has become v_s before, the inverse of the distance otherwise.
+
+        Notes
+        -----
+        Eqs. (29) and (30) of [Wu2023]_, t_tcz, for the smoothed speed of Eqs. (31)-(35): X_s and t_s stand
+        for the distance and the duration of dead time, ramp and braking together.
+        """
+        left = distance - self.distance
+        slowest = np.where(self.final_speed > 0.0, self.final_speed, 1.0)
+        late = np.where(self.final_speed > 0.0, self.duration + left / slowest, np.inf)
+        shares = np.linspace(0.0, 1.0, ARRIVALS)
+        times = self.duration[:, None] * shares
+        position, _, _ = self.at(times)
+        early = [np.interp(distance, *each) for each in zip(position, times, strict=True)]
+        return np.asarray(np.where(left > 0.0, late, early))
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return position, speed and acceleration, shape (n, K) [m, m/s, m/s^2]."""

@@ -20,6 +20,16 @@ class EntropyMode(StrEnum):
     """−ln(1 − P) of the probability of a collision."""
 
 
+class EntropyAt(StrEnum):
+    """At which instant of a candidate the places of pedestrians are looked at."""
+
+    LARGEST = "largest"
+    """At each, of which the one with the largest entropy counts."""
+    MEETING = "meeting"
+    """When the car is level with the first pedestrian in conflict, t_tcz of Eqs. (29) and (30); 0 for a
+    candidate that stops before."""
+
+
 LEAST_PROBABILITY = 1e-6
 """Of no collision; −ln of it bounds the risk."""
 

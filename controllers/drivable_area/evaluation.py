@@ -19,7 +19,7 @@ from controllers.drivable_area.costs import (
     distance_cost,
     speed_risk,
 )
-from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.meetings import Meetings, meetings
 from controllers.drivable_area.motions import Motions, motions
 from controllers.drivable_area.quintic_path import PathStart, QuinticPaths, quintic_paths
@@ -53,6 +53,7 @@ class Rules:
 
     weights: CostWeights = field(default_factory=CostWeights)
     entropy: EntropyMode = EntropyMode.SHANNON
+    entropy_at: EntropyAt = EntropyAt.LARGEST
     risk: SpeedRisk = SpeedRisk.METRES_PER_SECOND
     largest_curvature: float = 0.1
     """k_max of the curvature cost [1/m]."""
@@ -154,7 +155,11 @@ def judge(scene: Scene, rules: Rules, end: FloatArray, final_speed: FloatArray, 
     number = noise.shape[1]
     people = scene.people
     walking = Walkers(people.x[:number], people.y[:number], people.x_speed[:number], people.y_speed[:number])
-    met = meetings(scene.shape, walking, moving, rules.model, scene.limits.friction, noise, rules.entropy)
+    met_at = None
+    if rules.entropy_at is EntropyAt.MEETING:
+        met_at = rules.dead_time + speeds.arrival(max(scene.length - rules.dead_time * scene.speed, 0.0))
+    friction = scene.limits.friction
+    met = meetings(scene.shape, walking, moving, rules.model, friction, noise, rules.entropy, met_at)
     lost = 1.0 - final_speed / max(scene.fastest, 1e-9)
     costs = np.column_stack(
         (

@@ -43,6 +43,7 @@ def meetings(
     friction: float,
     noise: FloatArray,
     mode: EntropyMode,
+    met_at: FloatArray | None = None,
 ) -> Meetings:
     """Let people walk while the candidates drive.
 
@@ -55,11 +56,14 @@ def meetings(
     friction : f of the reaction space
     noise : standard normal numbers, shape (K, p, w) for w walks
     mode : of the entropy
+    met_at : when each candidate meets the pedestrian in conflict, inf for never, shape (n,) [s]; ``None``: of
+        the entropies at all instants the largest counts
 
     Notes
     -----
-    Of the entropies at the instants of a candidate the largest counts. [Wu2023]_ means the instant of the
-    meeting without saying which it is. The reaction space is the one of the car at its speed by then.
+    [Wu2023]_ means the instant t_tcz of Eq. (30). By then a car that lets somebody pass finds nobody in its
+    reaction space, so that the entropy says nothing about the approach; the largest one does. The space is
+    that of the car at its speed by then.
     """
     count, _ = moving.along.shape
     number = noise.shape[1]
@@ -80,8 +84,16 @@ def meetings(
         seldom = slice(None, None, EVERY)
         then = pose[0][seldom], pose[1][seldom], pose[2][seldom]
         places, area = _places(shape, x[seldom], y[seldom], then, moving.speed.T[seldom], friction)
-        entropy = entropy_cost(places, np.zeros(area.shape), area, mode).max(axis=0)
+        each = entropy_cost(places, np.zeros(area.shape), area, mode)
+        entropy = each.max(axis=0) if met_at is None else _at_meeting(each, moving.times[seldom], met_at)
     return Meetings(nearest.min(axis=(0, 2)), collision, entropy)
+
+
+def _at_meeting(entropy: FloatArray, times: FloatArray, met_at: FloatArray) -> FloatArray:
+    """Return the entropies, shape (K, n), at the last instant before each candidate meets somebody."""
+    known = met_at <= times[-1]
+    index = np.searchsorted(times, np.where(known, met_at, 0.0), side="right") - 1
+    return np.asarray(np.where(known, entropy[index, np.arange(len(met_at))], 0.0))
 
 
 def _walked(

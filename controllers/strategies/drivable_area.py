@@ -24,7 +24,7 @@ from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, Outlook, first_conflict, outlook, relevant
 from controllers.drivable_area.costs import CostWeights, SpeedRisk
 from controllers.drivable_area.course import Course, steering
-from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget, require_pymoo
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
@@ -246,6 +246,9 @@ class Settings(ControllerSettings):
     entropy: EntropyMode = EntropyMode.SHANNON
     """What the probability of meetings costs: Shannon's entropy, the paper's sum of logarithms, or the risk
     −ln(1 − P) of a collision."""
+    entropy_at: EntropyAt = RULES.entropy_at
+    """At which instant of a candidate: the paper's, when the car is level with the first pedestrian in
+    conflict, or the one with the largest entropy."""
     speed_risk: SpeedRisk = SpeedRisk.METRES_PER_SECOND
     """How the paper's safety coefficient of the final speed is read."""
     curvature_weight: NotNegative = WEIGHTS.curvature
@@ -304,6 +307,7 @@ def build(settings: Settings) -> Controller:
             settings.progress_weight,
         ),
         entropy=settings.entropy,
+        entropy_at=settings.entropy_at,
         risk=settings.speed_risk,
         within_friction=settings.within_friction,
         margin=settings.margin_m,

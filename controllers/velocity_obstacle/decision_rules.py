@@ -12,6 +12,15 @@ from enum import StrEnum
 from controllers.interface import Neighbour, NeighbourGaps
 
 
+class Reading(StrEnum):
+    """Which conditions the rules have."""
+
+    ADAPTED = "adapted"
+    """One short gap of a lane suffices."""
+    PRINTED = "printed"
+    """Both gaps of a lane have to be short, as in the paper."""
+
+
 class Rule(StrEnum):
     """The decision rules (26)-(31) of the velocity-obstacle paper."""
 
@@ -64,11 +73,37 @@ def rule(gaps: LaneGaps, g_min: float) -> Rule:
     Notes
     -----
     Eqs. (26)-(31) of [VOMPC2019]_ ask for both adjacent gaps to be short before they rule the change
-    out. One short gap already makes it unsafe, so either one suffices here.
+    out, and for both own gaps before they demand it; see :func:`printed_rule`. One short gap of the other
+    lane already makes a change unsafe, and one of the own lane is reason enough to look for another, so
+    either one suffices here.
     """
     if _short(gaps.adjacent_ahead, g_min) or _short(gaps.adjacent_behind, g_min):
         return Rule.STRAIGHT
     if _short(gaps.ahead, g_min) or _short(gaps.behind, g_min):
+        return Rule.LANE_CHANGE
+    return Rule.AUTONOMOUS
+
+
+def printed_rule(gaps: LaneGaps, g_min: float) -> Rule:
+    """Return which rule holds with the conditions as they are printed.
+
+    STRAIGHT when both gaps of the adjacent lane are at most ``g_min``, LANE CHANGE when both of the own lane
+    are and both of the adjacent one are not, AUTONOMOUS otherwise.
+
+    Parameters
+    ----------
+    gaps, g_min
+        As for :func:`rule`.
+
+    Notes
+    -----
+    Eqs. (26)-(31) of [VOMPC2019]_. A gap that is exactly ``g_min`` is printed as short and as not short; it
+    counts as short.
+    """
+    adjacent = [_short(gaps.adjacent_ahead, g_min), _short(gaps.adjacent_behind, g_min)]
+    if all(adjacent):
+        return Rule.STRAIGHT
+    if _short(gaps.ahead, g_min) and _short(gaps.behind, g_min) and not any(adjacent):
         return Rule.LANE_CHANGE
     return Rule.AUTONOMOUS
 

@@ -36,6 +36,16 @@ class Row:
     jerk: float | None
     unsolved: int
     control_ms: float | None
+    preventable: int = 0
+    """Contacts that the careful driver of R157 would have prevented."""
+    applies: float | None = None
+    """Share of the plans near pedestrians in which the method's condition holds."""
+    acts: float | None = None
+    """Share of those in which its own plan is driven."""
+    overridden: float | None = None
+    """Share of the plans near pedestrians in which braking or a fallback overrules it."""
+    solved: float | None = None
+    """Share of all plans that were solved."""
 
 
 def rows(study: Study, condition: Condition) -> list[Row]:
@@ -86,7 +96,37 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
         jerk=_mean([run.numbers.get("p95_abs_jerk_mps3") for run in valid]),
         unsolved=round(sum(run.numbers.get("n_solver_fail", 0.0) for run in valid)),
         control_ms=_mean([run.numbers.get("compute_p95_ms") for run in valid]),
+        preventable=round(sum(run.numbers.get("n_collisions_preventable", 0.0) for run in valid)),
+        applies=_near(valid, "method_applies_share"),
+        acts=_near(valid, "method_acts_where_applies_share", "method_applies_share"),
+        overridden=_near(valid, "method_overridden_share"),
+        solved=_solved(valid),
     )
+
+
+def pooled(study: Study, label: str) -> Row:
+    """Return one row for a label over all conditions of a study in which everybody drove."""
+    shared = [
+        condition
+        for condition in study.conditions
+        if len([one for one in study.all_labels() if study.seeds(one, condition)]) > 1
+    ]
+    return _row(label, [run for one in shared for _, run in sorted(study.seeds(label, one).items())])
+
+
+def _near(runs: Sequence[StudyRun], name: str, of: str = "") -> float | None:
+    """Return a share over the plans near pedestrians of all runs, or over those of another share of them."""
+    known = [run for run in runs if name in run.numbers and run.numbers.get("n_plans_near_ped")]
+    plans = [run.numbers["n_plans_near_ped"] * (run.numbers[of] if of else 1.0) for run in known]
+    if not sum(plans):
+        return None
+    return sum(run.numbers[name] * plan for run, plan in zip(known, plans, strict=True)) / sum(plans)
+
+
+def _solved(runs: Sequence[StudyRun]) -> float | None:
+    plans = sum(run.numbers.get("n_plans", 0.0) for run in runs)
+    unsolved = sum(run.numbers.get("n_solver_fail", 0.0) for run in runs)
+    return 1.0 - unsolved / plans if plans else None
 
 
 def _near_a_crossing(run: RecordedRun) -> np.ndarray:

@@ -52,7 +52,7 @@ def counts(claims: Sequence[Claim], titles: dict[str, str]) -> Table:
 
 
 def not_reproduced(claims: Sequence[Claim]) -> Table:
-    """Return the claims that did not come out, each with the reason below it."""
+    """Return the papers' claims that did not come out, each with the reason below it."""
     table = Table(box=None, show_header=False, title="Not reproduced", title_justify="left", title_style="")
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")

@@ -9,8 +9,9 @@ import pytest
 from analysis.errors import StudyError
 from analysis.recording.reading import read_run
 from analysis.study.design import read_study
+from studies.methods.answer import front, sentences
 from studies.methods.page import write_page
-from studies.methods.rows import people_at_once, rows
+from studies.methods.rows import Row, people_at_once, pooled, rows
 from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.analysis.study.study_folders import write_study_run
 
@@ -66,11 +67,47 @@ def test_the_tables_replace_those_of_before_and_leave_the_text_above(tmp_path: P
     write_page(study, page)
     first = page.read_text()
     assert first.startswith("# The methods of the papers in traffic\n")
-    assert "| aeb | 2 of 2 |  | 4 | **1** | 25.0% (0.6% … 80.6%) | 0.50 | 1 | 17.5 | 3.0 | 2 | 4.0 |" in first
-    page.write_text(
-        first.replace("\n## Tables", "\nWhat we read in it.\n\n## Tables").replace("80.6", "99.9")
+    row = "| aeb | 2 of 2 |  | 4 | **1** | 0 | 25.0% (0.6% … 80.6%) | 0.50 | 1 | 17.5 | 3.0 |"
+    assert row in first
+    assert (
+        "1. **How much was run.** 5 runs: 2 conditions, 2 seeds; the smallest cell has 0 encounters" in first
     )
+    assert (page.parent / "study-papers.png").exists()
+    told = "\nWhat we read in it.\n\n## What was found"
+    page.write_text(first.replace("\n## What was found", told).replace("80.6", "99.9"))
     write_page(study, page)
-    assert page.read_text() == first.replace("\n## Tables", "\nWhat we read in it.\n\n## Tables")
+    assert page.read_text() == first.replace(
+        "\n## What was found", "\nWhat we read in it.\n\n## What was found"
+    )
     with pytest.raises(StudyError, match="no runs"):
         write_page(tmp_path / "nothing", page)
+
+
+def test_the_front_is_what_nothing_beats_in_both_and_references_are_not_on_it() -> None:
+    def row(preventable: int, delay: float) -> Row:
+        return Row("", 1, 1, None, 100, preventable, None, None, 0, delay, None, 0, None, preventable)
+
+    found = front({"a": row(0, 10.0), "b": row(2, 5.0), "c": row(2, 6.0), "sumo": row(0, 1.0)})
+    assert found == ["a", "b"]
+
+
+def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
+    """0 of 1,000 has an upper bound of 0.30 per 100, one-sided (Clopper and Pearson)."""
+    met = {"min_ttc_s": 2.0}
+    for seed in (1, 2, 3):
+        for label, delay in (("vo_mpc", 10.0 + seed), ("aeb", 5.0 + 1.1 * seed)):
+            numbers = {"ego_delay_mean_s": delay, "n_plans_near_ped": 10, "method_applies_share": 0.5}
+            acts = {"method_acts_where_applies_share": 0.4 if label == "aeb" else 1.0}
+            folder = tmp_path / f"{label}{seed}"
+            write_study_run(folder, label, seed, numbers={**numbers, **acts}, encounters=[met] * 2)
+    study = read_study(sorted(tmp_path.iterdir()))
+    rows_of = {label: pooled(study, label) for label in study.all_labels()}
+    size, contacts, _, fronts, acting = sentences(study, rows_of, 6)
+    assert "6 runs" in size
+    assert "fewer than the 150" in size
+    assert contacts == "**Contacts.** No method touched anybody."
+    assert "On the front lie `aeb`; `vo_mpc` does not" in fronts
+    assert "`aeb` -4.8 s" in fronts
+    assert "at least 40 % of the plans (`aeb`); below 50 %: aeb" in acting
+    sure = Row("", 1, 1, None, 1000, 0, None, None, 0, 1.0, None, 0, None)
+    assert "0.30 per 100, so that it is shown" in sentences(study, {"vo_mpc": sure}, 6)[2]

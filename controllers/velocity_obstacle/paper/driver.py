@@ -32,7 +32,7 @@ from controllers.interface import (
 from controllers.own_part import OwnPart, differ
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking
-from controllers.velocity_obstacle.decision_rules import Rule
+from controllers.velocity_obstacle.decision_rules import Reading, Rule
 from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, SPEED
 from controllers.velocity_obstacle.paper.kept_option import Kept, Option, tracked
 from controllers.velocity_obstacle.paper.lane_rules import Change, LaneRules
@@ -62,6 +62,8 @@ class DriverSettings:
     scene: SceneSettings
     replan: float
     change_steps: int | None
+    reading: Reading = Reading.ADAPTED
+    """Of the decision rules."""
 
 
 class AvoidanceDriver:
@@ -92,7 +94,7 @@ class AvoidanceDriver:
         self._optimiser = optimiser
         self._traffic = TrafficDriver(style)
         self._reader = SceneReader(scene, Following(style), predictor)
-        self._rules = LaneRules(scene, settings.change_steps)
+        self._rules = LaneRules(scene, settings.change_steps, settings.reading)
         self._brake = brake
         self._odometer = Odometer()
         self._kept: Kept | None = None

@@ -9,7 +9,7 @@ import numpy as np
 from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.interface import Decision, Lane, Perception
 from controllers.velocity_obstacle import decision_rules
-from controllers.velocity_obstacle.decision_rules import Rule
+from controllers.velocity_obstacle.decision_rules import Reading, Rule
 from controllers.velocity_obstacle.paper.scene import SceneSettings
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 
@@ -63,10 +63,13 @@ class LaneRules:
         For ``G_min = standstill_gap + headway v`` and the length of a step.
     change_steps
         Steps that a change takes; ``None`` where there are to be none.
+    reading
+        Which conditions the rules have.
     """
 
     scene: SceneSettings
     change_steps: int | None
+    reading: Reading = Reading.ADAPTED
 
     def open_lanes(self, perception: Perception) -> tuple[Rule, list[Lane]]:
         """Return the rule that holds, and the lanes that may be changed to by it, the left one first."""
@@ -74,8 +77,10 @@ class LaneRules:
             return Rule.STRAIGHT, []
         road, ego = perception.road, perception.ego
         g_min = decision_rules.least_gap(max(ego.speed, 0.0), self.scene.standstill_gap, self.scene.headway)
+        printed = self.reading is Reading.PRINTED
+        rule_of = decision_rules.printed_rule if printed else decision_rules.rule
         found = {
-            side: decision_rules.rule(decision_rules.towards(perception.gaps, side), g_min)
+            side: rule_of(decision_rules.towards(perception.gaps, side), g_min)
             for side in (1, -1)
             if self._usable(perception, road.lane(road.reference + side))
         }

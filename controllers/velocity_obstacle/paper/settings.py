@@ -11,6 +11,7 @@ from controllers.prediction.by_name import PredictorName
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.settings import ControllerSettings, NotNegative, Positive, PositiveOrInfinite, Unit
 from controllers.velocity_obstacle.cones import Cone
+from controllers.velocity_obstacle.decision_rules import Reading
 from controllers.velocity_obstacle.paper.driver import DriverSettings
 from controllers.velocity_obstacle.paper.lane_rules import LAST_STEPS
 from controllers.velocity_obstacle.paper.problem import InputLimits
@@ -44,6 +45,9 @@ class PaperSettings(ControllerSettings):
     """Of the least gap, and the time gap to a leader."""
     lane_changes: bool = True
     """Whether to change lanes to avoid somebody."""
+    rules: Reading = Reading.ADAPTED
+    """Conditions of the decision rules (26)-(31): adapted, where one short gap of a lane suffices; or as
+    printed, where both gaps of a lane have to be short."""
     change_steps: int = 8
     """Steps that such a change takes."""
     emergency_brake: bool = False
@@ -77,7 +81,9 @@ class PaperSettings(ControllerSettings):
             headway=self.headway_s,
             truncation=self.truncation_s,
         )
-        return DriverSettings(scene, self.replan_s, self.change_steps if self.lane_changes else None)
+        return DriverSettings(
+            scene, self.replan_s, self.change_steps if self.lane_changes else None, self.rules
+        )
 
     def brake(self) -> EmergencyBraking | None:
         """Return the emergency brake, where there is one."""

@@ -13,7 +13,7 @@ from cosim.step.loop import ToWorld, run
 from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
 from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
-from studies.papers.claim import Claim, observed
+from studies.papers.claim import Claim, Kind, observed
 from studies.papers.drivable_area.scenes import (
     DEAD_TIME,
     FRICTION,
@@ -162,6 +162,7 @@ def ride_claims(one: Situation, rides: Rides) -> list[Claim]:
             NUMBER,
             experiment,
             f"The method does not collide where the tyres hold {FRICTION:g} g.",
+            kind=Kind.OWN,
             holds=strict.clearance > 0.0,
             ours=_outcome(strict),
             test="least distance of the bodies above 0",

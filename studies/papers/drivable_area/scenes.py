@@ -9,7 +9,7 @@ import numpy as np
 from controllers.drivable_area.avoidance import choose
 from controllers.drivable_area.braking_profile import TrapezoidalBraking
 from controllers.drivable_area.clearances import Shape
-from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdict, judge
 from controllers.drivable_area.pareto_search import Budget, Front
 from controllers.drivable_area.quintic_path import PathStart
@@ -129,12 +129,16 @@ def verdict(scene: Scene, rules: Rules, offset: FloatArray, speed: FloatArray, s
     return judge(scene, rules, offset, speed, noise)
 
 
-def at_the_table(situation: Situation, mode: EntropyMode = EntropyMode.PAPER) -> Verdict:
+def at_the_table(
+    situation: Situation,
+    mode: EntropyMode = EntropyMode.PAPER,
+    when: EntropyAt = EntropyAt.LARGEST,
+) -> Verdict:
     """Return what becomes of the candidate that the paper's method found."""
     row = situation.found
     return verdict(
         problem(situation),
-        replace(RULES, entropy=mode),
+        replace(RULES, entropy=mode, entropy_at=when),
         np.array([row.offset]),
         np.array([row.speed_kmh / 3.6]),
     )

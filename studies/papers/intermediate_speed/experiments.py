@@ -13,7 +13,8 @@ from controllers.interface import Drive
 from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
 from controllers.speed_plans.trapezoid_profile import plan_trapezoid
 from cosim.step.plant import CAR_DRIVE
-from studies.papers.claim import Claim, compared, observed
+from studies.papers.claim import Claim, Kind, compared, observed
+from studies.papers.intermediate_speed import case_figures
 from studies.papers.intermediate_speed import figures as drawings
 from studies.papers.intermediate_speed.drives import (
     IDEAL,
@@ -79,6 +80,8 @@ def run(figures: Path) -> list[Claim]:
         *_prediction_claims(),
     ]
     drawings.draw_experiments(figures / f"{PAPER}-speed-plans.png", classic, new)
+    case_figures.draw_cases(figures / f"{PAPER}-six-cases.png", Parameters().limits())
+    case_figures.draw_chatter(figures / f"{PAPER}-chatter.png", classic.moving, new.moving)
     drawings.draw_delay(figures / f"{PAPER}-actuator-delay.png", delayed)
     drawings.draw_smooth(figures / f"{PAPER}-jerk-limit.png", new.moving, smooth.moving)
     return claims
@@ -224,13 +227,14 @@ def _robust_claims(classic: Sequence[Driven], new: Sequence[Driven]) -> list[Cla
     return [
         observed(
             PAPER, where, "The new planner settles earlier than the classic one.",
-            holds=worst < best, ours=f"at most {worst:.1f} against at least {best:.1f}", unit="s",
+            kind=Kind.OWN, holds=worst < best,
+            ours=f"at most {worst:.1f} against at least {best:.1f}", unit="s",
             test="the latest of the new before the earliest of the classic",
             why=f"the classic one never settles within 90 s in {never} of {len(classic)}",
         ),
         observed(
             PAPER, where, "The classic planner has not settled after 50 s.",
-            holds=min(speeds) - SLOW > 0.09,
+            kind=Kind.OWN, holds=min(speeds) - SLOW > 0.09,
             ours=f"{min(speeds):.2f} … {max(speeds):.2f}", unit="m/s",
             test="at 50 s further than 0.09 m/s from the obstacle's speed in all of them",
         ),
@@ -254,14 +258,14 @@ def _delayed_claims(delayed: Delayed) -> list[Claim]:
         claims += [
             observed(
                 PAPER, where, f"{name}, it {ends} obstacle.",
-                holds=(swing < 0.05) is settles,
+                kind=Kind.OWN, holds=(swing < 0.05) is settles,
                 ours=f"{late.speed.min():.2f} … {late.speed.max():.2f} m/s, {when}",
                 test=f"range of the speed after 80 s {'below' if settles else 'above'} 0.05 m/s",
                 why=DELAYED,
             ),
             observed(
                 PAPER, where, f"{name}, it {stands} the standing obstacle.",
-                holds=gap < 1.5 if not settles else abs(gap - Parameters().standoff) < 0.05,
+                kind=Kind.OWN, holds=gap < 1.5 if not settles else abs(gap - Parameters().standoff) < 0.05,
                 ours=f"{gap:.2f}", unit="m", test="2.5 ± 0.05" if settles else "below 1.5", why=DELAYED,
             ),
         ]  # fmt: skip
@@ -275,12 +279,12 @@ def _smooth_claims(new: Pair, smooth: Pair) -> list[Claim]:
     return [
         observed(
             PAPER, where, "It ends at the same gap and speed.",
-            holds=abs(gap - safe) < 0.01 and abs(stop - Parameters().standoff) < 0.01,
+            kind=Kind.OWN, holds=abs(gap - safe) < 0.01 and abs(stop - Parameters().standoff) < 0.01,
             ours=f"{gap:.3f} and {stop:.3f}", unit="m", test=f"{safe:.2f} and 2.5, ± 0.01", why=BEYOND,
         ),
         observed(
             PAPER, where, "The jerk is limited, and it takes hardly longer to settle.",
-            holds=jerk <= 1.01 and smooth.moving.settles() - new.moving.settles() < 3.0,
+            kind=Kind.OWN, holds=jerk <= 1.01 and smooth.moving.settles() - new.moving.settles() < 3.0,
             ours=f"{jerk:.2f} m/s³, {smooth.moving.settles():.1f} s", test="1 m/s³, less than 3 s later",
             why=f"{BEYOND}; without a limit {new.moving.settles():.1f} s",
         ),
@@ -307,13 +311,15 @@ def _prediction_claims() -> list[Claim]:
         observed(
             PAPER, "new planner, leader brakes from 10 m/s with 2 m/s²",
             "Expecting the braking to go on, it brakes less hard.",
-            holds=soft < hard and float(told.gap.min()) > 1.25, ours=f"{soft:.2f} against {hard:.2f}",
+            kind=Kind.OWN, holds=soft < hard and float(told.gap.min()) > 1.25,
+            ours=f"{soft:.2f} against {hard:.2f}",
             unit="m/s²", test="smaller, and half the standoff kept", why=BEYOND,
         ),
         observed(
             PAPER, "new planner, a pedestrian crosses a zebra",
             "Expecting the pedestrian to leave, it does not have to stop.",
-            holds=fast > slow + 1.0, ours=f"{fast:.1f} against {slow:.1f} at least", unit="m/s",
+            kind=Kind.OWN, holds=fast > slow + 1.0,
+            ours=f"{fast:.1f} against {slow:.1f} at least", unit="m/s",
             test="lowest speed more than 1 m/s higher", why=BEYOND,
         ),
     ]  # fmt: skip

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from controllers.prediction.direction_choice import DirectionModel
-from studies.papers.claim import Claim, compared, observed
+from studies.papers.claim import Claim, Kind, compared, observed
+from studies.papers.potential_field import field_figures
 from studies.papers.potential_field import figures as drawings
 from studies.papers.potential_field.scenes import (
     FIXED_AXIS,
@@ -52,6 +53,9 @@ def run(figures: Path) -> list[Claim]:
     drawings.draw_directions(figures / f"{PAPER}-direction-probabilities.png")
     drawings.draw_fields(figures / f"{PAPER}-field-and-paths.png", paths, rides)
     drawings.draw_curvatures(figures / f"{PAPER}-curvature.png", paths)
+    field_figures.draw_parts(figures / f"{PAPER}-parts-of-the-field.png")
+    outlined = {name: pair[1] for name, pair in paths.items()}
+    field_figures.draw_outlines(figures / f"{PAPER}-outlines.png", outlined)
     drawings.draw_distances(figures / f"{PAPER}-distance.png", rides)
     return claims
 
@@ -66,6 +70,7 @@ def _direction_claims() -> list[Claim]:
             PAPER,
             "directions",
             "The longest way over 8 m of road, at 30°.",
+            kind=Kind.ARITHMETIC,
             theirs=16.0,
             ours=float(lengths[0]),
             tolerance=0.005,
@@ -75,6 +80,7 @@ def _direction_claims() -> list[Claim]:
             PAPER,
             "directions",
             "The longest way left to the goal, about 20 m.",
+            kind=Kind.ARITHMETIC,
             theirs=20.0,
             ours=float(remaining[0]),
             tolerance=1.5,
@@ -96,6 +102,7 @@ def _direction_claims() -> list[Claim]:
             PAPER,
             "directions, both utilities linear",
             said,
+            kind=Kind.OWN,
             theirs=100.0,
             ours=math.degrees(plain.most_probable(EXAMPLE)),
             tolerance=2.0,
@@ -114,6 +121,7 @@ def _distance_claims() -> list[Claim]:
             PAPER,
             "ellipse",
             "Short half-axis σ_y.",
+            kind=Kind.ARITHMETIC,
             theirs=1.83,
             ours=SAFE,
             tolerance=0.005,
@@ -124,6 +132,7 @@ def _distance_claims() -> list[Claim]:
             PAPER,
             "ellipse",
             "Long half-axis σ_x for a pedestrian at (50, 3).",
+            kind=Kind.ARITHMETIC,
             theirs=18.78,
             ours=first.long_axis,
             tolerance=0.005,
@@ -149,8 +158,13 @@ def _scene_claims(experiment: str, scene: Scene, pair: Pair) -> list[Claim]:
     third = scene.name == "3"
     ratio = variable.highest_curvature / fixed.highest_curvature
 
+    # The paper plans paths; that a car with a heading and lags drives them is our own check.
+    kind = Kind.OWN if "driven" in experiment else Kind.RESULT
+
     def claim(text: str, holds: bool, ours: str, unit: str = "", test: str = "") -> Claim:
-        return observed(PAPER, experiment, text, holds=holds, ours=ours, unit=unit, test=test, fitted=STARTS)
+        return observed(
+            PAPER, experiment, text, holds=holds, ours=ours, unit=unit, test=test, fitted=STARTS, kind=kind
+        )
 
     return [
         claim(
@@ -215,6 +229,7 @@ def _grid_claims(found: Orders, *, moving: bool) -> list[Claim]:
             PAPER,
             experiment,
             text,
+            kind=Kind.OWN,
             holds=bool(holds.mean() >= share),
             ours=f"{int(holds.sum())} of {found.count}",
             test="every set" if share == 1.0 else f"at least {share:.0%} of the sets",
@@ -250,6 +265,7 @@ def _spread_claims(fixed: Directions, variable: Directions) -> list[Claim]:
             PAPER,
             experiment,
             text,
+            kind=Kind.OWN,
             holds=holds,
             ours=f"{value(variable):.1%} of the walks, {value(fixed):.1%} with the fixed axis",
             test="never" if "no " in text else "variable less than fixed",

@@ -13,10 +13,10 @@ from controllers.velocity_obstacle.paper.cone_margins import clearances
 from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget
 from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
-from studies.papers.claim import Claim, compared, observed
+from studies.papers.claim import Claim, Kind, compared, observed
 from studies.papers.velocity_obstacle import figures as drawings
 from studies.papers.velocity_obstacle import scenes
-from studies.papers.velocity_obstacle.lane_change import lane_change_claims, lane_change_drawing
+from studies.papers.velocity_obstacle.lane_change import lane_change_claims, lane_change_drawing, risk_drawing
 from studies.papers.velocity_obstacle.oracle import Answer, Task, best_of
 from studies.papers.velocity_obstacle.rides import TOP_SPEED, ride
 from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E1, E2, RADIUS, Scene
@@ -71,6 +71,7 @@ def run(figures: Path) -> list[Claim]:
     for one in (first, second):
         drawings.draw_motions(figures / f"{PAPER}-{one.scene.name}.png", one.scene, _motions(one))
     lane_change_drawing(figures / f"{PAPER}-E3.png")
+    risk_drawing(figures / f"{PAPER}-E3-risk-coefficient.png")
     drawings.draw_spread(figures / f"{PAPER}-genetic-algorithm.png", searches)
     return claims
 
@@ -109,6 +110,7 @@ def _accelerating(one: Optima) -> Iterable[Claim]:
         PAPER,
         name,
         "The same, with the pedestrian's first sample at the start.",
+        kind=Kind.OWN,
         holds=other[AHEAD].cost < other[BEHIND].cost,
         theirs="accelerates",
         ours=f"J ahead {other[AHEAD].cost:.2f}, behind {other[BEHIND].cost:.2f}",
@@ -181,6 +183,7 @@ def _optimum_claims(one: Optima) -> Iterable[Claim]:
             PAPER,
             one.scene.name,
             f"Least J with a cone at every step, passing {what}: programs against an independent solver.",
+            kind=Kind.OWN,
             theirs=float(f"{independent.cost:.6g}"),
             ours=plan.cost,
             tolerance=1e-3 * independent.cost,
@@ -192,6 +195,7 @@ def _optimum_claims(one: Optima) -> Iterable[Claim]:
         PAPER,
         one.scene.name,
         "A cone at every step costs more than keeping the distance over time would.",
+        kind=Kind.OWN,
         holds=price > 1.0,
         ours=f"{one.best.cost:.4f} / {one.best_exact:.4f} = {price:.2f}",
         test="ratio above 1",
@@ -203,6 +207,7 @@ def _optimum_claims(one: Optima) -> Iterable[Claim]:
         PAPER,
         one.scene.name,
         "Inequality (16) as printed allows the solution.",
+        kind=Kind.ARITHMETIC,
         holds=not rejected,
         ours=f"forbidden at steps {steps}" if rejected else "allowed",
         test="allowed at every step",
@@ -215,6 +220,7 @@ def _optimum_claims(one: Optima) -> Iterable[Claim]:
             PAPER,
             one.scene.name,
             f"Driven with {passes} quadratic program{'s' * (passes > 1)} a step, J stays at the optimum.",
+            kind=Kind.OWN,
             theirs=float(f"{one.best.cost:.6g}"),
             ours=drive.cost,
             tolerance=SHARE * one.best.cost,
@@ -231,6 +237,7 @@ def _cone_claims(one: Optima) -> Iterable[Claim]:
         PAPER,
         one.scene.name,
         "With a cone at every step the distance never falls below the radius.",
+        kind=Kind.OWN,
         holds=clearance > -1e-4,
         theirs=f"{RADIUS:g}",
         ours=f"{RADIUS + clearance:.3f}",
@@ -244,6 +251,7 @@ def _cone_claims(one: Optima) -> Iterable[Claim]:
         PAPER,
         one.scene.name,
         "The hybrid cone keeps the distance too.",
+        kind=Kind.OWN,
         holds=kept >= RADIUS - 1e-6,
         theirs=f"{RADIUS:g}",
         ours=f"{kept:.5f}",
@@ -266,6 +274,7 @@ def _driven_claims(one: Optima) -> Iterable[Claim]:
             PAPER,
             one.scene.name,
             f"{name}, driven with drive lag every 0.1 s, passes {meant} the pedestrian as well.",
+            kind=Kind.OWN,
             holds=track.solved and (there < met) == ahead,
             theirs=f"{meant} {met:g}",
             ours=f"{there:.2f}",
@@ -284,6 +293,7 @@ def _search_claims(searches: dict[str, Spread]) -> Iterable[Claim]:
             PAPER,
             name,
             "The genetic algorithm finds no cheaper plan than the quadratic programs.",
+            kind=Kind.OWN,
             holds=bool((one.gaps > -1e-3).all()),
             ours=f"+{gaps.mean():.1f} % in the mean, +{gaps.max():.1f} % at worst",
             test="none cheaper by 0.1 %",
@@ -293,6 +303,7 @@ def _search_claims(searches: dict[str, Spread]) -> Iterable[Claim]:
             PAPER,
             name,
             "The quadratic programs need less than a third of the search's time.",
+            kind=Kind.OWN,
             holds=one.quicker,
             test=f"below {QUICKER:.2f}",
             ours="below a third" if one.quicker else "not below a third",

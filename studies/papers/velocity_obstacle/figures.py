@@ -109,6 +109,18 @@ def draw_spread(path: Path, spreads: Mapping[str, Spread]) -> None:
     _save(figure, path)
 
 
+def draw_risk(path: Path, curves: Mapping[str, tuple[FloatArray, FloatArray]]) -> None:
+    """Draw coefficients of risk perception k = l / v over time."""
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    axes = figure.add_subplot()
+    for (name, (times, values)), colour in zip(curves.items(), COLOURS, strict=False):
+        axes.plot(times, values, color=colour, label=f"{name}: mean {values.mean():.2f} s")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("coefficient of risk perception k = l / v [s]")
+    axes.legend(frameon=False)
+    _save(figure, path)
+
+
 def _acceleration(motion: Motion) -> tuple[FloatArray, FloatArray]:
     if motion.stepped:
         values = np.diff(motion.speed) / STEP

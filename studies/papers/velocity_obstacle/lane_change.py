@@ -12,7 +12,7 @@ from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.cone_margins import cone_margins
 from controllers.velocity_obstacle.paper.passing_classes import of_class
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
-from studies.papers.claim import Claim, compared, observed
+from studies.papers.claim import Claim, Kind, compared, observed
 from studies.papers.velocity_obstacle import figures as drawings
 from studies.papers.velocity_obstacle import scenes
 from studies.papers.velocity_obstacle.oracle import Task, best_of
@@ -59,6 +59,23 @@ def lane_change_drawing(path: Path) -> None:
     drawings.draw_motions(path, E3, motions)
 
 
+def risk_drawing(path: Path) -> None:
+    """Draw the coefficient of risk perception over time, without and with avoidance."""
+    forced = scenes.optimum(scenes.lane_change(scenes.DEGREES, along=TOTAL), BEHIND)
+    times = np.linspace(0.0, TOTAL / scenes.START_SPEED, 200)
+    constant = np.full(len(times), scenes.START_SPEED)
+    along, speeds = forced.states[0], forced.states[3]
+    left = np.maximum(TOTAL - along, 0.0)
+    curves = {
+        "without avoidance, 7.5 m/s": (times, risk_perception(TOTAL - constant * times, constant)),
+        "with avoidance, end forced": (
+            scenes.STEP * np.arange(float(len(along))),
+            risk_perception(left, speeds),
+        ),
+    }
+    drawings.draw_risk(path, curves)
+
+
 def _free_end() -> Iterable[Claim]:
     plan = scenes.optimum(scenes.problem(E3, steers=True), AHEAD)
     other = scenes.optimum(scenes.problem(E3, steers=True), BEHIND)
@@ -90,6 +107,7 @@ def _free_end() -> Iterable[Claim]:
         PAPER,
         NAME,
         "5.5 m/s after the first step keeps behind the pedestrian's cone.",
+        kind=Kind.ARITHMETIC,
         holds=bounds[Cone.VO] >= FIRST_SPEED,
         theirs=f"{FIRST_SPEED:g}",
         ours=f"at most {bounds[Cone.VO]:.2f}",
@@ -158,6 +176,7 @@ def _risk(forced: AvoidancePlan) -> Iterable[Claim]:
             PAPER,
             NAME,
             f"The coefficient of risk perception where the change begins, {what}.",
+            kind=Kind.ARITHMETIC,
             theirs=theirs,
             ours=float(risk_perception(np.array(TOTAL - begins), np.array(speed))),
             tolerance=5e-4,
@@ -172,6 +191,7 @@ def _risk(forced: AvoidancePlan) -> Iterable[Claim]:
         PAPER,
         NAME,
         "The mean coefficient without avoidance.",
+        kind=Kind.ARITHMETIC,
         theirs=2.062,
         ours=float(risk_perception(TOTAL - shorter, constant).mean()),
         tolerance=5e-3,
@@ -214,6 +234,7 @@ def _ends_given() -> Iterable[Claim]:
                 NAME,
                 f"Least J to the lane on the right, {what}, steering in {unit}: programs against "
                 f"an independent solver.",
+                kind=Kind.OWN,
                 theirs=float(f"{independent.cost:.6g}"),
                 ours=scenes.optimum(scenes.lane_change(weight), behind).cost,
                 tolerance=1e-3 * independent.cost,
@@ -235,6 +256,7 @@ def _programs_a_step() -> Iterable[Claim]:
             PAPER,
             NAME,
             f"Driven with at most 5 quadratic programs a step, J stays at the optimum, steering in {unit}.",
+            kind=Kind.OWN,
             theirs=float(f"{best:.6g}"),
             ours=drive.cost,
             tolerance=SHARE * best,

@@ -142,3 +142,12 @@ def test_from_no_acceleration_the_shortest_is_one_and_a_half_of_full_braking(
     assert float(_smooth(speed, share * speed, 0.0, float(duration[0])).distance[0]) == pytest.approx(
         0.5 * (1.0 + share) * speed * float(duration[0])
     )
+
+
+def test_a_smooth_braking_arrives_where_it_is_then() -> None:
+    """From 10 to 4 m/s in 2 s: 14 m, and 8 m more at 4 m/s take 2 s. One that stops after 15 m never arrives."""
+    speeds = SmoothBraking(np.full(2, 10.0), np.array([4.0, 0.0]), np.zeros(2), np.array([2.0, 3.0]))
+    np.testing.assert_allclose(speeds.arrival(22.0), [4.0, np.inf])
+    early = speeds.arrival(9.0)
+    position, _, _ = speeds.at(early[:, None])
+    np.testing.assert_allclose(position[:, 0], 9.0, atol=1e-3)

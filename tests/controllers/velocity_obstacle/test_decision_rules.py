@@ -7,7 +7,14 @@ from itertools import product
 import pytest
 
 from controllers.interface import Neighbour, NeighbourGaps
-from controllers.velocity_obstacle.decision_rules import LaneGaps, Rule, least_gap, rule, towards
+from controllers.velocity_obstacle.decision_rules import (
+    LaneGaps,
+    Rule,
+    least_gap,
+    printed_rule,
+    rule,
+    towards,
+)
 
 G_MIN = 12.5
 
@@ -60,3 +67,20 @@ def test_the_gaps_of_a_side_are_those_of_that_side() -> None:
 def test_the_least_gap_grows_with_the_headway() -> None:
     assert least_gap(0.0, 2.5, 1.0) == 2.5
     assert least_gap(13.0, 2.5, 1.2) == pytest.approx(18.1)
+
+
+@pytest.mark.parametrize(
+    ("ahead", "behind", "adjacent_ahead", "adjacent_behind"), list(product([True, False], repeat=4))
+)
+def test_as_printed_both_gaps_of_a_lane_have_to_be_short(
+    ahead: bool, behind: bool, adjacent_ahead: bool, adjacent_behind: bool
+) -> None:
+    """True means room."""
+    gaps = [_neighbour(30.0 if room else 5.0) for room in (ahead, behind, adjacent_ahead, adjacent_behind)]
+    if not adjacent_ahead and not adjacent_behind:
+        expected = Rule.STRAIGHT
+    elif not ahead and not behind and adjacent_ahead and adjacent_behind:
+        expected = Rule.LANE_CHANGE
+    else:
+        expected = Rule.AUTONOMOUS
+    assert printed_rule(LaneGaps(1, *gaps), G_MIN) is expected

@@ -14,7 +14,7 @@ import pytest
 from controllers.drivable_area.costs import SpeedRisk
 from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
-from studies.papers.claim import Claim, Status
+from studies.papers.claim import HOLDS, Claim, Status
 from studies.papers.drivable_area import experiments
 from studies.papers.drivable_area.rides import driven
 from studies.papers.drivable_area.scenes import (
@@ -31,7 +31,7 @@ from studies.papers.drivable_area.scenes import (
 )
 
 SITUATION = MappingProxyType({one.name: one for one in SITUATIONS})
-FIGURES = ("candidates", "curvature", "pareto-front", "rides", "speed-profiles")
+FIGURES = ("candidates", "curvature", "pareto-front", "rides", "several-pedestrians", "speed-profiles")
 
 
 searched = cache(chosen)
@@ -161,7 +161,7 @@ def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
     assert len({(claim.experiment, claim.claim) for claim in claims}) == len(claims)
     for claim in claims:
         assert claim.our_value
-        if claim.status is not Status.REPRODUCED:
+        if claim.status not in HOLDS:
             assert claim.why, claim
     assert sorted(path.name for path in folder.iterdir()) == [f"002-{name}.png" for name in FIGURES]
 
@@ -189,4 +189,4 @@ def test_what_the_paper_says_is_sorted_as_it_came_out(results: tuple[list[Claim]
     for name in SITUATION:
         assert status[f"{name}, candidate of Table 2", "cost_s"] is Status.NOT_REPRODUCED
         better = status[f"{name}, Table 2", "By its weighted cost the method is better than AEB."]
-        assert better is (Status.NOT_REPRODUCED if name in ("A1", "A2") else Status.REPRODUCED)
+        assert better is (Status.NOT_REPRODUCED if name in ("A1", "A2") else Status.ARITHMETIC)

@@ -125,5 +125,14 @@ def test_every_claim_has_a_status_and_the_wide_swings_are_not_reproduced(tmp_pat
     assert {path.name for path in tmp_path.iterdir()} == {
         "004-speed-plans.png",
         "004-actuator-delay.png",
+        "004-chatter.png",
+        "004-six-cases.png",
         "004-jerk-limit.png",
     }
+
+
+def test_the_figure_of_the_six_cases_shows_each_of_them() -> None:
+    from studies.papers.intermediate_speed.case_figures import CASES, cases
+    from studies.papers.intermediate_speed.drives import Parameters
+
+    assert cases(Parameters().limits()) == {name: name for name in CASES}

@@ -1,0 +1,108 @@
+"""What a filter is told: who comes into an ego's path, where it could stop for them, and what it wants."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
+from controllers.conflicts.path_conflicts import Conflicts, find
+from controllers.interface import Decision, FloatArray, Perception, Solves
+
+HORIZON = 8.0
+"""Pedestrians who come into the way later do not matter yet [s]."""
+LINE_GAP = 0.3
+"""A stop line that the bumper is past by less still counts [m]."""
+SLOWEST = 2.0
+"""A slower ego is taken to get on at this speed, so that there is a time at which it meets people [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facing:
+    """The pedestrians in an ego's path, by time of entry, and what its driver wants to do."""
+
+    perception: Perception
+    people: Conflicts
+    """Those in conflict; n of them."""
+    places: FloatArray
+    """Where a bumper that yields to each would stop, from the rear axle, shape (n,) [m]."""
+    wanted: float
+    """What the driver would command [m/s^2]."""
+
+    @property
+    def gaps(self) -> FloatArray:
+        """Return the distances from the bumper to those places, shape (n,) [m]."""
+        return self.places - self.perception.ego.body.front
+
+    def meets(self, time_margin: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Say whom the ego would meet if it kept its speed, shape (n,).
+
+        Somebody is met who is in its path, or less than a margin before or after, while it passes them.
+        """
+        ego, people = self.perception.ego, self.people
+        speed = max(ego.speed, SLOWEST)
+        closing = np.maximum(speed - people.along_speed, 0.5)
+        arrives = np.maximum(people.along - people.radius - ego.body.front, 0.0) / closing
+        leaves = np.maximum(people.along + people.radius + ego.body.rear_overhang, 0.0) / closing
+        return np.asarray((people.enter <= leaves + time_margin) & (people.leave >= arrives - time_margin))
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a filter allows."""
+
+    most: float = math.inf
+    """Acceleration at most; inf for whatever the driver wants [m/s^2]."""
+    applies: bool = False
+    """Whether its condition holds."""
+    because: str = ""
+    """Of whom; empty for nobody."""
+    solved: bool = True
+    status: str = "ok"
+    overridden: bool = False
+    """Whether a fallback has the last word."""
+    passing: str = ""
+    slack: float = 0.0
+    solves: Solves | None = None
+    times: FloatArray | None = None
+    """Of a planned motion; ``None`` where it plans none [s]."""
+    along: FloatArray | None = None
+    """[m]"""
+    speed: FloatArray | None = None
+    """[m/s]"""
+
+
+class SpeedFilter(Protocol):
+    """Limits the acceleration of one ego because of pedestrians; it may remember."""
+
+    def allowed(self, facing: Facing) -> Answer:
+        """Return what it allows until the next plan."""
+        ...
+
+
+class PathWatch:
+    """Finds who is in the way; one per ego, because it remembers what people did.
+
+    Parameters
+    ----------
+    side_margin : what a pedestrian's disc is grown by across the way [m]
+    standoff : distance kept to a pedestrian where there is no stop line [m]
+    """
+
+    def __init__(self, side_margin: float, standoff: float) -> None:
+        self._side_margin, self._standoff = side_margin, standoff
+        self._watch, self._assume = Watch(), PedestrianAssumptions()
+
+    def look(self, perception: Perception, decision: Decision, wanted: float) -> Facing:
+        """Return who is in the way to the lane decided for, and in the present one."""
+        ego, lane = perception.ego, perception.road.lane(decision.target_lane)
+        half, offset = 0.5 * ego.body.width, lane.offset if lane is not None else 0.0
+        band = (min(ego.across, offset) - half, max(ego.across, offset) + half)
+        people = find(perception, self._watch, band, self._side_margin, HORIZON, self._assume, abreast=False)
+        beside = people.along - people.radius - self._standoff
+        ahead = people.stop_line > ego.body.front - LINE_GAP
+        places = np.where(ahead, np.minimum(people.stop_line, beside), beside)
+        return Facing(perception, people, places, wanted)

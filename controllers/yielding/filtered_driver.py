@@ -1,0 +1,96 @@
+"""A driver whose acceleration a filter limits because of pedestrians."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from controllers.driving import lane_keeping
+from controllers.driving.driving_style import DrivingStyle
+from controllers.driving.standing import HOLDING, STANDING
+from controllers.driving.traffic_driver import TrafficDriver
+from controllers.interface import Command, Controller, Decision, Pedestrians, Perception, Plan
+from controllers.own_part import OwnPart, differ
+from controllers.safety.emergency_braking import EmergencyBraking
+from controllers.yielding.facing import Answer, PathWatch, SpeedFilter
+
+_NONE = np.zeros(0)
+NOBODY = Pedestrians(
+    (), _NONE, _NONE, _NONE, _NONE, _NONE, np.zeros(0, np.int64), np.zeros(0, np.bool_), np.zeros(0, np.bool_)
+)
+
+
+class BlindDriver:
+    """Drives as road and vehicles ask and brakes for vehicles in an emergency; pedestrians do not matter."""
+
+    def __init__(self, style: DrivingStyle) -> None:
+        self._traffic = TrafficDriver(style)
+        self._brake = EmergencyBraking()
+
+    def decide(self, perception: Perception) -> Decision:
+        """Say which lane to be in."""
+        threat = self._brake.watch(replace(perception, pedestrians=NOBODY))
+        return self._traffic.decide(perception, threat)
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Follow, and keep or change the lane."""
+        times = lane_keeping.instants(perception.ego)
+        allowed = self._traffic.accelerations(perception, decision)
+        acceleration = np.minimum(allowed, self._brake.accelerations(perception.ego, times))
+        return Plan(Command(times, acceleration, self._traffic.steering(perception, decision, acceleration)))
+
+
+class FilteredDriver:
+    """Hands on to a driver, and lets a filter limit what it commands.
+
+    Parameters
+    ----------
+    driver : any controller; its steering is left as it is
+    speed_filter : what is allowed
+    watch : who is in the way
+    """
+
+    def __init__(self, driver: Controller, speed_filter: SpeedFilter, watch: PathWatch) -> None:
+        self._driver, self._filter, self._watch = driver, speed_filter, watch
+        self._answer = Answer()
+        self._plan: Plan | None = None
+
+    def decide(self, perception: Perception) -> Decision:
+        """Decide as the driver does; because of whom the filter acts, where it does."""
+        decision = self._driver.decide(perception)
+        self._plan = self._driver.plan(perception, decision)
+        wanted = float(self._plan.command.acceleration.mean())
+        self._answer = self._filter.allowed(self._watch.look(perception, decision, wanted))
+        acts = self._answer.because and self._answer.most < wanted
+        return replace(decision, because=self._answer.because) if acts else decision
+
+    def plan(self, perception: Perception, decision: Decision) -> Plan:
+        """Carry out the driver's plan, no faster than the filter allows."""
+        plan, answer, ego = self._plan, self._answer, perception.ego
+        assert plan is not None, "decide comes first"
+        command = plan.command
+        most = max(answer.most, -ego.drive.max_deceleration)
+        acceleration = np.minimum(command.acceleration, most)
+        if ego.speed < STANDING and most <= 0.0:
+            acceleration = np.minimum(acceleration, HOLDING)
+        own = OwnPart(
+            answer.applies,
+            answer.applies and not answer.overridden,
+            differ(acceleration, command.acceleration),
+            answer.overridden,
+        )
+        plan = replace(
+            plan,
+            command=Command(command.times, acceleration, command.steering),
+            solved=plan.solved and answer.solved,
+            status=answer.status if answer.status != "ok" else plan.status,
+            passing=answer.passing or plan.passing,
+            slack=max(plan.slack, answer.slack),
+            solves=answer.solves or plan.solves,
+            own=own,
+        )
+        if answer.times is None or answer.along is None or answer.speed is None:
+            return plan
+        across = np.full(len(answer.times), ego.across)
+        return replace(plan, times=answer.times, along=answer.along, across=across, speed=answer.speed)

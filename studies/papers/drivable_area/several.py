@@ -1,0 +1,108 @@
+"""A1 to A4 with several pedestrians, the paper's future work: what is chosen, and whom it comes near."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from controllers.drivable_area.avoidance import choose
+from controllers.drivable_area.costs import CostWeights
+from controllers.drivable_area.drivable_entropy import EntropyMode
+from controllers.drivable_area.evaluation import Verdict
+from controllers.drivable_area.pareto_search import Front
+from controllers.prediction.social_force_model import Walkers
+from studies.papers.claim import Claim, Kind, observed
+from studies.papers.drivable_area.scenes import (
+    BUDGET,
+    PACE,
+    RULES,
+    SEED,
+    SITUATIONS,
+    WALKER,
+    Situation,
+    problem,
+)
+
+OTHERS: Final = ((1.5, -1.0, 1.0), (4.0, 3.5, -1.0))
+"""Two more pedestrians: further along [m], across [m], and which way they walk."""
+PROGRESS = 0.1
+"""Weight of the speed that is lost; without it standing costs nothing and is always chosen."""
+Chosen = tuple[Front, Verdict, int]
+
+
+def walkers(one: Situation) -> Walkers:
+    """Return the paper's pedestrian and two more."""
+    x = [one.distance, *(one.distance + more for more, _, _ in OTHERS)]
+    y = [WALKER, *(across for _, across, _ in OTHERS)]
+    ways = [-1.0, *(way for *_, way in OTHERS)]
+    return Walkers(np.array(x), np.array(y), np.zeros(len(x)), PACE * np.array(ways))
+
+
+def chosen_among_several(one: Situation) -> Chosen | None:
+    """Return what is found for all of them, with Shannon's entropy and a price of lost speed."""
+    rules = replace(RULES, entropy=EntropyMode.SHANNON, weights=CostWeights(progress=PROGRESS))
+    scene = replace(problem(one), people=walkers(one))
+    upper = np.array([3.5, one.speed])
+    return choose(scene, rules, BUDGET, np.zeros(2), upper, np.zeros((0, 2)), SEED)
+
+
+def several_claims(found: Mapping[str, Chosen | None]) -> list[Claim]:
+    """Return, for each situation, whether the chosen candidate touches nobody."""
+    claims = []
+    for one in SITUATIONS:
+        chosen = found[one.name]
+        nearest = -np.inf
+        ours = "no candidate"
+        if chosen is not None:
+            front, verdict, best = chosen
+            nearest = -float(verdict.violations[best, 0])
+            offset, speed = front.genes[best]
+            ours = f"{offset:.2f} m, {3.6 * speed:.2f} km/h, {nearest:.2f} m between the discs"
+        claims.append(
+            observed(
+                "002",
+                f"{one.name}, three pedestrians",
+                "The chosen candidate touches none of them.",
+                kind=Kind.OWN,
+                holds=nearest >= 0.0,
+                ours=ours,
+                test="distance at least 0",
+                why="the paper's future work; two more pedestrians, 1.5 m and 4 m further along; lost speed "
+                f"costs {PROGRESS:g}; without a limit of lateral acceleration",
+            )
+        )
+    return claims
+
+
+def draw_several(path: Path, found: Mapping[str, Chosen | None]) -> None:
+    """Draw the front's paths, the chosen one and the three pedestrians."""
+    figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+    for axes, one in zip(figure.subplots(4, 1), SITUATIONS, strict=True):
+        chosen = found[one.name]
+        x = np.linspace(0.0, one.distance + 6.0, 120)
+        if chosen is not None:
+            _, verdict, best = chosen
+            paths = verdict.paths.at(x[None, :])[0]
+            axes.plot(x, paths.T, color="#999999", linewidth=0.5)
+            axes.plot(x, paths[best], color="#0072B2", linewidth=2.5, label="chosen")
+        people, times = walkers(one), np.arange(0.0, 2.6, 0.5)
+        for i in range(len(people.x)):
+            axes.plot(
+                np.full(len(times), people.x[i]),
+                people.y[i] + people.y_speed[i] * times,
+                "o",
+                markersize=4.0,
+                color="#009E73",
+                label="pedestrian, every 0.5 s" if i == 0 else None,
+            )
+        axes.set_title(f"{one.name}: {one.speed_kmh:g} km/h, {one.distance:g} m", loc="left", fontsize=9)
+        axes.set_ylabel("across [m]")
+        axes.set_ylim(-2.0, 5.0)
+    axes.set_xlabel("along [m]")
+    axes.legend(frameon=False)
+    figure.savefig(path, dpi=110, metadata={"Software": None})

@@ -1,0 +1,130 @@
+"""The four filters: their distances and programs by hand, and rides past somebody on the road without SUMO."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from controllers import catalog
+from controllers.interface import Decision, Manoeuvre
+from controllers.optimisation.settings import SolverSettings
+from controllers.yielding.barrier import BarrierFilter, BarrierRule
+from controllers.yielding.chance import WalkingUncertainty, tightening
+from controllers.yielding.facing import Facing, PathWatch
+from controllers.yielding.filtered_driver import FilteredDriver
+from controllers.yielding.gap_modes import GapFilter, GapRule
+from controllers.yielding.responsibility import ResponsibilityFilter, ResponsibilityRule
+from cosim.step.toy_road import ToyRoad, walk
+from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road
+from tests.controllers.toy_runs import ride
+
+FILTERS = ("rss", "barrier", "chance_mpc", "gap_hybrid")
+RULE = ResponsibilityRule(0.5, 1.8, 4.0, 0.5, 0.2, 0.8, 0.1)
+BARRIER = BarrierRule(braking=4.0, rate=1.0, time_margin=1.0, slack_weight=100.0)
+ROAD = ToyRoad(lanes=1, lane_width=3.5)
+
+
+def _facing(walker: Walker, speed: float, wanted: float = 0.0, standoff: float = 1.0) -> Facing:
+    scene = perception(ego(speed), straight_road(), [walker])
+    return PathWatch(0.3, standoff).look(scene, Decision(Manoeuvre.KEEP, 0), wanted)
+
+
+@pytest.mark.parametrize("name", FILTERS)
+@pytest.mark.parametrize(("start", "pace"), [(-4.0, 1.3), (-1.0, 0.0), (3.5, -1.0)])
+def test_somebody_in_the_way_is_not_touched_and_the_ego_goes_on_once_they_have_left(
+    name: str, start: float, pace: float
+) -> None:
+    track = ride(ROAD, [walk(FRONT + 45.0, start, 0.0, pace)], duration=16.0, controller=name)
+    assert track.clearance() > 0.2
+    assert np.abs(track.track[1]).max() < 0.3
+    gone_on = track.track[0][-1] > FRONT + 60.0
+    assert gone_on == (pace != 0.0)
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_without_pedestrians_it_is_the_blind_driver(name: str) -> None:
+    leader = walk(60.0, 0.0, 6.0, 0.0)
+    ours = ride(ROAD, vehicles=[leader], duration=6.0, controller=name)
+    other = ride(ROAD, vehicles=[leader], duration=6.0, controller="aeb")
+    np.testing.assert_array_equal(ours.commands, other.commands)
+
+
+def test_the_safe_distance_along_is_that_of_the_rules_and_its_inverse_is_its_inverse() -> None:
+    """At 10 m/s: 5 m in half a second, 0.225 m gained, and 10.9² / 8 m of braking."""
+    assert RULE.along(10.0) == pytest.approx(5.0 + 0.225 + 10.9**2 / 8.0)
+    for speed in (0.0, 3.0, 13.9):
+        assert RULE.speed_at(RULE.along(speed)) == pytest.approx(speed, abs=1e-9)
+    assert RULE.speed_at(0.0) == 0.0
+
+
+def test_the_safe_distance_across_grows_with_the_speed_of_who_comes() -> None:
+    """At 1 m/s: 0.1 + 0.5 + 0.025 + 1.1² / 1.6; away from the ego the margin is left."""
+    found = RULE.across(np.array([1.0, -3.0]))
+    np.testing.assert_allclose(found, [0.1 + 0.525 + 1.1**2 / 1.6, 0.1])
+
+
+def test_in_danger_the_proper_response_is_the_least_braking_of_the_rules() -> None:
+    answer = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 12.0, 0.0), 10.0))
+    assert (answer.most, answer.applies) == (-4.0, True)
+    far = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 60.0, 0.0), 10.0, wanted=1.0))
+    assert far.most > 1.0
+
+
+def test_the_barrier_asks_for_the_acceleration_that_its_row_allows() -> None:
+    """D = 18.75 m at 10 m/s: h = 18.75 - 12.5 = 6.25, so 10 / 4 · a <= 6.25 - 10, a = -1.5 m/s²."""
+    facing = _facing(Walker(FRONT + 20.0, 0.0), 10.0, wanted=0.5)
+    gap = float(facing.gaps[0])
+    assert gap == pytest.approx(20.0 - 0.25 - 1.0)
+    answer = BarrierFilter(BARRIER, SolverSettings()).allowed(facing)
+    assert answer.most == pytest.approx((gap - 12.5 - 10.0) / 2.5, abs=0.05)
+    assert answer.solved
+    assert answer.slack < 0.05
+
+
+def test_a_barrier_far_away_leaves_what_the_driver_wants() -> None:
+    answer = BarrierFilter(BARRIER, SolverSettings()).allowed(
+        _facing(Walker(FRONT + 60.0, 0.0), 10.0, wanted=0.5)
+    )
+    assert answer.most == pytest.approx(0.5, abs=1e-3)
+
+
+def test_the_barrier_filters_any_controller() -> None:
+    """Over one that keeps its speed, whoever is ahead."""
+    nominal = catalog.build("constant_speed")
+    filtered = FilteredDriver(nominal, BarrierFilter(BARRIER, SolverSettings()), PathWatch(0.6, 1.0))
+    scene = perception(ego(10.0), straight_road(), [Walker(FRONT + 20.0, 0.0)])
+    plan = filtered.plan(scene, filtered.decide(scene))
+    assert plan.command.acceleration.max() < -1.0
+    assert plan.own is not None
+    assert plan.own.acts
+    assert plan.own.deviates
+
+
+def test_a_chance_constraint_keeps_the_quantile_of_the_risk_it_leaves() -> None:
+    """They stand in the middle of the way: p is 1 now, and z(0.99) = 2.326."""
+    times = np.array([0.0, 2.0])
+    asked = tightening(
+        _facing(Walker(FRONT + 20.0, 0.0), 10.0), 0.3, times, WalkingUncertainty(0.3, 0.1), 0.01
+    )
+    assert asked.counts.all()
+    assert asked.margin[0, 0] == pytest.approx(0.25 + 2.326 * 0.1, abs=1e-3)
+    # After 2 s the deviation is 0.61 m, and p = P(|N| < 1.45 / 0.61) = 0.9825: z(1 - 0.01 / 0.9825).
+    assert asked.margin[0, 1] == pytest.approx(0.25 + 2.319 * np.hypot(0.1, 0.6), abs=5e-3)
+
+
+def test_somebody_who_is_improbably_in_the_way_asks_for_nothing() -> None:
+    facing = _facing(Walker(FRONT + 20.0, -1.5, 0.0, 0.0), 10.0)
+    asked = tightening(facing, 0.0, np.array([0.0]), WalkingUncertainty(0.0, 0.1), 0.01)
+    assert not asked.counts.any()
+
+
+def test_the_modes_follow_the_gap_that_is_accepted() -> None:
+    """3.5 m to walk need 3.5 / 1.07 + 3 = 6.3 s; somebody on their way takes whatever gap they reach."""
+    rule = GapRule(1.07, 3.0, 2.0, 8.0, 1.0, 60.0)
+    assert float(rule.critical_gap(np.array([3.5]))[0]) == pytest.approx(6.271, abs=1e-3)
+    yields = GapFilter(rule).allowed(_facing(Walker(FRONT + 40.0, -2.0, 0.0, 1.2), 12.0))
+    assert yields.status == "mode_yield"
+    assert yields.most < -1.0
+    hard = GapFilter(rule).allowed(_facing(Walker(FRONT + 14.0, -0.5, 0.0, 1.0), 12.0))
+    assert hard.status == "mode_hard_brake"
+    assert hard.most == pytest.approx(-(12.0**2) / (2.0 * 12.75), abs=0.05)
