@@ -49,15 +49,16 @@ pedestrians and vehicles, on the same seeds, beside methods of today and SUMO's 
 
 runs the study files of `studies/methods` and writes what stands below. Repeat the command to resume.
 
-*Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched. Contacts are
-computed from recorded shapes, continuously between samples; a contact is *preventable* if the careful driver
-of UN R157 would have avoided it. The interval of their share is exact for independent encounters; those of
-one run may be correlated. Delay is relative to the speed limit; an unfinished trip counts with its delay so
-far. *Applies* is the share of the plans near pedestrians in which the condition holds under which the
-method's source has it act, *acts where it applies* the share of those in which the method's own plan is
-driven, *overruled* the share in which emergency braking or a fallback has the last word; each controller says
-so itself ([metrics](metrics.md)). *Solved* is the share of all plans. Jerk and control step are means over
-runs of the run's 95th percentile; the control step is wall-clock time, measured beside other runs.
+*Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
+Contacts are computed from recorded shapes, continuously between samples; a contact is *preventable* if the
+careful driver of UN R157 would have avoided it. The interval of their share is exact for independent
+encounters; those of one run may be correlated. *Least TTC* (time to collision) is the minimum over all runs.
+Delay is relative to the speed limit; an unfinished trip counts with its delay so far. *Applies* is the share
+of the plans near pedestrians in which the condition holds under which the method's source has it act, *acts
+where it applies* the share of those in which the method's own plan is driven, *overruled* the share in which
+emergency braking or a fallback has the last word; each controller says so itself ([metrics](metrics.md)).
+*Solved* is the share of all plans. Jerk and control step are means over runs of the run's 95th percentile;
+the control step is wall-clock time, measured beside other runs.
 """
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
+from controllers.interface import FloatArray
 from controllers.potential_field.field import Gains
 from studies.papers.potential_field.scenes import (
     CAR_LENGTH,
@@ -116,7 +117,7 @@ def _draw_instants(axes: Axes, scene: Scene, track: Track) -> None:
     )
 
 
-def _potential(x: np.ndarray, y: np.ndarray, **gains: float) -> np.ndarray:
+def _potential(x: FloatArray, y: FloatArray, **gains: float | FloatArray) -> FloatArray:
     """Return the potential of scene 1 with some of the gains alone."""
     nothing = {"onwards": 0.0, "centre": 0.0, "edge": 0.0, "line": 0.0, "obstacle": 0.0}
     scene = SCENES[0]
