@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -103,8 +104,8 @@ def write_stand_in(folder: Path, site: Site, found: OnNetwork, vehicle: str) -> 
     _write_vehicles(folder / VEHICLES, others, found, named)
     people = part[part["kind"] == PEDESTRIAN]
     columns = ("person", "time_s", "x_m", "y_m")
-    write_csv(folder / PEOPLE, columns, _texts(people, ("id", "time_s", "x_m", "y_m")))
-    write_csv(folder / OWN, columns[1:], _texts(part[part["id"] == vehicle], columns[1:]))
+    _write(folder / PEOPLE, columns, _texts(people, ("id", "time_s", "x_m", "y_m")))
+    _write(folder / OWN, columns[1:], _texts(part[part["id"] == vehicle], columns[1:]))
     walkers = (
         '\n[[pedestrians]]\nname = "real"\nkind = "trajectory"\nfile = "people.csv"\n' if len(people) else ""
     )
@@ -125,6 +126,13 @@ def _texts(frame: pd.DataFrame, columns: tuple[str, ...]) -> list[list[str]]:
     ]
 
 
+def _write(path: Path, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Write a table for a simulation: names stay as they are, also those that a spreadsheet misreads."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([heads, *rows])
+    write_text(path, text.getvalue())
+
+
 def _write_vehicles(path: Path, others: pd.DataFrame, found: OnNetwork, named: set[str]) -> None:
     half = 0.5 * others["length_m"].to_numpy()
     heading = others["heading_rad"].to_numpy()
@@ -139,7 +147,7 @@ def _write_vehicles(path: Path, others: pd.DataFrame, found: OnNetwork, named: s
     )
     table["class"] = others["kind"].map(SUMO_CLASS)
     table = table[table["edge"] != ""]
-    write_csv(path, (*TEXTS, *NUMBERS), _texts(table, (*TEXTS, *NUMBERS)))
+    _write(path, (*TEXTS, *NUMBERS), _texts(table, (*TEXTS, *NUMBERS)))
 
 
 def _edge(places: list[str], found: OnNetwork) -> str:

@@ -19,16 +19,16 @@ EDGES = """<edges>
 CROSSING = '<connections><crossing node="middle" edges="e1 w2" priority="true"/></connections>'
 
 
-def street(folder: Path, *options: str, crossing: str = CROSSING) -> Path:
+def street(folder: Path, *options: str, crossing: str = CROSSING, edges: str = EDGES) -> Path:
     """Build the street: lanes along y = −1.6 m east and y = 1.6 m west, sidewalks, a crossing at x = 100 m.
 
     Parameters
     ----------
     folder : existing
     options : of netconvert
-    crossing : plain connections
+    crossing, edges : plain sources
     """
-    for name, text in (("n.nod.xml", NODES), ("e.edg.xml", EDGES), ("c.con.xml", crossing)):
+    for name, text in (("n.nod.xml", NODES), ("e.edg.xml", edges), ("c.con.xml", crossing)):
         (folder / name).write_text(text)
     program = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
     files = ("-n", "n.nod.xml", "-e", "e.edg.xml", "-x", "c.con.xml", "-o", "street.net.xml")

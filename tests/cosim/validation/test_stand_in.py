@@ -23,7 +23,8 @@ HEADER = "vehicle,class,edge,time_s,x_m,y_m,heading_rad,speed_mps,length_m,width
 def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a drive behind a recorded car, towards one and before a pedestrian."""
     folder = tmp_path_factory.mktemp("stand-in")
-    networks.street(folder)
+    # A spreadsheet would take the name of the edge for a formula.
+    networks.street(folder, edges=networks.EDGES.replace('"w1"', '"-w1"'))
     networks.configure(folder)
     # SUMO takes no blanks in names.
     tracks = [
