@@ -84,7 +84,7 @@ test: $(VENV)/installed-dev
 	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test-slow: $(VENV)/installed-dev
-	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .
