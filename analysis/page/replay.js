@@ -105,6 +105,7 @@ function frameOf(i) {
     persons: [],
     met: null,
     plan: null,
+    signals: signalsAt(i),
   };
   for (const one of data.objects) {
     const at = i - one.first;
@@ -136,6 +137,26 @@ function frameOf(i) {
   }
   for (const plan of data.plans) if (plan.time_s <= data.time_s[i] + 1e-6) frame.plan = plan;
   return frame;
+}
+
+// What is known of lights at an instant; those of crossings from the pedestrians there.
+function signalsAt(i) {
+  const found = { crossings: [], ahead: null };
+  for (const area of data.map) {
+    const states = area.kind === "crossing" && data.crossing_signals[area.name];
+    if (states && states[i] !== null) found.crossings.push({ at: area.at, state: ["green", "red"][states[i]] });
+  }
+  const own = data.signal_ahead;
+  if (own && own.state[i] !== null && own.x_m[i] !== null) {
+    const away = Math.hypot(own.x_m[i] - data.ego.front_x_m[i], own.y_m[i] - data.ego.front_y_m[i]);
+    // The stop line lies across the way to it; near it, across the ego's own direction.
+    const heading =
+      away > 8
+        ? Math.atan2(own.y_m[i] - data.ego.front_y_m[i], own.x_m[i] - data.ego.front_x_m[i])
+        : data.ego.heading_rad[i];
+    found.ahead = { x: own.x_m[i], y: own.y_m[i], heading, state: own.state[i] };
+  }
+  return found;
 }
 
 function nearest(frame) {
@@ -175,6 +196,7 @@ function writeReadout(frame) {
     ["acceleration", fixed(data.ego.acceleration_mps2[index], "m/s²")],
     ["distance", fixed(data.distance_m[index], "m")],
     ["TTC", fixed(data.ttc_s[index], "s")],
+    ["light ahead", data.signal_ahead ? data.signal_ahead.state[index] || "–" : "–"],
     ["pedestrian", frame.met ? frame.met.phase || "on the road" : "not there"],
     ["decision", decisionText(data, index)],
     ["because of", textAt(data.ego.because, index) || "–"],

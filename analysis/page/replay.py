@@ -22,6 +22,7 @@ from analysis.files import read_csv, read_json, write_text
 from analysis.geometry import FloatArray
 from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
+from analysis.page.signals import crossing_signals, signal_ahead
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
 from analysis.recording.reading import Area, read_run
 from analysis.recording.traffic import read_traffic
@@ -190,6 +191,8 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
         "objects": _objects(recording.neighbours, times, front, one.ego.name, one.person.name),
         "plans": _plans(recording.plans, one.ego.name, times),
         "map": _map(case, front),
+        "crossing_signals": crossing_signals(recording.neighbours, times),
+        "signal_ahead": signal_ahead(mine),
     }
 
 
@@ -318,6 +321,7 @@ def _map(case: Case, front: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
             inner.setdefault(area.name.rsplit("_", 2)[0], []).append(area.shape)
         found.append(
             {
+                "name": area.name if area.kind == "crossing" else "",
                 "kind": _kind(area, inside),
                 "crossing_kind": area.crossing_kind,
                 "width_m": area.width_m,

@@ -77,6 +77,7 @@ function drawScene(canvas, frame, data, view) {
   };
   drawMap(c, data.map, colour, trace, pixel);
 
+  drawSignals(c, frame.signals, colour, pixel);
   for (const one of frame.vehicles) drawCar(c, one, colour("scene-vehicle"), pixel, "");
   if (view.layers.overlay && frame.plan) drawOverlay(c, frame.plan, colour("scene-overlay"), trace, pixel);
   if (view.layers.plan && frame.plan) drawPlan(c, frame.plan, colour("scene-ego"), trace, pixel);
@@ -211,6 +212,32 @@ function drawMap(c, areas, colour, trace, pixel) {
       }
       c.setLineDash([]);
     }
+  }
+}
+
+// Lights: lamps at both ends of a crossing for its pedestrians, a bar where the ego's own stop line is.
+function drawSignals(c, signals, colour, pixel) {
+  for (const one of signals.crossings) {
+    for (const [x, y] of [one.at.slice(0, 2), one.at.slice(-2)]) {
+      c.beginPath();
+      c.arc(x, y, Math.max(0.7, 5 * pixel), 0, 2 * Math.PI);
+      c.fillStyle = colour("signal-" + one.state);
+      c.fill();
+      c.lineWidth = 1.5 * pixel;
+      c.strokeStyle = colour("ink");
+      c.stroke();
+    }
+  }
+  const ahead = signals.ahead;
+  if (!ahead) return;
+  const [dx, dy] = [-1.6 * Math.sin(ahead.heading), 1.6 * Math.cos(ahead.heading)];
+  for (const [name, width] of [["ink", 0.9], ["signal-" + ahead.state, 0.6]]) {
+    c.beginPath();
+    c.moveTo(ahead.x - dx, ahead.y - dy);
+    c.lineTo(ahead.x + dx, ahead.y + dy);
+    c.lineWidth = Math.max(width, (name === "ink" ? 5 : 3) * pixel);
+    c.strokeStyle = colour(name);
+    c.stroke();
   }
 }
 

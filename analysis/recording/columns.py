@@ -180,6 +180,17 @@ EGOS = RecordedTable(
         _text("passing", "planned.plan.passing", "on which side whom the plan passes", judged=True),
         _number("slack_m", "m", "planned.plan.slack", "violation of soft constraints", judged=True),
         RecordedColumn(
+            "signal_ahead",
+            "string",
+            "",
+            "next traffic light on its way; null without one",
+            "planned.signal.state",
+            ("green", "amber", "red"),
+            added=True,
+        ),
+        RecordedColumn("signal_x_m", "number", "m", "its stop line", "planned.signal.x", added=True),
+        RecordedColumn("signal_y_m", "number", "m", "the same", "planned.signal.y", added=True),
+        RecordedColumn(
             "method_stated",
             "boolean",
             "1",
@@ -214,6 +225,15 @@ NEIGHBOURS = RecordedTable(
         _text("edge_or_lane", "objects.place", "edge walked on, lane driven on", judged=True),
         _text("crossing_id", "objects.crossing", "crossing walked on or next, of pedestrians", judged=True),
         _text("phase", "objects.phase", "of pedestrians", *("crossing", "waiting", "walking"), judged=True),
+        RecordedColumn(
+            "signal",
+            "string",
+            "",
+            "light of that crossing for its pedestrians; null where there is none",
+            "objects.signal",
+            ("green", "red"),
+            added=True,
+        ),
     ),
     ("object_kind", "object_id"),  # SUMO lets a vehicle and a person share an id
 )

@@ -22,6 +22,16 @@ REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
 _OVERLAY = json.JSONEncoder(sort_keys=True, allow_nan=False)
 
 
+@dataclass(frozen=True, slots=True)
+class SeenSignal:
+    """A traffic light as an ego sees it."""
+
+    state: str
+    x: float
+    """Middle of its stop line on the ego's way [m]."""
+    y: float
+
+
 @dataclass(frozen=True)
 class PlannedEgo:
     """One ego's plan, made at the beginning of a step: a row of timing.parquet, perhaps of plans.parquet."""
@@ -46,6 +56,16 @@ class PlannedEgo:
     def y(self) -> FloatArray:
         """Planned rear axle in the world [m]."""
         return self._points[:, 1]
+
+    @cached_property
+    def signal(self) -> SeenSignal | None:
+        """The next traffic light on the ego's way; ``None`` without one."""
+        ahead = [one for one in self.perception.road.signals if one.stop_line >= 0.0]
+        if not ahead:
+            return None
+        first = min(ahead, key=lambda one: one.stop_line)
+        place = self.to_world(self.perception.ego.name, np.array([first.stop_line]), np.zeros(1))
+        return SeenSignal(first.state.value, float(place[0, 0]), float(place[0, 1]))
 
     @property
     def overlay(self) -> str:

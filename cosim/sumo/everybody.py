@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.step.world import PersonsTruth, Traffic
+from cosim.step.world import Traffic
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
 from cosim.sumo.road_users import CarReader, KnownState, PersonReader, sumo_constant
-from cosim.sumo.truth import persons_truth, vehicles_truth
+from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -87,23 +86,13 @@ class Everybody:
         names = tuple(vehicles.names[row] for row in near)
         people_near = np.flatnonzero(self._person_places.hold(persons.position))
         return Traffic(
-            persons=self._with_signals(persons_truth(persons, people_near)),
+            persons=with_signals(persons_truth(persons, people_near), Lights(self._sumo), self._crossings),
             vehicles=vehicles_truth(vehicles, near),
             acceleration=vehicles.acceleration[near],
             speed_limit=limits[near],
             vehicle_class=tuple(map(self._class_of, names)),
             is_ego=tuple(name in known for name in names),
         )
-
-    def _with_signals(self, persons: PersonsTruth) -> PersonsTruth:
-        """Return the pedestrians with the light of the crossing that each is on or comes to."""
-        lights = Lights(self._sumo)
-        signals = (None if name is None else self._signal(lights, name) for name in persons.crossing)
-        return replace(persons, signal=tuple(signals))
-
-    def _signal(self, lights: Lights, crossing: str) -> str | None:
-        green = lights.pedestrians_have_green(self._crossings[crossing])
-        return None if green is None else "green" if green else "red"
 
     def _class_of(self, name: str) -> str:
         found = self._classes.get(name)

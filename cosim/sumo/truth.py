@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.step.world import PersonsTruth, VehiclesTruth
+from cosim.sumo.lights import Lights
+from cosim.sumo.network import NetCrossing
 from cosim.sumo.road_users import Cars, Persons
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS
 
@@ -26,6 +31,16 @@ def persons_truth(persons: Persons, rows: IntArray) -> PersonsTruth:
         phase=_of(persons.phase, rows),
         kind=_of(persons.kind, rows),
     )
+
+
+def with_signals(persons: PersonsTruth, lights: Lights, crossings: Mapping[str, NetCrossing]) -> PersonsTruth:
+    """Return the pedestrians with the light of the crossing that each is on or comes to."""
+
+    def signal(name: str | None) -> str | None:
+        green = None if name is None else lights.pedestrians_have_green(crossings[name])
+        return None if green is None else "green" if green else "red"
+
+    return replace(persons, signal=tuple(map(signal, persons.crossing)))
 
 
 def vehicles_truth(cars: Cars, rows: IntArray) -> VehiclesTruth:

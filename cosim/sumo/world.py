@@ -22,6 +22,7 @@ from cosim.sumo.everybody import Everybody
 from cosim.sumo.intervention import cause_of
 from cosim.sumo.knowledge import Knowledge
 from cosim.sumo.levels import Levels
+from cosim.sumo.lights import Lights
 from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
 from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
@@ -33,7 +34,7 @@ from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
 from cosim.sumo.surroundings import Observer, Surroundings
 from cosim.sumo.takeover import Takeover, seen
-from cosim.sumo.truth import persons_truth, vehicles_truth
+from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
 from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
@@ -189,7 +190,11 @@ class SumoWorld:
         return Snapshot(
             self._time,
             tuple(ego.truth(self.step) for ego in self._egos.values()),
-            persons_truth(persons, np.arange(len(persons.names))),
+            with_signals(
+                persons_truth(persons, np.arange(len(persons.names))),
+                Lights(self._sumo),
+                self._network.crossings,
+            ),
             vehicles_truth(cars, np.array(others, dtype=np.int64)),
             self._teleports,
             self._knowledge.now,
