@@ -66,9 +66,7 @@ def _library() -> Any:
     try:
         from scenariogeneration import xosc
     except ImportError as error:
-        raise InputError(
-            "OpenSCENARIO needs scenariogeneration: pip install 'sumo-cosim[openscenario]'"
-        ) from error
+        raise InputError("OpenSCENARIO needs scenariogeneration: pip install scenariogeneration") from error
     return xosc
 
 
