@@ -79,9 +79,10 @@ install: $(VENV)/installed
 demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.cli.demo
 
+# Bytecode is kept even where the environment says otherwise: each process would compile what it loads again.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 
 test-slow: $(VENV)/installed-dev
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
