@@ -49,6 +49,7 @@ SUMMARIES = {
     "estimate": "Estimate how probable a contact is per passage.",
     "validate": "Compare simulated road users with real ones.",
     "calibrate": "Estimate types of road users from tracks.",
+    "stand-in": "Drive in the place of a recorded vehicle.",
     "analyse": "Recompute the CSV files of recorded runs.",
     "compare": "Is one controller safer than another, and slower?",
     "report": "Write report.html: tables, figures, replays.",
