@@ -84,7 +84,7 @@ def compare(real: FloatArray, simulated: FloatArray) -> Comparison:
         float(low),
         float(high),
         difference / pooled if pooled > 0.0 else np.nan,
-        float(stats.ks_2samp(real, simulated).statistic),
+        float(stats.ks_2samp(real, simulated, method="asymp").statistic),
         _SHOWN * float(drawn.std(ddof=1)),
         "indistinguishable" if same else "different",
     )

@@ -119,10 +119,19 @@ def _ttc(own: pd.DataFrame, other: pd.DataFrame, radius: float) -> float:
     )
     for at in np.flatnonzero(on & moving & near):
         motion = relative[at]
+        if not _may_meet(start[at] - own[["x_m", "y_m"]].to_numpy()[at], motion):
+            continue
         hit = shapely.distance(shapes[at], shapely.points(start[at] + ahead[:, None] * motion)) <= radius
         if hit.any():
             least = min(least, float(ahead[int(np.argmax(hit))]))
     return least
+
+
+def _may_meet(way: np.ndarray, motion: np.ndarray) -> bool:
+    """Return whether a pedestrian comes within 10 m of a vehicle's front in the next 8 s."""
+    speed = float(motion @ motion)
+    when = min(max(-float(way @ motion) / speed, 0.0), 8.0) if speed > 0.0 else 0.0
+    return bool(np.hypot(*(way + when * motion)) < 10.0)
 
 
 def _pet(drive: pd.DataFrame, walk: pd.DataFrame, radius: float) -> float:
@@ -130,11 +139,12 @@ def _pet(drive: pd.DataFrame, walk: pd.DataFrame, radius: float) -> float:
     fine, fine_walk = finer(drive), finer(walk)
     shapes = bodies(fine)
     way = shapely.LineString(fine_walk[["x_m", "y_m"]].to_numpy())
-    touching = np.asarray(shapely.distance(shapes, way) <= radius)
+    shapely.prepare(way)
+    touching = np.asarray(shapely.dwithin(way, shapes, radius))
     if not touching.any():
         return np.nan
     # Only bodies near the walk can share ground with it.
-    swept = shapely.union_all(shapes[shapely.distance(shapes, way) <= radius + 1.0])
+    swept = shapely.union_all(shapes[shapely.dwithin(way, shapes, radius + 1.0)])
     shapely.prepare(swept)
     instants = []
     for inside, time in (
