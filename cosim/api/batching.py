@@ -19,6 +19,7 @@ def batch(
     out: str | PathLike[str] | None = None,
     jobs: int | None = None,
     drop_recordings: bool = False,
+    allow_programs: bool = False,
 ) -> Study:
     """Run a study, and return its folder's tables; repeated, it makes the runs that are missing.
 
@@ -34,6 +35,10 @@ def batch(
     drop_recordings
         Whether to keep only the numbers of each run.
 
+    allow_programs
+        Whether a study file may name controllers by an address (``./patient.py``), whose code is executed;
+        a dictionary of your program may.
+
     Raises
     ------
     InputError
@@ -43,7 +48,7 @@ def batch(
     name = Path("study") if isinstance(study, Mapping) else Path(study)
     where = None if out is None else Path(out)
     again = "the same call of cosim.batch" if table is not None else ""
-    request = BatchRequest(name, where, jobs, None, drop_recordings, table, again)
+    request = BatchRequest(name, where, jobs, None, drop_recordings, allow_programs, table, again)
     with prepared(request) as one:
         shown: Shown = nullcontext(lambda tally: None)
         return Study(one.ledger.folder, _problems(one.run(shown)))

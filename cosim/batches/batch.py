@@ -42,6 +42,8 @@ class BatchRequest:
     scheduler: str | None = None
     """Address of a Dask scheduler, whose workers make the runs."""
     drop_recordings: bool = False
+    allow_programs: bool = False
+    """Whether the study file may name controllers by an address, whose code is executed."""
     table: StudyTable | None = None
     """Content of the study where it is not what a file says; ``study`` is then its name, and relative paths
     of scenarios begin where that is."""
@@ -71,6 +73,8 @@ class BatchRequest:
             words += ["--scheduler", self.scheduler]
         if self.drop_recordings:
             words.append("--drop-recordings")
+        if self.allow_programs:
+            words.append("--allow-programs")
         return shlex.join(words)
 
 
@@ -169,7 +173,7 @@ def prepared(
     InputError
         For a study, or a folder, with which a batch must not begin.
     """
-    study = request.table or read_study(request.study)
+    study = request.table or read_study(request.study, request.allow_programs)
     matrix = build_matrix(study, request.study)
     ledger = Ledger(request.folder)
     jobs = matrix.jobs()

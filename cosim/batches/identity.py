@@ -25,6 +25,7 @@ WITHOUT_INFLUENCE = (
         "cosim/checks",
         "cosim/cli",
         "cosim/conformance",
+        "cosim/exchange",
         "cosim/gym",
         "cosim/presentation",
         "cosim/search",

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from analysis.recording.extent import EGOS
+from controllers.outside.addresses import is_address
 from cosim.errors import InputError
 
 Value = bool | int | float | str
@@ -48,8 +49,15 @@ class StudyTable(BaseModel):
     """What ``cosim check`` holds the results against."""
 
 
-def read_study(path: Path) -> StudyTable:
+def read_study(path: Path, allow_programs: bool = False) -> StudyTable:
     """Return the checked content of a study file.
+
+    Parameters
+    ----------
+    path
+    allow_programs
+        Whether it may name controllers by an address, whose code is executed; a file from strangers must
+        not execute anything.
 
     Raises
     ------
@@ -62,7 +70,14 @@ def read_study(path: Path) -> StudyTable:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not valid TOML: {error}") from error
-    return study_of(raw, str(path))
+    study = study_of(raw, str(path))
+    addresses = [name for name in study.controllers if is_address(name)]
+    if addresses and not allow_programs:
+        raise InputError(
+            f"{path}: controllers: {addresses[0]!r} would execute a file: allow it with cosim batch "
+            "--allow-programs, or name it on the command line with --controller"
+        )
+    return study
 
 
 def study_of(content: Mapping[str, Any], name: str) -> StudyTable:

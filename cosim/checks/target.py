@@ -107,7 +107,8 @@ def _scenario(text: str, wishes: Wishes) -> Target:
 
 
 def _study(path: Path, wishes: Wishes) -> Target:
-    said = read_study(path)
+    # Controllers of the command line take the place of the file's.
+    said = read_study(path, allow_programs=bool(wishes.controllers))
     own = _read(said.criteria, str(path)) if said.criteria and wishes.criteria is None else None
     scenarios = _part(said.scenarios, wishes, str(path))
     changes: dict[str, Any] = {}

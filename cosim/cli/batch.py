@@ -34,6 +34,10 @@ def batch(
     drop_recordings: Annotated[
         bool, typer.Option("--drop-recordings", help="Keep only the numbers of each run.")
     ] = False,
+    allow_programs: Annotated[
+        bool,
+        typer.Option("--allow-programs", help="Let the study name controllers by file, process: or fmu:."),
+    ] = False,
     dry_run: Annotated[
         bool,
         typer.Option("--dry-run", help="Check everything and show the runs and their time; run nothing."),
@@ -69,7 +73,7 @@ def batch(
     from cosim.batches.progress import shown_checks, shown_tally
 
     here_or_elsewhere(jobs, scheduler)
-    request = BatchRequest(study, out, jobs, scheduler, drop_recordings)
+    request = BatchRequest(study, out, jobs, scheduler, drop_recordings, allow_programs)
     with prepared(request, shown_checks()) as one:
         if dry_run:
             _show_plan(one)

@@ -106,6 +106,24 @@ def test_runs_are_compared_loaded_and_drawn(both: tuple[cosim.Run, cosim.Run]) -
     assert again.table("runs.csv")["n_encounters"].item() == loaded.numbers["n_encounters"]
 
 
+def test_a_batch_takes_a_controller_by_its_file_and_notices_that_it_has_changed(
+    folder: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "slow.py"
+    file.write_text(
+        "from controllers.outside.functions import FromFunction\n\n\n"
+        "def build():\n    return FromFunction(lambda perception: 4.0 - perception.ego.speed)\n"
+    )
+    content = {"scenarios": ["midblock_zebra"], "controllers": [str(file)], "seeds": [1], "set": SHORT}
+    study = cosim.batch(content, out=folder / "by-file", jobs=1)
+    assert study.problems == ()
+    (ran,) = study
+    assert ran.egos.groupby("ego_id")["speed_mps"].last().min() == pytest.approx(4.0, abs=0.5)
+    file.write_text(file.read_text().replace("4.0", "5.0"))
+    with pytest.raises(cosim.InputError, match=r"slow\.py has another content"):
+        cosim.batch(content, out=folder / "by-file", jobs=1)
+
+
 def test_numbers_of_numpy_are_numbers(folder: Path) -> None:
     ran = cosim.run(
         "midblock_zebra",

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.batches.study import parse_seeds, read_study, study_of, study_text
+from cosim.cli import main
 from cosim.errors import InputError
 from tests.cosim.batches.studies import write_study
 
@@ -116,3 +117,29 @@ def test_a_study_written_as_a_file_is_the_same_study(settings: dict[str, Any], n
     text = study_text(study)
     assert study_of(tomllib.loads(text), "study") == study
     assert tomllib.loads(text) == content
+
+
+@pytest.mark.parametrize("name", ["./mine.py", "process:./mine", "fmu:mine.fmu"])
+def test_a_study_file_executes_no_file_unless_that_is_allowed(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(f'scenarios = ["midblock_zebra"]\ncontrollers = ["sumo", "{name}"]\nseeds = "1"\n')
+    with pytest.raises(
+        InputError, match=r"would execute a file: allow it with .* --allow-programs"
+    ) as caught:
+        read_study(file)
+    assert "\n" not in str(caught.value)
+    assert read_study(file, allow_programs=True).controllers == ["sumo", name]
+
+
+def test_the_command_line_refuses_such_a_study_before_anything_is_executed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mine.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\n")
+    file = tmp_path / "study.toml"
+    file.write_text(
+        f'scenarios = ["midblock_zebra"]\ncontrollers = ["{tmp_path / "mine.py"}"]\nseeds = "1"\n'
+    )
+    for words in (["batch", "--dry-run"], ["check"]):
+        assert main([words[0], str(file), *words[1:]]) == 2
+        assert "--allow-programs" in capsys.readouterr().err
+    assert not (tmp_path / "executed").exists()

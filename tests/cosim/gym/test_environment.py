@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -219,6 +222,26 @@ def test_environments_run_at_the_same_time_in_processes_of_their_own() -> None:
     assert reward.shape == (2,)
     assert (info["reward_terms"]["progress"] > 0.0).all()
     env.close()
+
+
+def test_environments_that_are_closed_leave_no_file_and_no_folder_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
+    def held() -> int:
+        return len(os.listdir("/proc/self/fd"))
+
+    before = 0
+    for number in range(8):
+        if number == 2:  # what is loaded once stays open
+            before = held()
+        env = gymnasium.make(NAME, **QUICK)
+        env.reset(seed=number)
+        env.step(STILL)
+        env.close()
+    assert held() == before
+    assert os.listdir(tmp_path) == []
 
 
 def test_without_gymnasium_the_command_is_told() -> None:
