@@ -14,7 +14,7 @@ from controllers.yielding.facing import Answer, Facing
 
 SLOTS = 8
 """So many pedestrians, the nearest, have a row in the program."""
-UNSOLVED = "barrier_full_braking"
+UNSOLVED = "fallback_full_braking"
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ LASTS = 2.0
 """What the driver wants is expected to last for so long [s]."""
 CLASSES = 3
 """Passing classes that are solved at most."""
-UNSOLVED = "chance_full_braking"
+UNSOLVED = "fallback_full_braking"
 KEPT = 0.9
 """The passing class so far is given up for one that costs less than this share of it."""
 

@@ -40,8 +40,11 @@ def lies(problem: qpsolvers.Problem) -> qpsolvers.Solution:
 
 
 def says_nothing(problem: qpsolvers.Problem) -> qpsolvers.Solution:
-    """Give the true optimum without multipliers, so that nobody can tell."""
+    """Give the true optimum without multipliers, so that nobody can tell; nothing where none are needed."""
     answer = qpsolvers.solve_problem(problem, "daqp")
+    multipliers = [one for one in (answer.z, answer.z_box) if one is not None]
+    if not any(np.abs(one).max(initial=0.0) > 0.0 for one in multipliers):
+        return fails(problem)
     return qpsolvers.Solution(problem, found=True, x=answer.x)
 
 
