@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from analysis.page.report import Written, write_report
 from analysis.page.terms import terms
 from analysis.results.measures import Measure
 from analysis.tables.cells import cells
+from analysis.validation.statement import SENTENCE
 from cosim.cli import main
 from cosim.presentation.wording import sentence
 from tests.analysis.page.markup import Markup
@@ -66,6 +68,10 @@ def test_the_page_is_well_formed_and_loads_nothing(study: tuple[Path, Markup, st
     assert "https://" not in text
     assert page.elements["table"] >= 3
     assert page.elements["figure"] == 6
+
+
+def test_the_page_of_a_simulation_says_what_validation_says(study: tuple[Path, Markup, str]) -> None:
+    assert html.escape(SENTENCE, quote=False).replace("'", "&#39;") in study[2]
 
 
 def test_the_first_line_is_the_question_and_the_answer_of_cosim_compare(

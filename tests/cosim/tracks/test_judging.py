@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ import pandas as pd
 import pytest
 
 from analysis.files import read_csv, read_json
+from analysis.trajectories.reading import read_trajectories
+from analysis.validation.statement import SENTENCE
 from cosim.errors import InputError
 from cosim.tracks.judging import Judged, TracksRequest, judge
 from tests.analysis.trajectories import streets
@@ -151,3 +154,29 @@ def test_a_projection_that_does_not_fit_and_a_network_without_one_are_refused(
 
 def test_flags_of_tracks_need_a_network(tmp_path: Path) -> None:
     assert "expected --network" in ended("analyse", tmp_path, "--crs", "EPSG:1", code=2).stderr
+
+
+def test_without_the_extra_the_command_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from cosim.tracks import projection
+
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    table = streets.car().rename(columns={"x_m": "lon_deg", "y_m": "lat_deg"})
+    path = streets.write(tmp_path / "t.csv", [table])
+    location = projection.Location(tmp_path, (0.0, 0.0), "+proj=tmerc +lat_0=52.0 +lon_0=10.0")
+    with pytest.raises(InputError, match="pyproj is not installed; run: pip install"):
+        projection.onto_network(read_trajectories(path), location)
+
+
+def test_a_street_without_crossings_is_judged_and_reported(tmp_path: Path) -> None:
+    network = networks.street(tmp_path, crossing="<connections/>")
+    path = streets.write(tmp_path / "t.csv", streets.crowd()[:4])
+    done = judge(TracksRequest(str(path), network, out=tmp_path / "out"))
+    assert done.encounters >= 1
+    ended("report", done.folder)
+    page = (done.folder / "report.html").read_text("utf-8")
+    assert "walker 1" in page
+    assert "const EGOS = false" in page
+    assert SENTENCE not in page, "it is of simulated traffic"
+    assert list((done.folder / "report_data" / "replays").glob("*.js"))
