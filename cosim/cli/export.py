@@ -26,6 +26,9 @@ def export(
             metavar="FILE", help="The run's network (.net.xml).", show_default="that of a built-in scenario"
         ),
     ] = None,
+    traffic: Annotated[
+        bool, typer.Option("--traffic", help="The encounter is one of traffic_encounters.csv.")
+    ] = False,
     road: Annotated[
         bool, typer.Option("--road/--no-road", help="Whether to write the network as OpenDRIVE.")
     ] = True,
@@ -57,7 +60,7 @@ def export(
         raise InputError("--format openscenario: expected the encounter, for instance --encounter 1")
     else:
         there = (network or network_of(description)) if road else None
-        files = write_openscenario(folder, encounter, there, out)
+        files = write_openscenario(folder, encounter, there, out, traffic)
     for file in files:
         terminal.console().print(str(file), soft_wrap=True)
     return 0

@@ -25,7 +25,9 @@ TRACK_SHARE = 0.85
 """Distance between the wheels of an axle, of the body's width."""
 
 
-def write_openscenario(folder: Path, encounter: int, network: Path | None, out: Path) -> list[Path]:
+def write_openscenario(
+    folder: Path, encounter: int, network: Path | None, out: Path, traffic: bool = False
+) -> list[Path]:
     """Write an encounter and its road, and return the files.
 
     Parameters
@@ -38,6 +40,8 @@ def write_openscenario(folder: Path, encounter: int, network: Path | None, out: 
         The run's network, a ``.net.xml`` file; ``None``: no road is written.
     out
         New or empty folder.
+    traffic
+        Whether the encounter is one of ``traffic_encounters.csv``.
 
     Raises
     ------
@@ -46,7 +50,7 @@ def write_openscenario(folder: Path, encounter: int, network: Path | None, out: 
     """
     xosc = _library()
     folders.check(out)
-    movers = read_movers(folder, encounter)
+    movers = read_movers(folder, encounter, traffic)
     road, scenario = out / f"encounter-{encounter}.xodr", out / f"encounter-{encounter}.xosc"
     try:
         out.mkdir(parents=True, exist_ok=True)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.encounters.case import prepare
+from analysis.encounters.case import prepare, prepare_traffic
 from analysis.errors import AnalysisError
 from analysis.geometry import FloatArray
 from analysis.plots.scene import Piece, Scene, choose
 from analysis.recording.reading import read_run
+from analysis.recording.traffic import read_traffic
 from controllers.interface import Body
 from cosim.errors import InputError
 from cosim.step.plant import body_of
@@ -40,8 +41,17 @@ class Mover:
     """Of a pedestrian: length and width are the disc's diameter."""
 
 
-def read_movers(folder: Path, encounter: int) -> list[Mover]:
+def read_movers(folder: Path, encounter: int, traffic: bool = False) -> list[Mover]:
     """Return the ego, the pedestrian and whoever was near them in an encounter of a recorded run.
+
+    Parameters
+    ----------
+    folder
+        Of the run.
+    encounter
+        Its number.
+    traffic
+        Whether it is one of ``traffic_encounters.csv``, of any vehicle, as real tracks have them.
 
     Raises
     ------
@@ -49,16 +59,18 @@ def read_movers(folder: Path, encounter: int) -> list[Mover]:
         If the run cannot be read or has no such encounter.
     """
     try:
-        scene = choose(prepare(read_run(folder)), None, encounter)
+        recorded = read_run(folder)
+        case = prepare_traffic(read_traffic(recorded).run) if traffic else prepare(recorded)
+        scene = choose(case, None, encounter)
     except AnalysisError as error:
         raise InputError(str(error)) from error
     factor, begin = scene.case.grid.factor, scene.begin_s
     (ego,) = scene.pieces()[:1]
     egos = [_vehicle(scene.ego, "ego", ego, factor, begin)]
-    names = {one.name for one in scene.case.egos}
+    names = {scene.ego} if traffic else {one.name for one in scene.case.egos}
     vehicles = [
         _vehicle(f"vehicle {name}", "vehicle", piece, factor, begin)
-        for name, piece in _others(scene, ego, "vehicles")
+        for name, piece in _others(scene, ego, "egos" if traffic else "vehicles")
         if name not in names
     ]
     people = [

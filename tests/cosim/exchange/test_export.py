@@ -12,6 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 from lxml import etree
 from scenariogeneration import xosc
@@ -19,9 +20,12 @@ from scenariogeneration import xosc
 import cosim
 import sumo_scenarios
 from cosim.cli import main
+from cosim.tracks.judging import TracksRequest, judge
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.sumo_installation import netconvert, sumo_home
 from sumo_scenarios.trajectories import read_trajectories
+from tests.analysis.trajectories import streets
+from tests.cosim.tracks import networks
 
 pytestmark = pytest.mark.sumo
 
@@ -198,6 +202,22 @@ def test_without_a_road_there_is_one_file(run: cosim.Run, number: int, tmp_path:
     words = ["--encounter", str(number), "--no-road", "--out", str(tmp_path / "out")]
     assert main(["export", str(run.folder), *words]) == 0
     assert [one.suffix for one in (tmp_path / "out").iterdir()] == [".xosc"]
+
+
+def test_an_encounter_of_real_tracks_is_exported(tmp_path: Path) -> None:
+    network = networks.street(tmp_path)
+    tracks = streets.write(tmp_path / "tracks.csv", streets.crowd())
+    judged = judge(TracksRequest(str(tracks), network, out=tmp_path / "judged"))
+    rows = pd.read_csv(judged.folder / "traffic_encounters.csv")
+    (row,) = rows[(rows["vehicle_id"] == "car 0") & (rows["ped_id"] == "walker 0")].itertuples()
+    words = ["--encounter", str(row.traffic_encounter_id), "--traffic", "--network", str(network)]
+    assert main(["export", str(judged.folder), *words, "--out", str(tmp_path / "out")]) == 0
+    (file,) = (tmp_path / "out").glob("*.xosc")
+    assert asam_schema().validate(etree.parse(file))
+    assert "pedestrian walker 0" in read_trajectories(file)
+    names = [str(one.get("name")) for one in ElementTree.parse(file).getroot().iter("ScenarioObject")]
+    assert names[0] == "car 0"
+    assert len(names) == len(set(names))
 
 
 @pytest.mark.parametrize(
