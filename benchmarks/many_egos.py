@@ -39,7 +39,7 @@ def in_child(city: City, egos: int, solver: str) -> dict[str, Any]:
     """Drive that many egos in a process of its own."""
     with TemporaryDirectory() as folder:
         configuration = city.write(Path(folder))
-        share = str(_share(egos, city.vehicles))
+        share = str(share_of(egos, city.vehicles))
         command = [sys.executable, __file__, "--drive", str(configuration), share, solver]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
     if done.returncode:
@@ -47,7 +47,7 @@ def in_child(city: City, egos: int, solver: str) -> dict[str, Any]:
     return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
-def _share(egos: int, vehicles: int) -> float:
+def share_of(egos: int, vehicles: int) -> float:
     """Return a share of which so many cars are egos: each has a number that is drawn from its name."""
     numbers = sorted(drawn(SEED, f"car.{number}") for number in range(vehicles))
     return 0.5 * (numbers[egos - 1] + numbers[egos])

@@ -21,8 +21,6 @@ from studies.zoo.programs import ZooError
 
 RECIPE, DEMAND_SEED = "game-drt", 1
 SCREENING, TOWN = "screening", "town"
-BEGIN_S = 240.0
-"""Cars and people fill the town until then."""
 LEAST_PEDESTRIANS = 30.0
 
 
@@ -32,17 +30,20 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seeds", default="9801-9810")
     parser.add_argument("--minutes", type=float, default=20.0, help="that count, in each run")
+    parser.add_argument(
+        "--begin-s", type=float, default=240.0, help="cars and people fill the town until then"
+    )
     parser.add_argument("--step-s", default="0.2")
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args(words)
     recipe = next(one for one in recipes()[0] if one.name == RECIPE)
-    end = BEGIN_S + 60.0 * given.minutes
+    end = given.begin_s + 60.0 * given.minutes
     configuration = town.make(recipe, DEMAND_SEED, end, given.folder / TOWN)
     request = ScreenRequest(
         str(configuration),
         given.seeds,
         {"step_s": given.step_s},
-        BEGIN_S,
+        given.begin_s,
         end,
         given.folder / SCREENING,
         given.jobs,
