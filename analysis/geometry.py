@@ -14,6 +14,10 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Number = float | FloatArray
 
+IntArray = NDArray[np.int64]
+
+_BLOCK = 1_000_000
+_SLACK = 1e-6
 _STILL = 1e-12
 """Slower than this is standing: nothing is reached within any time that matters [m/s]."""
 
@@ -29,6 +33,31 @@ def signed_distance(x: Number, y: Number, half_length: Number, half_width: Numbe
     dx, dy = np.abs(x) - half_length, np.abs(y) - half_width
     outside = np.hypot(np.maximum(dx, 0.0), np.maximum(dy, 0.0))
     return np.asarray(outside + np.minimum(np.maximum(dx, dy), 0.0))
+
+
+def pairs_within(
+    x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, reach: float
+) -> tuple[IntArray, IntArray]:
+    """Return the numbers of all pairs of places within a distance, by the first, and perhaps a few beyond.
+
+    Examples
+    --------
+    >>> first, second = pairs_within(*np.array([[0.0, 9.0], [0.0, 0.0]]), *np.array([[3.0], [4.0]]), 5.0)
+    >>> first.tolist(), second.tolist()
+    ([0], [0])
+    """
+    if not len(x):
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    # About the middle, so that the squares below stay small and exact enough.
+    middle_x, middle_y = float(x.mean()), float(y.mean())
+    x, y, other_x, other_y = x - middle_x, y - middle_y, other_x - middle_x, other_y - middle_y
+    own = np.stack([-2.0 * x, -2.0 * y, x * x + y * y, np.ones_like(x)], axis=1)
+    other = np.stack([other_x, other_y, np.ones_like(other_x), other_x * other_x + other_y * other_y])
+    most = reach * reach + _SLACK
+    block = max(1, _BLOCK // max(1, len(other_x)))
+    found = [np.nonzero(own[at : at + block] @ other <= most) for at in range(0, len(own), block)]
+    firsts = [one + block * number for number, (one, _) in enumerate(found)]
+    return np.concatenate(firsts), np.concatenate([two for _, two in found])
 
 
 def clearance(x: Number, y: Number, half_length: Number, half_width: Number, radius: Number) -> FloatArray:

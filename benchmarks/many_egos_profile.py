@@ -16,11 +16,11 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from many_egos import PERSONS, SEED, VEHICLES, share_of
 from measuring.city import FILLED_S, City
 from measuring.loop_with_sumo import drive
 
 from analysis.markdown import table
-from many_egos import PERSONS, SEED, VEHICLES, share_of
 from cosim.running.request import RunRequest
 
 DRIVEN_S = 3.0

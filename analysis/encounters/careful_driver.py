@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from analysis.encounters.contacts import Contact
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.encounters.line_of_sight import is_visible
-from analysis.geometry import BoolArray, FloatArray, signed_distance, time_to_contact, to_frame
+from analysis.geometry import BoolArray, FloatArray, pairs_within, signed_distance, time_to_contact, to_frame
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
 
@@ -169,19 +169,15 @@ def _meets_corridor(
     margin = 0.5 * float(np.hypot(path.length, path.width)) + reach
     close = (part.x >= x.min() - margin) & (part.x <= x.max() + margin)
     close &= (part.y >= y.min() - margin) & (part.y <= y.max() + margin)
-    for pose in np.array_split(np.flatnonzero(close), max(1, int(close.sum()) // 200)):
-        along, across = to_frame(
-            x[:, None] - part.x[pose][None, :],
-            y[:, None] - part.y[pose][None, :],
-            part.heading[pose][None, :],
-        )
-        inside = signed_distance(along, across, 0.5 * path.length, 0.5 * path.width) <= reach
-        # The pose nearest to the body's place counts as its place, and nobody behind the bumper is ahead.
-        inside &= (part.way[pose][None, :] >= passed[:, None] - 0.1) & (
-            part.way[pose][None, :] <= end[:, None]
-        )
-        inside &= along >= -0.5 * path.length
-        met |= inside.any(axis=1)
+    pose = np.flatnonzero(close)
+    at, near = pairs_within(x, y, part.x[pose], part.y[pose], margin)
+    pose = pose[near]
+    along, across = to_frame(x[at] - part.x[pose], y[at] - part.y[pose], part.heading[pose])
+    inside = signed_distance(along, across, 0.5 * path.length, 0.5 * path.width) <= reach
+    # The pose nearest to the body's place counts as its place, and nobody behind the bumper is ahead.
+    inside &= (part.way[pose] >= passed[at] - 0.1) & (part.way[pose] <= end[at])
+    inside &= along >= -0.5 * path.length
+    met[at[inside]] = True
     return met
 
 

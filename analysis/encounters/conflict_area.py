@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.geometry import BoolArray, FloatArray, signed_distance
+from analysis.geometry import BoolArray, FloatArray, pairs_within, signed_distance
 from analysis.polylines import arc_lengths
 from analysis.recording.tracks import Grid, Track
 from analysis.stretches import stretches
@@ -23,7 +23,6 @@ IntArray = NDArray[np.int64]
 
 _POINT_SPACING_M = 0.05
 _POSE_SPACING_M = 0.1
-_BLOCK = 1_000_000
 _SAME_PLACE = 1e-6
 
 
@@ -187,7 +186,7 @@ def _smallest_distance(
     """
     half_length, half_width = 0.5 * ego.length, 0.5 * ego.width
     reach = float(np.hypot(half_length, half_width)) + wanted + _SAME_PLACE
-    pose, point = _pairs_within(ego.x[poses], ego.y[poses], x, y, reach)
+    pose, point = pairs_within(ego.x[poses], ego.y[poses], x, y, reach)
     smallest = np.full(len(poses) if by_pose else len(x), np.inf)
     if len(pose) == 0:
         return smallest
@@ -201,22 +200,6 @@ def _smallest_distance(
     else:
         np.minimum.at(smallest, point, distance)
     return smallest
-
-
-def _pairs_within(
-    x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, reach: float
-) -> tuple[IntArray, IntArray]:
-    """Return the numbers of all pairs of places within a distance, by the first, and perhaps a few beyond."""
-    # About the middle, so that the squares below stay small and exact enough.
-    middle_x, middle_y = float(x.mean()), float(y.mean())
-    x, y, other_x, other_y = x - middle_x, y - middle_y, other_x - middle_x, other_y - middle_y
-    own = np.stack([-2.0 * x, -2.0 * y, x * x + y * y, np.ones_like(x)], axis=1)
-    other = np.stack([other_x, other_y, np.ones_like(other_x), other_x * other_x + other_y * other_y])
-    most = reach * reach + _SAME_PLACE
-    block = max(1, _BLOCK // max(1, len(other_x)))
-    found = [np.nonzero(own[at : at + block] @ other <= most) for at in range(0, len(own), block)]
-    firsts = [one + block * number for number, (one, _) in enumerate(found)]
-    return np.concatenate(firsts), np.concatenate([two for _, two in found])
 
 
 def _visits(time: FloatArray, samples: IntArray, outside: FloatArray) -> list[Visit]:

@@ -21,7 +21,6 @@ from studies.zoo.programs import ZooError
 
 RECIPE, DEMAND_SEED = "game-drt", 1
 SCREENING, TOWN = "screening", "town"
-LEAST_PEDESTRIANS = 30.0
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -34,6 +33,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "--begin-s", type=float, default=240.0, help="cars and people fill the town until then"
     )
     parser.add_argument("--step-s", default="0.2")
+    parser.add_argument("--min-pedestrians", type=float, default=30.0, help="as for cosim screen")
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args(words)
     recipe = next(one for one in recipes()[0] if one.name == RECIPE)
@@ -51,7 +51,7 @@ def main(words: Sequence[str] | None = None) -> int:
     with prepared(planned(request).batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
     if result.tally.done:
-        ranked(request, LEAST_PEDESTRIANS)
+        ranked(request, given.min_pedestrians)
     return 0 if result.good else 3
 
 

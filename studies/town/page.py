@@ -20,6 +20,7 @@ from analysis.markdown import table, write_below
 from analysis.recording.columns import TRAFFIC
 from analysis.recording.reading import Area, read_map
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
+from analysis.screening.caution import caution
 from analysis.screening.crossings_table import CROSSINGS
 from analysis.study.runs import find_run_folders
 from studies.town.__main__ import SCREENING
@@ -54,6 +55,7 @@ def write_page(folder: Path, page: Path) -> None:
 
 
 def _effort(out: Path, runs: Sequence[Path], crossings: Sequence[Cells]) -> str:
+    struck = caution([_numbers(row) for row in crossings])
     told: list[dict[str, Any]] = [read_json(run / "run.json") for run in runs]
     ranked = [row for row in crossings if row["rank"]]
     recorded = sum((run / TRAFFIC.file).stat().st_size for run in runs if (run / TRAFFIC.file).is_file())
@@ -71,7 +73,12 @@ def _effort(out: Path, runs: Sequence[Path], crossings: Sequence[Cells]) -> str:
         ("conflicts", f"{sum(int(row['n_conflicts']) for row in crossings)}"),
         ("of them collisions", f"{sum(int(row['n_collisions']) for row in crossings)}"),
     )
-    return table(("what", "how much"), rows)
+    return f"{table(('what', 'how much'), rows)}\n\n{struck}".rstrip()
+
+
+def _numbers(row: Cells) -> dict[str, float]:
+    names = ("n_collisions", "entered_per_h", "observed_h")
+    return {name: float(row[name] or 0.0) for name in names}
 
 
 def _worst(crossings: Sequence[Cells]) -> str:
@@ -94,11 +101,11 @@ def _worst(crossings: Sequence[Cells]) -> str:
 
 def draw(areas: Sequence[Area], crossings: Sequence[Cells], path: Path) -> None:
     """Draw the crossings on the roads near them, coloured by their rate; hollow ones are not ranked."""
-    figure = Figure(figsize=(8.0, 8.0), layout="constrained")
+    figure = Figure(figsize=(8.0, 8.0), dpi=120, layout="constrained")
     axes = figure.subplots()
     for area in areas:
         if area.kind == "lane":
-            axes.plot(*area.shape.T, color="#bbbbbb", linewidth=0.6, zorder=1)
+            axes.plot(*area.shape.T, color="#bbbbbb", linewidth=0.6, zorder=1, rasterized=True)
     ranked = [row for row in crossings if row["rank"]]
     others = [row for row in crossings if not row["rank"]]
     x, y = _places(others)
