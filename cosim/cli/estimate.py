@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cosim.cli import terminal
 from cosim.cli.options import Debug, Jobs, Settings
+from cosim.cli.search_options import ControllerName, CriteriaFile, OwnFolder, RunTimeout, Searched, Space
 
 if TYPE_CHECKING:
     from cosim.search.estimate import Estimated, EstimateRequest
@@ -21,10 +21,8 @@ _EVENTS = {
 
 
 def estimate(
-    scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="Scenario's name or folder, or a SUMO configuration.")
-    ],
-    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller.")] = "vo_mpc",
+    scenario: Searched,
+    controller: ControllerName = "vo_mpc",
     event: Annotated[
         str, typer.Option(metavar="NAME", help="contact, preventable-contact or criteria.")
     ] = "contact",
@@ -34,32 +32,12 @@ def estimate(
     ] = 0.3,
     budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of runs at most.")] = 5000,
     seed: Annotated[int, typer.Option(metavar="N", help="Seed of what is drawn.")] = 1,
-    space: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="What is drawn.", show_default="[search] of the scenario, or its crossings"
-        ),
-    ] = None,
-    criteria: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="[[criteria]] of the event criteria.", show_default="the scenario's"
-        ),
-    ] = None,
+    space: Space = None,
+    criteria: CriteriaFile = None,
     settings: Settings = None,
     jobs: Jobs = None,
-    run_timeout_s: Annotated[
-        float, typer.Option(metavar="S", min=1, help="Wall-clock time after which a run has failed.")
-    ] = 600.0,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Output folder; resumes an earlier estimate.",
-            show_default="runs/estimate-…",
-        ),
-    ] = None,
+    run_timeout_s: RunTimeout = 600.0,
+    out: OwnFolder = None,
     debug: Debug = False,
 ) -> int:
     """Estimate how probable a contact is per passage.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cosim.cli import terminal
 from cosim.cli.options import Debug, Jobs, Settings
+from cosim.cli.search_options import ControllerName, CriteriaFile, OwnFolder, RunTimeout, Searched, Space
 
 if TYPE_CHECKING:
     from cosim.search.search import FalsifyRequest, Found
@@ -18,25 +18,15 @@ MOST_KINDS = 12
 
 
 def falsify(
-    scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="Scenario's name or folder, or a SUMO configuration.")
-    ],
-    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller.")] = "vo_mpc",
+    scenario: Searched,
+    controller: ControllerName = "vo_mpc",
     budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of trials.")] = 200,
     method: Annotated[
         str, typer.Option(metavar="NAME", help="cma-es, tpe, sobol, random or nsga-ii.")
     ] = "cma-es",
     seed: Annotated[int, typer.Option(metavar="N", help="Seed of the search and of its runs.")] = 1,
-    space: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="What is varied.", show_default="[search] of the scenario, or its crossings"
-        ),
-    ] = None,
-    criteria: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="[[criteria]] that count.", show_default="the scenario's"),
-    ] = None,
+    space: Space = None,
+    criteria: CriteriaFile = None,
     settings: Settings = None,
     jobs: Jobs = None,
     time_budget: Annotated[
@@ -51,18 +41,8 @@ def falsify(
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="Write report.html with a replay of each kind.")
     ] = True,
-    run_timeout_s: Annotated[
-        float, typer.Option(metavar="S", min=1, help="Wall-clock time after which a run has failed.")
-    ] = 600.0,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Output folder; resumes an earlier search.",
-            show_default="runs/falsify-…",
-        ),
-    ] = None,
+    run_timeout_s: RunTimeout = 600.0,
+    out: OwnFolder = None,
     debug: Debug = False,
 ) -> int:
     """Search a scenario for what a controller fails at although a careful driver would not have.

@@ -6,6 +6,7 @@ import os
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -110,11 +111,8 @@ def prepared_estimate(request: EstimateRequest) -> tuple[Subject, str]:
         raise InputError(f"--variation: expected a number above 0 and below 1, got {request.variation:g}")
     if request.budget < FEWEST:
         raise InputError(f"--budget {request.budget}: expected at least {FEWEST} runs")
-    if request.method != "crude":
-        try:
-            import openturns  # noqa: F401
-        except ModuleNotFoundError as error:
-            raise missing(error) from error
+    if request.method != "crude" and find_spec("openturns") is None:
+        raise missing("openturns")
     subject = read_subject(
         request.scenario, request.controller, request.settings, request.space, request.criteria
     )

@@ -221,17 +221,14 @@ class _Rounds:
         )
 
 
-def missing(error: ModuleNotFoundError) -> InputError:
+def missing(package: str) -> InputError:
     """Return an error that says which extra to install."""
-    return InputError(f"{error.name} is not installed; run: pip install optuna cmaes SALib openturns")
+    return InputError(f"{package} is not installed; run: pip install optuna cmaes SALib openturns")
 
 
 def _optuna() -> Any:
-    try:
-        import cmaes  # noqa: F401  which optuna needs for CMA-ES
-        import optuna
-    except ModuleNotFoundError as error:
-        raise missing(error) from error
+    import optuna
+
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     return optuna
 

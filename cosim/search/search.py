@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 
@@ -27,6 +28,8 @@ from cosim.search.subject import Subject, read_subject
 from cosim.search.trials import Trial, Trials, running
 
 TRIALS = "trials"
+NEEDED = ("optuna", "cmaes", "SALib")
+"""Packages of the extra without which a search does not begin."""
 SEED_AXIS = "seed"
 
 Shown = AbstractContextManager[Callable[[Tally], None]]
@@ -146,12 +149,9 @@ class Search:
 
     def _influences(self, even: Sequence[Tried]) -> list[Influence]:
         known = [one for one in even if one.verdict.margin is not None]
-        try:
-            return influences(
-                self.axes, [one.point for one in known], [one.verdict.margin or 0.0 for one in known]
-            )
-        except ModuleNotFoundError as error:
-            raise missing(error) from error
+        return influences(
+            self.axes, [one.point for one in known], [one.verdict.margin or 0.0 for one in known]
+        )
 
     def _search(self, trials: Trials) -> tuple[list[Tried], str]:
         request = self.request
@@ -222,6 +222,9 @@ def prepared(request: FalsifyRequest) -> Search:
     InputError
         One line with what was expected.
     """
+    for name in NEEDED:
+        if find_spec(name) is None:
+            raise missing(name)
     subject = read_subject(
         request.scenario, request.controller, request.settings, request.space, request.criteria
     )

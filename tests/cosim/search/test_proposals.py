@@ -9,6 +9,7 @@ import pytest
 
 from analysis.search.axes import Axis, Point
 from cosim.errors import InputError
+from cosim.search import search as search_module
 from cosim.search.proposals import GENERATION, METHODS, first_generations, propose
 
 AXES = (*(Axis(f"x{number}") for number in range(3)), Axis("side", choices=("left", "right")))
@@ -58,3 +59,12 @@ def test_with_a_slope_the_search_finds_a_small_fault_sooner_than_chance() -> Non
 def test_an_unknown_method_is_refused() -> None:
     with pytest.raises(InputError, match="--method cmaes: did you mean"):
         propose("cmaes", AXES, 1, 100)
+
+
+@pytest.mark.parametrize("package", ["optuna", "cmaes", "SALib"])
+def test_without_the_extra_a_search_does_not_begin(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search_module, "find_spec", lambda name: None if name == package else object())
+    with pytest.raises(
+        InputError, match=rf"^{package} is not installed; run: pip install optuna cmaes SALib"
+    ):
+        search_module.prepared(search_module.FalsifyRequest("jaywalk_arterial", "aeb"))
