@@ -80,9 +80,10 @@ def sentences(study: Study, rows: Mapping[str, Row], fewest: int) -> list[str]:
 def _size(study: Study, fewest: int) -> str:
     seeds = len({run.seed for run in study.runs})
     cells = len(study.conditions)
+    conditions = f"{cells} condition{'s' if cells > 1 else ''}"
     enough = "" if fewest >= ENOUGH else f", fewer than the {ENOUGH} that the whole study aims at"
     return (
-        f"**How much was run.** {len(study.runs)} runs: {cells} conditions, {seeds} "
+        f"**How much was run.** {len(study.runs)} runs: {conditions}, {seeds} "
         f"seed{'s' if seeds > 1 else ''}; the smallest cell has {fewest} encounters{enough}."
     )
 
@@ -112,19 +113,23 @@ def _non_inferior(rows: Mapping[str, Row]) -> str:
 
 
 def _on_the_front(study: Study, rows: Mapping[str, Row]) -> str:
-    best = front(rows)
+    best, differences = front(rows), delays(study, list(rows))
     slower = [
         f"`{label}` {one.difference:+.1f} s"
-        for label, (one, p) in delays(study, list(rows)).items()
+        for label, (one, p) in differences.items()
         if one.difference is not None and p is not None and p < 0.05
     ]
-    told = f"no method's delay differs from that of `{OURS}` beyond chance"
-    if slower:
-        told = f"beyond chance, these differ in delay from `{OURS}`: {', '.join(slower)}"
-    told += " (paired by condition and seed, Holm's correction)"
+    how = " (paired by condition and seed, Holm's correction)"
+    if all(p is None for _, p in differences.values()):
+        told = "one run each is too little to test whether delays differ"
+    elif slower:
+        told = f"beyond chance, these differ in delay from `{OURS}`: {', '.join(slower)}{how}"
+    else:
+        told = f"no method's delay differs from that of `{OURS}` beyond chance{how}"
+    listed = ", ".join(f"`{one}`" for one in best)
     return (
-        f"**Safety against delay.** On the front lie {', '.join(f'`{one}`' for one in best)}; "
-        f"`{OURS}` {'does' if OURS in best else 'does not'}; {told}."
+        f"**Safety against delay.** Beaten by no other method in both: {listed}; "
+        f"`{OURS}` is {'' if OURS in best else 'not '}among them; {told}."
     )
 
 

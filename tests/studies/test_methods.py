@@ -106,7 +106,7 @@ def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
     assert "6 runs" in size
     assert "fewer than the 150" in size
     assert contacts == "**Contacts.** No method touched anybody."
-    assert "On the front lie `aeb`; `vo_mpc` does not" in fronts
+    assert "Beaten by no other method in both: `aeb`; `vo_mpc` is not among them" in fronts
     assert "`aeb` -4.8 s" in fronts
     assert "at least 40 % of the plans (`aeb`); below 50 %: aeb" in acting
     sure = Row("", 1, 1, None, 1000, 0, None, None, 0, 1.0, None, 0, None)

@@ -63,9 +63,12 @@ def test_the_safe_distance_across_grows_with_the_speed_of_who_comes() -> None:
     np.testing.assert_allclose(found, [0.1 + 0.525 + 1.1**2 / 1.6, 0.1])
 
 
-def test_in_danger_the_proper_response_is_the_least_braking_of_the_rules() -> None:
-    answer = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 12.0, 0.0), 10.0))
+def test_in_danger_the_proper_response_is_the_least_braking_of_the_rules_or_what_is_needed() -> None:
+    """From 10 m/s 4 m/s² stop within 12.5 m, less than the 14.75 m that are left; of 6.75 m they do not."""
+    answer = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 16.0, 0.0), 10.0))
     assert (answer.most, answer.applies) == (-4.0, True)
+    late = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 8.0, 0.0), 10.0))
+    assert late.most == pytest.approx(-(10.0**2) / (2.0 * 6.75))
     far = ResponsibilityFilter(RULE).allowed(_facing(Walker(FRONT + 60.0, 0.0), 10.0, wanted=1.0))
     assert far.most > 1.0
 
