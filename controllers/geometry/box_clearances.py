@@ -13,10 +13,10 @@ _CORNERS = np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
 
 
 class Boxes(NamedTuple):
-    """Rectangles in a plane that do not move, n of them; shape (n,) each."""
+    """Rectangles in a plane, n of them; shape (n,) each."""
 
     x: FloatArray
-    """Of the middle [m]."""
+    """Of the middle [m]; shape (K, n) where they move."""
     y: FloatArray
     heading: FloatArray
     """[rad]"""
@@ -46,7 +46,9 @@ def box_clearances(x: FloatArray, y: FloatArray, heading: FloatArray, body: Body
     own, others = _axes(heading), _axes(boxes.heading)
     place = np.stack((x, y), axis=-1)
     middle = place + (body.front - half[0]) * own[..., 0, :]
-    centre = np.column_stack((boxes.x, boxes.y))
+    centre = np.stack((boxes.x, boxes.y), axis=-1)
+    if centre.ndim == 3:
+        centre = centre[:, None]
     between = centre - middle[:, :, None, :]  # (K, m, n, 2)
     # Corners of the others along and across the body, and its own along and across each of the others.
     theirs = between[..., None, :] + (_CORNERS * halves[:, None, :]) @ others

@@ -12,6 +12,7 @@ is a safety net: how seldom it is needed says how good the plans are.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ from controllers.safety.rollout import (
     planned,
     poses,
 )
-from controllers.safety.vehicle_boxes import standing_vehicles
+from controllers.safety.vehicle_boxes import crossing_vehicles, standing_vehicles
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
@@ -54,6 +55,17 @@ WALKING, WALKERS_MARGIN = 0.1, 0.3
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 MILD = 3.0
+
+
+class _Cars(NamedTuple):
+    """Vehicles that the body may not touch."""
+
+    standing: Boxes
+    crossing: Boxes | None
+    """Those that drive across the way, at every instant; ``None`` where they do not count."""
+
+    def any(self) -> bool:
+        return any(boxes is not None and boxes.x.size for boxes in self)
 
 
 @dataclass(slots=True)
@@ -97,13 +109,13 @@ class LastCheck:
         near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
         self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        cars = standing_vehicles(perception)
-        if not len(near) and not len(cars.x):
+        # One that only creeps past somebody does not start: it would stop beside them, and stay there.
+        starts = self._stood or self._out.taken
+        cars = _Cars(standing_vehicles(perception), crossing_vehicles(perception, times) if starts else None)
+        if not len(near) and not cars.any():
             self._out.reset()
             return plan
         walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
-        # One that only creeps past somebody does not start: it would stop beside them, and stay there.
-        starts = self._stood or self._out.taken
         if comes is not None and not starts:  # who stands on a crossing is the plan's business then
             comes = np.where(told.waiting, comes, np.nan)
         people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
@@ -176,14 +188,13 @@ def _joined(some: Discs, others: Discs) -> Discs:
 
 
 def _clearances(
-    perception: Perception, people: Discs, cars: Boxes, path: Course, motion: Motion
+    perception: Perception, people: Discs, cars: _Cars, path: Course, motion: Motion
 ) -> FloatArray:
     """Return the distances to the people, then to the vehicles, shape (K, m, n) [m]."""
     where, body = poses(perception, path, motion), perception.ego.body
     to_people = disc_clearances(*where, body, people.x, people.y, people.radius)
-    if not len(cars.x):
-        return to_people
-    return np.concatenate((to_people, box_clearances(*where, body, cars)), axis=2)
+    to_cars = [box_clearances(*where, body, boxes) for boxes in cars if boxes is not None and boxes.x.size]
+    return np.concatenate((to_people, *to_cars), axis=2) if to_cars else to_people
 
 
 def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArray[np.bool_]:

@@ -34,6 +34,19 @@ def driving_vehicles(perception: Perception) -> Boxes:
     return _boxes(perception, who, DRIVEN_FOR)
 
 
+def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
+    """Return those that drive across the ego's way or towards it, straight on, at K instants [s].
+
+    Whoever drives the ego's way is followed, and does not count.
+    """
+    who = _apart(perception, NEAR) & ~_stand(perception) & ~footprints(perception.vehicles).same_way
+    boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
+    if not shape[1]:
+        return boxes
+    sides = (values.reshape(shape)[0] for values in boxes[2:])
+    return Boxes(boxes.x.reshape(shape), boxes.y.reshape(shape), *sides)
+
+
 def _apart(perception: Perception, most: float) -> NDArray[np.bool_]:
     them, ego = perception.vehicles, perception.ego
     return np.asarray(np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < most)

@@ -9,7 +9,12 @@ import pytest
 
 from controllers.geometry.box_clearances import Boxes
 from controllers.safety.last_check import SHIELDED, LastCheck
-from controllers.safety.vehicle_boxes import DRIVEN_FOR, driving_vehicles, standing_vehicles
+from controllers.safety.vehicle_boxes import (
+    DRIVEN_FOR,
+    crossing_vehicles,
+    driving_vehicles,
+    standing_vehicles,
+)
 from tests.controllers.scenes import FRONT, Car, bend, ego, keeps, perception, straight_road
 
 NOBODY = np.zeros(0, dtype=np.bool_)
@@ -67,3 +72,20 @@ def test_those_who_drive_are_wherever_they_will_be_but_for_the_ones_behind() -> 
     x, y = _extents(driving_vehicles(perception(ego(speed=0.0), cars=[crosses, follows])))
     assert x == pytest.approx((9.1, 10.9))
     assert y == pytest.approx((-6.0 - 2.25, -6.0 + 2.25 + 2.0 * DRIVEN_FOR[-1]))
+
+
+def test_an_ego_that_starts_lets_a_vehicle_pass_that_drives_across_its_way() -> None:
+    """It drives at 3 m/s through the place that the ego gets to in the next seconds."""
+    turned = Car(FRONT + 1.0, -3.0, across_speed=3.0, heading_error=np.pi / 2.0)
+    beyond = Car(FRONT + 1.0, 9.0, across_speed=3.0, heading_error=np.pi / 2.0)
+    leader = Car(FRONT + 3.0 + 4.5, 0.0, along_speed=3.0)
+    for car, status in ((turned, SHIELDED), (beyond, "ok"), (leader, "ok")):
+        seen = perception(ego(speed=0.0), straight_road(2), cars=[car])
+        assert LastCheck().checked(seen, keeps(1.0), NOBODY).status == status
+
+
+def test_vehicles_that_drive_across_are_where_they_will_be() -> None:
+    crosses = Car(10.0, -6.0, across_speed=2.0, heading_error=np.pi / 2.0)
+    found = crossing_vehicles(perception(ego(speed=0.0), cars=[crosses]), np.array([0.0, 1.5]))
+    assert found.x[:, 0] == pytest.approx([10.0, 10.0])
+    assert found.y[1, 0] - found.y[0, 0] == pytest.approx(3.0)
