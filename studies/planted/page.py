@@ -20,6 +20,8 @@ from studies.planted.town import DEFECTS, STREETS, Defect
 TABLE = "## Table"
 BARS = {"found": 0.90, "false_alarms": 0.05}
 """Least share of replications that find the planted crossing; most crossings called worse for nothing."""
+WHOLE = 50
+"""Replications of the whole study."""
 _HEADS = (
     *("planted", "replications", "conflicts per 1000 pedestrians there", "on the others"),
     *("ranks first (95 %)", "median rank", "called worse", "others called worse (95 %)"),
@@ -85,22 +87,26 @@ def _verdict(found: dict[str, list[Replication]]) -> str:
         if not made:
             lines.append(f"- {defect.name}: not run.")
         elif defect.name == "nothing":
-            alarms, others = _alarms(defect, made)
-            met = alarms / others <= BARS["false_alarms"]
-            lines.append(
-                f"- {defect.name}: at most {BARS['false_alarms']:.0%} of crossings called worse: "
-                f"{_word(met)}."
-            )
+            bar = BARS["false_alarms"]
+            word = _decided(*_alarms(defect, made), len(made), at_most=bar)
+            lines.append(f"- {defect.name}: at most {bar:.0%} of crossings called worse: {word}.")
         else:
-            met = bool(np.mean([one.found for one in made]) >= BARS["found"])
-            lines.append(
-                f"- {defect.name}: first in at least {BARS['found']:.0%} of replications: {_word(met)}."
-            )
+            bar = BARS["found"]
+            word = _decided(sum(one.found for one in made), len(made), len(made), at_least=bar)
+            lines.append(f"- {defect.name}: first in at least {bar:.0%} of replications: {word}.")
     return f"A replication is {RUNS} runs. The bars, on the replications above:\n\n" + "\n".join(lines)
 
 
-def _word(met: bool) -> str:
-    return "met" if met else "**missed**"
+def _decided(hits: int, of: int, made: int, at_least: float = 0.0, at_most: float = 1.0) -> str:
+    """Return whether a share keeps its bar; of a part of the study, only where the interval says so."""
+    ends = share_interval(hits, of)
+    share = hits / of
+    low, high = (share, share) if made >= WHOLE or ends is None else (ends.low, ends.high)
+    if low >= at_least and high <= at_most:
+        return "met"
+    if high < at_least or low > at_most:
+        return "**missed**"
+    return f"not decided by {made} of {WHOLE} replications"
 
 
 if __name__ == "__main__":
