@@ -29,7 +29,7 @@ class PedestrianAssumptions:
     """What is assumed of pedestrians whose velocity does not say what they will do."""
 
     resume_speed: float = 1.2
-    """Speed at which somebody who stands on a crossing may walk on [m/s]."""
+    """Speed at which somebody who stands on a crossing, or has stopped in the road, may walk on [m/s]."""
     standing_below: float = 0.2
     """Slower than this is standing [m/s]."""
     yield_to_standing: bool = True
@@ -110,8 +110,8 @@ class Expectation(NamedTuple):
     """Who has stood so long before the waiting ego that it may go first."""
     comes: FloatArray | None
     """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
-    who stand on a crossing and will walk on; for an ego that stands, of those too who have priority and are
-    about to cross. nan for others, ``None`` for nobody [m/s]."""
+    who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
+    too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
 
 
 def expected(
@@ -165,7 +165,7 @@ class _Why(Enum):
     TURNS = auto()
     """Into the road, where pedestrians have priority."""
     COMES = auto()
-    """To the waiting place, or on across the crossing."""
+    """To the waiting place, or on across the crossing or the road."""
 
 
 class _Person(NamedTuple):
@@ -199,8 +199,12 @@ def _movement(
     outside = person.across > road.left_edge + KERB or person.across < road.right_edge - KERB
     if abs(speed) >= (AT_THE_ROADSIDE if outside else assume.standing_below):
         return speed, _Why.GOES_ON
+    if outside or person.name not in watch.heading:
+        return speed, _Why.STAYS
     # Pedestrians who stop on their way across the road go on; those who never walked across it stay there.
-    return speed, _Why.GOES_ON if not outside and person.name in watch.heading else _Why.STAYS
+    if road.right_edge < person.across < road.left_edge:
+        return watch.heading[person.name] * assume.resume_speed, _Why.COMES
+    return speed, _Why.GOES_ON
 
 
 def _to_the_crossing(

@@ -8,6 +8,7 @@ import pytest
 
 from cosim.batches.matrix import build_matrix
 from cosim.batches.study import read_study
+from cosim.cli import main
 from sumo_scenarios import library
 
 SUITES = sorted(Path(__file__).parent.glob("*/*.toml"))
@@ -30,3 +31,9 @@ def test_every_folder_is_in_a_suite() -> None:
     folders = {path.parent.name for path in Path(__file__).parent.glob("*/*/scenario.toml")}
     assert folders == named
     assert folders
+
+
+@pytest.mark.sumo
+def test_what_is_mended_stays_mended(tmp_path: Path) -> None:
+    suite = Path(__file__).parent / "vo_mpc" / "seed-9301.toml"
+    assert main(["check", str(suite), "--out", str(tmp_path / "check")]) == 0

@@ -170,6 +170,21 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_ca
     assert len(_find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
+@pytest.mark.parametrize(("inwards", "expected"), [(1.3, 1), (-1.3, 0)])
+def test_somebody_who_stops_in_the_road_may_walk_on(inwards: float, expected: int) -> None:
+    """Towards the path they are in conflict while they stand beside it, away from it they are not."""
+    watch, road = Watch(), straight_road(3, 1)
+    _find([], perception(road=road, walkers=[Walker(30.0, -3.0, 0.0, inwards)]), watch)
+    stands = [Walker(30.0, -2.5, 0.0, 0.0)]
+    found = _find([], perception(road=road, walkers=stands), watch)
+    assert len(found) == expected
+    assert all(found.across_speed == 1.2)
+    # Somebody who has not been seen to walk, or stands beside the road, stays there.
+    assert len(_find([], perception(road=road, walkers=stands))) == 0
+    beside = [Walker(30.0, road.right_edge - 0.3, 0.0, 0.0)]
+    assert len(_find([], perception(road=road, walkers=beside), watch)) == 0
+
+
 def test_somebody_who_stands_in_the_path_stays_there() -> None:
     found = _find([Walker(25.0, 0.5)])
     assert found.enter[0] == 0.0
