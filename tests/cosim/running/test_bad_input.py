@@ -39,7 +39,7 @@ def town(tmp_path: Path) -> Path:
         (["--controller", "aeb", "--set", "friction=0"], ["expected more than 0"]),
         (
             ["--controller", "sumo", "--set", "solver=osqp"],
-            ["controller 'sumo' has none", "--controller vo_mpc or vo_paper has it"],
+            ["controller 'sumo' has none", "vo_mpc or vo_paper has it"],
         ),
         (["--ego-vehicle", ""], ["id of a vehicle"]),
         (["--ego-share", "nan"], ["at most 1"]),
