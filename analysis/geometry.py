@@ -8,13 +8,11 @@ All arguments broadcast against each other.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from analysis.arrays import FloatArray, IntArray
+
 Number = float | FloatArray
 
-IntArray = NDArray[np.int64]
 
 _BLOCK = 1_000_000
 _SLACK = 1e-6

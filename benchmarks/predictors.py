@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 
+from controllers.arrays import FloatArray
+
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 import sys
@@ -19,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.markdown import table, write_below
-from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.interface import Decision, Perception, Plan
 from controllers.prediction import by_name
 from controllers.prediction.forecast import Predictor
 from cosim.running.compose import compose

@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from controllers.arrays import FloatArray, IntArray
 from controllers.own_part import OwnPart
 from controllers.perception import (
     Body,
@@ -20,8 +21,6 @@ from controllers.perception import (
     Drive,
     EgoState,
     Eyesight,
-    FloatArray,
-    IntArray,
     JunctionFoe,
     Lane,
     Neighbour,

@@ -15,8 +15,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from controllers.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)

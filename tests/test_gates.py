@@ -169,3 +169,33 @@ def test_pytest_treats_a_warning_as_an_error(tmp_path: Path) -> None:
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "UserWarning: old" in result.stdout
+
+
+LONGEST = 80
+"""Lines of a function, with its signature and its docstring."""
+
+
+def too_long(source: str) -> list[str]:
+    """Return the functions of a module that are longer."""
+    return [
+        f"{node.name}: {(node.end_lineno or node.lineno) - node.lineno + 1} lines"
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and (node.end_lineno or node.lineno) - node.lineno >= LONGEST
+    ]
+
+
+def test_a_function_of_one_line_more_is_too_long() -> None:
+    body = "    pass\n" * (LONGEST - 1)
+    assert too_long(f"def ends_in_time():\n{body}") == []
+    assert too_long(f"def goes_on():\n{body}    pass\n") == [f"goes_on: {LONGEST + 1} lines"]
+
+
+@pytest.mark.parametrize("package", [*PACKAGES, "benchmarks", "tests"])
+def test_no_function_is_longer_than_what_is_read_at_a_glance(package: str) -> None:
+    found = {
+        f"{path.relative_to(ROOT)}: {one}"
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for one in too_long(path.read_text("utf-8"))
+    }
+    assert not found

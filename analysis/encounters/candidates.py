@@ -10,16 +10,13 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from analysis.arrays import FloatArray, IntArray
 from analysis.encounters.crossings import Traversal
-from analysis.geometry import FloatArray
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
 from analysis.stretches import stretches
-
-IntArray = NDArray[np.int64]
 
 VEHICLE_SPACING_M, PERSON_SPACING_M = 1.0, 0.5
 """Places of a track that are looked up are so far apart."""

@@ -24,16 +24,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray
 from analysis.encounters.contacts import Contact
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.encounters.line_of_sight import is_visible
-from analysis.geometry import BoolArray, FloatArray, pairs_within, signed_distance, time_to_contact, to_frame
+from analysis.geometry import pairs_within, signed_distance, time_to_contact, to_frame
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 _LOOK_BACK_S = 30.0
 _FORESIGHT_STEP_S = 0.1

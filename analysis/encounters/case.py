@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.careful_driver import Replay, replay_contact
 from analysis.encounters.contacts import Approach, Contact, closest_approaches, find_contacts
 from analysis.encounters.crossings import Traversal, traversals
@@ -17,14 +17,11 @@ from analysis.encounters.prediction import PredictedArea, predict_area
 from analysis.encounters.samples import Samples, gather
 from analysis.encounters.vehicle_conflicts import VehicleConflict, find_vehicle_conflicts
 from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
-from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.ego_steps import EgoSteps, ego_steps
 from analysis.recording.knowledge import Knowledge, knowledge_of
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track, ego_tracks, make_grid, object_tracks
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 Values = Mapping[str, Any]
 """Column name -> one value, or one for each encounter. nan, inf and ``None`` stand for undefined."""

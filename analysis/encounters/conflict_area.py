@@ -12,14 +12,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import BoolArray, FloatArray, pairs_within, signed_distance
+from analysis.arrays import BoolArray, FloatArray, IntArray
+from analysis.geometry import pairs_within, signed_distance
 from analysis.polylines import arc_lengths
 from analysis.recording.tracks import Grid, Track
 from analysis.stretches import stretches
-
-IntArray = NDArray[np.int64]
 
 _POINT_SPACING_M = 0.05
 _POSE_SPACING_M = 0.1

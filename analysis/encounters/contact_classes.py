@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.careful_driver import Replay, eye_of
 from analysis.encounters.contacts import Contact
 from analysis.encounters.line_of_sight import is_visible
 from analysis.encounters.moments import stopping_distance
-from analysis.geometry import FloatArray, signed_distance, to_frame
+from analysis.geometry import signed_distance, to_frame
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
 

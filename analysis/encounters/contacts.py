@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.encounters.samples import IntArray, Samples
-from analysis.geometry import BoolArray, FloatArray, closest_approach, time_to_contact
+from analysis.arrays import BoolArray, FloatArray, IntArray
+from analysis.encounters.samples import Samples
+from analysis.geometry import closest_approach, time_to_contact
 
 
 @dataclass(frozen=True, slots=True)

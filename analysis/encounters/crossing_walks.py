@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.geometry import BoolArray
+from analysis.arrays import BoolArray
 from analysis.recording.reading import Columns
 from analysis.recording.tracks import Grid, Track
 from analysis.stretches import stretches

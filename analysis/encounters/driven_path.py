@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.recording.tracks import Track
 
 _SPACING_M = 0.1

@@ -12,18 +12,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray
 from analysis.encounters.candidates import Meeting, met, waited
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
-from analysis.geometry import BoolArray
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
 from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 _MARGIN_M = 3.0
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from analysis.geometry import BoolArray, FloatArray, to_frame
+from analysis.arrays import BoolArray, FloatArray
+from analysis.geometry import to_frame
 from analysis.recording.tracks import Track
 
 _MARGIN_M = 1e-6

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray
 from analysis.encounters.case import Case
 from analysis.encounters.crossing_walks import at_crossing
 from analysis.encounters.finding import Encounter
-from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.tracks import Track
 from analysis.stretches import stretches
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

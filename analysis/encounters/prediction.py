@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.arrays import BoolArray, FloatArray
 from analysis.encounters.samples import Samples
-from analysis.geometry import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.case import Case
 from analysis.encounters.prediction import required_deceleration
-from analysis.geometry import FloatArray
 
 
 def drac(case: Case, reaction_s: float) -> FloatArray:

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.finding import Encounter, exposed_samples
-from analysis.geometry import BoolArray, FloatArray, clearance, time_to_contact, to_frame
+from analysis.geometry import clearance, time_to_contact, to_frame
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,15 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.vehicle_encroachment import Encroachment, encroachments
-from analysis.geometry import BoolArray, FloatArray, to_frame
+from analysis.geometry import to_frame
 from analysis.recording.levels import Levels
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import DRAC_LIMIT_MPS2, Thresholds
-
-IntArray = NDArray[np.int64]
 
 FOLLOWED, FOLLOWING, BESIDE, ONCOMING, CROSSING = KINDS = (
     "followed",

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M, Places, places_on
-from analysis.geometry import BoolArray, FloatArray, rectangle_separation
+from analysis.geometry import rectangle_separation
 from analysis.recording.levels import Levels
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 _POSE_SPACING_M = 0.25
 

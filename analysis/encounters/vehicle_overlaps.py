@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import FloatArray, gap_along, rectangle_separation
+from analysis.arrays import FloatArray, IntArray
+from analysis.geometry import gap_along, rectangle_separation
 from analysis.recording.levels import Levels
 from analysis.recording.tracks import Grid, Track
-
-IntArray = NDArray[np.int64]
 
 _SEPARATION_S = 2.0
 _TOUCH_M = 1e-6

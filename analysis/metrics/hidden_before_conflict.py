@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.careful_driver import eye_of
 from analysis.encounters.case import Case, Values
 from analysis.encounters.line_of_sight import is_visible
 from analysis.encounters.severity_scale import CONFLICTS, severity_levels
-from analysis.geometry import FloatArray
 from analysis.tables import column
 
 UNIT = "1"

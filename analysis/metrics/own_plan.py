@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.arrays import BoolArray
 from analysis.encounters.case import Case, Values
-from analysis.geometry import BoolArray
 from analysis.tables import column
 
 UNIT = "1"

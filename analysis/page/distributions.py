@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.page.encounters import Encounters
 from analysis.study.design import Study
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S

@@ -11,9 +11,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 
+from analysis.arrays import FloatArray
 from analysis.errors import StudyError
 from analysis.files import as_given
-from analysis.geometry import FloatArray
 from analysis.results.run_tables import ENCOUNTERS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.study.design import Study

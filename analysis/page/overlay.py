@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 
 REFERENCE_LINE = "reference_line_m"
 _BEHIND_M, _SPACING_M = 10.0, 5.0

@@ -15,11 +15,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
-from analysis.encounters.candidates import IntArray
+from analysis.arrays import FloatArray, IntArray
 from analysis.encounters.case import Case, prepare, prepare_traffic
 from analysis.errors import DamageError, RecordingError
 from analysis.files import read_csv, read_json, write_text
-from analysis.geometry import FloatArray
 from analysis.manifest import read_manifest, read_verified
 from analysis.page.overlay import drawings
 from analysis.page.signals import crossing_signals, signal_ahead

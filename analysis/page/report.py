@@ -11,29 +11,15 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from analysis.errors import RecordingError, StudyError
+from analysis.errors import StudyError
 from analysis.files import write_text
 from analysis.page import origin, tables, town
 from analysis.page.distributions import distributions
-from analysis.page.encounters import (
-    OF_EGOS,
-    OF_TRAFFIC,
-    SEVERITIES,
-    Encounters,
-    Found,
-    pick,
-    read_encounters,
-    worst_first,
-)
+from analysis.page.encounters import OF_EGOS, SEVERITIES, Encounters
 from analysis.page.facts import rows_of_tiles
+from analysis.page.listed import Listed, Replayed, choose, line, replay
 from analysis.page.names import DATA, PAGE, REPLAYS
-from analysis.page.replay import (
-    Recording,
-    has_recording,
-    read_recording,
-    read_traffic_recording,
-    write_replays,
-)
+from analysis.page.replay import has_recording
 from analysis.page.terms import definitions, known_measures, linked, terms
 from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
@@ -43,8 +29,6 @@ from analysis.validation.statement import SENTENCE
 
 REAL = "tracks"
 """Controller of recordings of real traffic."""
-OF_EACH = 20
-"""So many of the worst encounters of each configuration are listed, however good it is."""
 
 Say = Callable[[Sequence[Mapping[str, Any]], Mapping[str, Measure]], str]
 """Makes a sentence of the rows of one comparison."""
@@ -108,63 +92,76 @@ def write_report(
     data.mkdir(parents=True, exist_ok=True)
     made = tables.study_tables(study, root, data, folders, baseline)
     screened = town.screening(root, study.runs)
-    listing = OF_EGOS if screened is None and not _without_egos(study) else OF_TRAFFIC
-    found = read_encounters(study, listing)
-    order = worst_first(found)
-    worst = {} if screened is None else town.worst_of_each(found, order)
     criteria = origin.criteria(root)
-    accused = _accused(criteria, root, found)
-    of_places = {row for some in worst.values() for row in some} | {*accused.values()}
-    chosen = of_places | {*pick(order, found, study, rows, OF_EACH)}
-    listed = [found.at(row) for row in order if row in chosen]
-    first = {found.at(row).key for row in of_places}
-    replayed, problems, damaged = _replays(
-        sorted(listed, key=lambda one: one.key not in first),
-        data / REPLAYS,
-        replays,
-        read_recording if listing is OF_EGOS else read_traffic_recording,
-    )
-    lines = origin.run_lines(study, out)
-    blocks, compared = tables.configuration_blocks(made.configs), tables.comparison_blocks(made.comparisons)
-    measured = {line["metric"] for block in (*blocks, *compared) for line in block["lines"]}
-    measured |= known_measures() & {one["metric"] for one in (criteria or {}).get("rows", ())}
-    page = environment().get_template("page.html.jinja")
-    content = page.render(
-        title=title or out.resolve().name,
-        question=_question(study, baseline) if screened is None else _question_of_town(study),
-        answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
-        town=screened,
-        of_egos=listing is OF_EGOS,
-        simulated=any(run.controller != REAL for run in study.runs),
-        validation=SENTENCE,
-        worst={name: [found.at(row) for row in some] for name, some in worst.items()},
-        replayed=replayed,
-        valid=f"{len(found.runs)} of {len(study.runs) + len(origin.failed_runs(root))}",
-        facts=rows_of_tiles(study, found, listing),
-        criteria=criteria,
-        accused={where: found.at(row).key for where, row in accused.items()},
-        failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
-        runs=lines,
-        blocks=blocks,
-        comparisons=compared,
-        seeds_meaning=MEANING,
-        tables_folder=_prefix(origin.relative(made.folder, out)),
-        distributions=distributions(study, found) if screened is None else [],
-        listing=listing,
-        encounters=[_line(one, study, out, replayed, problems) for one in listed],
-        total=len(found),
-        controllers=study.all_labels(),
-        scenarios=sorted({run.scenario_id for run in study.runs}),
-        severities=SEVERITIES,
-        terms=terms(),
-        measured=measured,
-        definitions=definitions(measured if screened is None else ()),
-        made=origin.made_with(study, root),
-        replays=f"{DATA}/{REPLAYS}",
+    listed = choose(study, root, criteria, of_town=screened is not None, rows=rows)
+    replayed = replay(listed, data / REPLAYS, replays)
+    found = listed.found
+    content = (
+        environment()
+        .get_template("page.html.jinja")
+        .render(
+            title=title or out.resolve().name,
+            question=_question(study, baseline) if screened is None else _question_of_town(study),
+            answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
+            town=screened,
+            valid=f"{len(found.runs)} of {len(study.runs) + len(origin.failed_runs(root))}",
+            facts=rows_of_tiles(study, found, listed.table),
+            criteria=criteria,
+            failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
+            tables_folder=_prefix(origin.relative(made.folder, out)),
+            distributions=distributions(study, found) if screened is None else [],
+            replays=f"{DATA}/{REPLAYS}",
+            **_encounters(listed, replayed, study, out),
+            **_measures(made, criteria, of_town=screened is not None),
+            **_origin(study, root, out),
+        )
     )
     path = write_text(out / PAGE, content)
-    missing = sum(not has_recording(one.run.folder) for one in listed)
-    return Written(path, len(replayed), len(listed), missing, study.runs, {**study.unreadable, **damaged})
+    missing = sum(not has_recording(one.run.folder) for one in listed.rows)
+    damaged = {**study.unreadable, **replayed.damaged}
+    return Written(path, len(replayed.keys), len(listed.rows), missing, study.runs, damaged)
+
+
+def _encounters(listed: Listed, replayed: Replayed, study: Study, out: Path) -> dict[str, Any]:
+    """Return what the page shows of encounters."""
+    return {
+        "listing": listed.table,
+        "of_egos": listed.table is OF_EGOS,
+        "encounters": [line(one, study, out, replayed) for one in listed.rows],
+        "total": len(listed.found),
+        "worst": listed.of_crossings,
+        "accused": listed.accused,
+        "replayed": replayed.keys,
+        "severities": SEVERITIES,
+    }
+
+
+def _measures(made: tables.Tables, criteria: Mapping[str, Any] | None, *, of_town: bool) -> dict[str, Any]:
+    """Return what the page shows of configurations and their comparisons, and what the measures mean."""
+    blocks = tables.configuration_blocks(made.configs)
+    compared = tables.comparison_blocks(made.comparisons)
+    measured = {line["metric"] for block in (*blocks, *compared) for line in block["lines"]}
+    measured |= known_measures() & {one["metric"] for one in (criteria or {}).get("rows", ())}
+    return {
+        "blocks": blocks,
+        "comparisons": compared,
+        "seeds_meaning": MEANING,
+        "terms": terms(),
+        "measured": measured,
+        "definitions": definitions(() if of_town else measured),
+    }
+
+
+def _origin(study: Study, root: Path | None, out: Path) -> dict[str, Any]:
+    """Return what the page says of the runs and how they were made."""
+    return {
+        "runs": origin.run_lines(study, out),
+        "controllers": study.all_labels(),
+        "scenarios": sorted({run.scenario_id for run in study.runs}),
+        "simulated": any(run.controller != REAL for run in study.runs),
+        "validation": SENTENCE,
+        "made": origin.made_with(study, root),
+    }
 
 
 def environment() -> Environment:
@@ -237,93 +234,5 @@ def _smallest(found: Encounters, column: str) -> float | None:
     return float(known.min()) if len(known) else None
 
 
-def _replays(
-    listed: Sequence[Found], folder: Path, most: int, read: Callable[[Path], Recording]
-) -> tuple[set[str], dict[str, str], dict[Path, str]]:
-    """Write the replays of the worst encounters that have a recording.
-
-    Return their keys, and what went wrong by key and by run.
-    """
-    for old in folder.glob("*.js") if folder.is_dir() else ():
-        old.unlink()
-    recorded = {path: has_recording(path) for path in {one.run.folder for one in listed}}
-    chosen = [one for one in listed if recorded[one.run.folder]][:most]
-    done: set[str] = set()
-    problems: dict[str, str] = {}
-    damaged: dict[Path, str] = {}
-    for place, group in groupby(
-        sorted(chosen, key=lambda one: str(one.run.folder)), lambda one: one.run.folder
-    ):
-        mine = list(group)
-        try:
-            write_replays(read(place), [(one.number, one.key) for one in mine], folder)
-            done |= {one.key for one in mine}
-        except RecordingError as error:
-            problems |= {one.key: str(error) for one in mine}
-            damaged[place] = str(error)
-    return done, problems, damaged
-
-
-def _accused(
-    criteria: Mapping[str, Any] | None, root: Path | None, found: Encounters
-) -> dict[tuple[str, int], int]:
-    """Return the encounters that failed criteria are about: run and number of criteria.csv, to row."""
-    rows = [] if criteria is None else [one for one in criteria["rows"] if one["status"] == "fail"]
-    wanted = {(one["run"], one["encounter_id"]) for one in rows if one["run"] and one["encounter_id"]}
-    if root is None or not wanted:
-        return {}
-    places = {
-        (run.folder.resolve(), int(number)): row
-        for row, (owner, number) in enumerate(zip(found.owner, found.numbers["encounter_id"], strict=True))
-        for run in (found.runs[int(owner)],)
-    }
-    known = {one: places.get(((root / one[0]).resolve(), one[1])) for one in sorted(wanted)}
-    return {one: row for one, row in known.items() if row is not None}
-
-
-def _line(
-    one: Found, study: Study, out: Path, replayed: set[str], problems: Mapping[str, str]
-) -> dict[str, Any]:
-    """Return one row of the table of encounters."""
-    run = one.run
-    condition = next(found for found in study.conditions if found.condition_id == run.condition_id)
-    if one.key in replayed:
-        state = "replay"
-    elif one.key in problems:
-        state = "broken"
-    else:
-        state = "more" if has_recording(run.folder) else "unrecorded"
-    return {
-        **one.values,
-        "key": one.key,
-        "rank": SEVERITIES.index(one.values["severity"]),
-        "label": study.label(run),
-        "scenario": run.scenario_id,
-        "condition": condition.text,
-        "seed": run.seed,
-        "run_id": run.run_id,
-        "folder": relative_name(run.folder, out),
-        "number": one.number,
-        "contact": one.contact,
-        "moment_s": one.moment_s,
-        "state": state,
-        "problem": problems.get(one.key, ""),
-    }
-
-
-def _without_egos(study: Study) -> bool:
-    """Return whether everybody was recorded and nobody is an ego, so that the traffic is what was judged."""
-    valid = [run for run in study.runs if run.valid]
-    return bool(valid) and all(
-        not run.numbers.get("ego_count") and (run.folder / OF_TRAFFIC.file).is_file() for run in valid
-    )
-
-
 def _prefix(folder: str) -> str:
     return "" if folder == "." else f"{folder}/"
-
-
-def relative_name(folder: Path, out: Path) -> str:
-    """Return a run folder as seen from the report; ``this folder`` for the report's own."""
-    name = origin.relative(folder, out)
-    return "this folder" if name == "." else name

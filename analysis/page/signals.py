@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 
 KEPT_S = 2.0
 """A crossing's light is that of the pedestrians there; without any, the last one stays so long [s]."""

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import RecordingError
-from analysis.geometry import FloatArray
 from analysis.page.encounters import Encounters
 from analysis.page.tables import read_rows
 from analysis.recording.reading import Area, read_map

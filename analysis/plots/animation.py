@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.figure import Figure
 
+from analysis.arrays import FloatArray
 from analysis.errors import AnalysisError
-from analysis.geometry import FloatArray
 from analysis.plots.ground import EGO, PERSON, PLAN, VEHICLE, draw_ground, limits, rectangle
 from analysis.plots.plans import PlannedPath, read_plans
 from analysis.plots.scene import Scene

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.recording.reading import Area
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.

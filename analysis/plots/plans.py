@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.recording.opening import opened_table
 
 

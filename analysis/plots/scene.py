@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.case import Case
 from analysis.encounters.finding import Encounter
 from analysis.errors import AnalysisError
-from analysis.geometry import FloatArray
 from analysis.recording.tracks import Track
 
 

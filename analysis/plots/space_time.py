@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.plots.ground import EGO, PERSON
 from analysis.plots.scene import Piece, Scene
 

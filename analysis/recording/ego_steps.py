@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.geometry import BoolArray, FloatArray
+from analysis.arrays import BoolArray, FloatArray
 from analysis.recording.reading import RecordedRun
 
 _LONGEST_GAP_STEPS = 2.5

@@ -6,11 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import BoolArray
-
-IntArray = NDArray[np.int64]
+from analysis.arrays import BoolArray, IntArray
 
 
 @dataclass(frozen=True, slots=True)

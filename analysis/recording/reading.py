@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.errors import DamageError, RecordingError
 from analysis.files import read_json
-from analysis.geometry import BoolArray, FloatArray
 from analysis.recording.columns import (
     EGOS,
     NEIGHBOURS,
@@ -27,8 +26,6 @@ from analysis.recording.columns import (
 from analysis.recording.extent import EVERYBODY
 from analysis.recording.levels import Levels, levels_of
 from analysis.recording.opening import opened_table
-
-IntArray = NDArray[np.int64]
 
 _NEEDED_META = ("run_id", "scenario_id", "config_id", "controller", "seed", "step_s")
 _FACTS = ("on_foot", "lanes", "speed_limit_mps", "refuge", "longitude_deg", "latitude_deg")

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.errors import AnalysisError
 from analysis.files import completing, write_csv
-from analysis.geometry import FloatArray
 from analysis.recording.reading import Columns, RecordedRun, read_run
 from analysis.sealing import seal
 

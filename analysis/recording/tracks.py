@@ -12,14 +12,11 @@ from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import BoolArray, FloatArray
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.polylines import arc_lengths
 from analysis.recording.reading import Columns, RecordedRun
 from analysis.thresholds import Thresholds
-
-IntArray = NDArray[np.int64]
 
 _JUMP_M = 2.0
 _PERSON_SPEED_MPS = 12.0

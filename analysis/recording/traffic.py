@@ -10,13 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray, IntArray
 from analysis.recording.columns import EGOS, TRAFFIC, RecordedTable
 from analysis.recording.reading import Columns, RecordedRun, Texts, read_table
-
-IntArray = NDArray[np.int64]
 
 
 def has_traffic(folder: Path) -> bool:

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.case import Case
 from analysis.encounters.crossing_walks import CrossingWalk, at_crossing, delay, walks
-from analysis.geometry import FloatArray
 from analysis.polylines import arc_lengths
 from analysis.recording.reading import Area
 from analysis.results.origin import CONFIGURATION, IDENTITY, Origin

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import false_discovery_control, ttest_1samp
 
+from analysis.arrays import BoolArray, FloatArray
 from analysis.errors import StudyError
-from analysis.geometry import BoolArray, FloatArray
 from analysis.screening.counts import Counts
 from analysis.statistics.intervals import LEVEL
 from analysis.statistics.ratios import contributions

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv
-from analysis.geometry import FloatArray
 from analysis.results.exposure_rows import BICYCLE, EXPOSURE
 from analysis.results.run_tables import RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS

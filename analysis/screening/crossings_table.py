@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.encounters.hcm import level_of_service
-from analysis.geometry import FloatArray
 from analysis.screening.counts import Counts
 from analysis.screening.ranking import Ranking
 from analysis.screening.reasons import reasons

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import false_discovery_control, rankdata, ttest_1samp
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.screening.shrinkage import Prior, expected, fit
 from analysis.statistics.ratios import contributions
 

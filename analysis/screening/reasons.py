@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 
 MORE, LONGER = 1.5, 1.3
 """A volume, or a length, so many times the median is named."""

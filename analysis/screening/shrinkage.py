@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import nbinom
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 
 LEAST_DISPERSION, MOST_DISPERSION = 1e-4, 1e2
 START = 0.5

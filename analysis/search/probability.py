@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.statistics.intervals import share_interval
 
 METHODS = ("crude", "subset", "importance")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from statsmodels.stats.rates import confint_poisson
 
-FloatArray = NDArray[np.float64]
+from analysis.arrays import FloatArray
 
 LEVEL = 0.95
 BOOTSTRAP_SEED = 20250101

@@ -10,7 +10,8 @@ from scipy import stats
 from statsmodels.stats.contingency_tables import mcnemar
 from statsmodels.stats.multitest import multipletests
 
-from analysis.statistics.intervals import LEVEL, FloatArray, Interval, all_equal, mean_interval
+from analysis.arrays import FloatArray
+from analysis.statistics.intervals import LEVEL, Interval, all_equal, mean_interval
 
 SKEWED = 1.0
 """Absolute sample skewness of the differences from which ranks are tested instead of their mean."""

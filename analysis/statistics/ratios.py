@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.statistics.intervals import FloatArray
+from analysis.arrays import FloatArray
 
 
 def contributions(numerators: FloatArray, denominators: FloatArray) -> FloatArray:

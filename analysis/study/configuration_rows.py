@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.results.measures import Measure, encounter_measures, run_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.statistics.intervals import (
-    FloatArray,
     Interval,
     all_equal,
     mean_interval,

@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pa_csv
 
+from analysis.arrays import FloatArray
 from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv_rows
@@ -17,7 +18,6 @@ from analysis.manifest import read_verified
 from analysis.results.measures import encounter_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
-from analysis.statistics.intervals import FloatArray
 from analysis.tables.column import Table
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 

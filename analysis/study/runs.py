@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from analysis.arrays import FloatArray
 from analysis.errors import AnalysisError, StudyError
 from analysis.files import PART, read_json
 from analysis.manifest import MANIFEST, make_again
 from analysis.results.measures import is_wall_clock
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.sealing import damages
-from analysis.statistics.intervals import FloatArray
 from analysis.study.run_numbers import numbers_in, read_cells, table_text, tallies_and_samples
 
 STUDY_FILE = "study.toml"

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from analysis.arrays import BoolArray
 from analysis.errors import RecordingError
-
-BoolArray = NDArray[np.bool_]
 
 CLASSES: Mapping[str, tuple[str, ...]] = {
     "pedestrian": ("pedestrian", "ped", "person", "walker", "adult", "child"),

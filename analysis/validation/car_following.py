@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.validation.estimate import Estimate, median
 from analysis.validation.observed import Observed
 from analysis.validation.quantities import headways

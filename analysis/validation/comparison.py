@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
-FloatArray = NDArray[np.float64]
+from analysis.arrays import FloatArray
 
 RESAMPLES = 1999
 SEED = 20250101

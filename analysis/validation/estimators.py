@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.validation.car_following import car_following
 from analysis.validation.estimate import Estimate, mean, spread
 from analysis.validation.gap_acceptance import critical_gap, gaps

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from statsmodels.tools.sm_exceptions import PerfectSeparationError, PerfectSeparationWarning
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.recording.reading import Area
 from analysis.stretches import stretches
 from analysis.validation.estimate import Estimate, undefined

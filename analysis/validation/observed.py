@@ -8,16 +8,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import shapely
-from numpy.typing import NDArray
 
+from analysis.arrays import FloatArray
 from analysis.errors import RecordingError
 from analysis.files import read_csv, read_json
 from analysis.manifest import read_verified
 from analysis.recording.columns import TRAFFIC
 from analysis.recording.reading import Area, read_map
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
-
-FloatArray = NDArray[np.float64]
 
 _COLUMNS = (
     "time_s",

@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.stretches import stretches
 from analysis.validation.observed import Observed
 
-FloatArray = NDArray[np.float64]
 Values = pd.Series
 """Indexed by road user."""
 

@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Body, FloatArray, Perception, RoadAhead
+from controllers.interface import Body, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
 """Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import Crossing, CrossingKind, FloatArray, Perception, RoadAhead
+from controllers.arrays import FloatArray
+from controllers.interface import Crossing, CrossingKind, Perception, RoadAhead
 from controllers.prediction.forecast import Forecast
 
 THERE = 0.3

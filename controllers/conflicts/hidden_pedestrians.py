@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.geometry.plane import to_plane
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 
 RADIUS = 0.25
 """Of a hidden pedestrian [m]."""

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from controllers.arrays import FloatArray, IntArray
 from controllers.conflicts.band_overlap import sampled_overlap, speed_across, straight_overlap
 from controllers.conflicts.expected_behaviour import (
     OCCUPIED,
@@ -18,7 +19,7 @@ from controllers.conflicts.expected_behaviour import (
     Watch,
     expected,
 )
-from controllers.interface import FloatArray, IntArray, Pedestrians, Perception
+from controllers.interface import Pedestrians, Perception
 from controllers.prediction.forecast import Forecast
 
 STRAIGHT_ON = 3.0

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import ROAD_MARGIN, Conflict, Outlook, stopping_place
 from controllers.drivable_area.reaction_space import arc_radius, arc_side
-from controllers.interface import FloatArray, RoadAhead
+from controllers.interface import RoadAhead
 
 
 def in_reaction_space(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.conflict import Conflict, boxes, walkers
@@ -24,7 +25,7 @@ from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.driving import lane_keeping
 from controllers.driving.following import limit_now
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 
 CREEPING = 2.0
 """A car slower than this may speed up to it to get past [m/s]."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import Body, FloatArray
+from controllers.arrays import FloatArray
+from controllers.interface import Body
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray, IntArray
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts, find
 from controllers.drivable_area.clearances import Boxes, Shape
 from controllers.geometry.footprints import footprints
-from controllers.interface import FloatArray, IntArray, Perception
+from controllers.interface import Perception
 from controllers.prediction.social_force_model import Walkers
 
 SHIFTING = 1.3

@@ -7,9 +7,9 @@ from enum import StrEnum
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.motions import POINTS, arc_lengths
 from controllers.drivable_area.quintic_path import QuinticPaths, curvature
-from controllers.interface import FloatArray
 
 PAPER_GRAVITY = 9.8
 """As the paper's safety coefficient has it [m/s^2]."""

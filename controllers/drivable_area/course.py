@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.braking_profile import SmoothBraking
 from controllers.drivable_area.motions import arc_lengths
 from controllers.drivable_area.quintic_path import QuinticPaths
 from controllers.driving import lane_keeping
-from controllers.interface import EgoState, FloatArray, Perception
+from controllers.interface import EgoState, Perception
 
 SPEED_GAIN = 1.0
 """What an error of the speed asks for [1/s]."""

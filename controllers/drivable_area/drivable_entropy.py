@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 
 class EntropyMode(StrEnum):

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.braking_profile import (
     SmoothBraking,
     longest_duration,
@@ -24,7 +25,6 @@ from controllers.drivable_area.meetings import Meetings, meetings
 from controllers.drivable_area.motions import Motions, motions
 from controllers.drivable_area.quintic_path import PathStart, QuinticPaths, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.interface import FloatArray
 from controllers.prediction.social_force_model import SocialForceModel, Walkers
 
 STANDING = 0.1

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.clearances import Shape
 from controllers.drivable_area.drivable_entropy import EntropyMode, entropy_cost
 from controllers.drivable_area.motions import Motions
 from controllers.drivable_area.reaction_space import arc_radius, arc_side, space_area
-from controllers.interface import FloatArray
 from controllers.prediction.social_force_model import CarOutline, SocialForceModel, Walkers, aims_of
 
 PLACE = 0.25

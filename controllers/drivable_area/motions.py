@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.braking_profile import SmoothBraking
 from controllers.drivable_area.quintic_path import QuinticPaths, curvature
-from controllers.interface import FloatArray
 
 POINTS = 101
 """Points along a path at which its length is summed up."""

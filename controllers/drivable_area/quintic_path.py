@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 
 def curvature(slope: FloatArray, bend: FloatArray) -> FloatArray:

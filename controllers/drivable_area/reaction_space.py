@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 GRAVITY = 9.80665
 

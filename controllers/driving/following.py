@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import Leader, neighbours_ahead, standing_places
 from controllers.driving.right_of_way import RightOfWay
-from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+from controllers.interface import EgoState, Perception, RoadAhead
 
 SPEED_LIMIT = "speed limit"
 BEND = "bend"

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from controllers.interface import Crossing, FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Crossing, Perception
 
 STANDS_FOR = 1.0
 """Who would stand on a crossing for longer than this stops before it [s]."""

@@ -13,7 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+from controllers.arrays import FloatArray
+from controllers.interface import EgoState, Perception, RoadAhead
 
 STEP = 0.05
 """Spacing of the steering sequence [s]."""

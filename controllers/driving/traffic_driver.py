@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
 from controllers.driving.lanes.lane_choice import LaneChoice
-from controllers.interface import Decision, FloatArray, Manoeuvre, Perception
+from controllers.interface import Decision, Manoeuvre, Perception
 
 PAUSING = -3.0
 """Deceleration while somebody goes past a lane change that has begun [m/s^2]."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import BoolArray, FloatArray, IntArray
 from controllers.geometry.footprints import Footprints, footprints
-from controllers.interface import FloatArray, IntArray, Perception, Vehicles
-
-BoolArray = NDArray[np.bool_]
+from controllers.interface import Perception, Vehicles
 
 HARD_BRAKING = 8.0
 """Assumed of a vehicle ahead for ``rest`` [m/s^2]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.interface import FloatArray, IntArray
+from controllers.arrays import FloatArray, IntArray
 
 
 def disc_contact_times(

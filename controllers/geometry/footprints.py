@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray, Vehicles
+from controllers.arrays import FloatArray
+from controllers.interface import Vehicles
 
 ALONG_THE_LANE = np.deg2rad(60.0)
 """Vehicles whose heading differs by less drive along the ego's lane; others cross it or come towards it."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.geometry.footprints import footprints
-from controllers.interface import Body, FloatArray, Vehicles
+from controllers.interface import Body, Vehicles
 
 
 def disc_clearances(

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, Pedestrians, RoadAhead, Vehicles
+from controllers.arrays import FloatArray
+from controllers.interface import EgoState, Pedestrians, RoadAhead, Vehicles
 
 
 def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem
-
-FloatArray = NDArray[np.float64]
 
 FEASIBLE = 1e-3
 """Largest violation of a row or bound that a solution may have, in the row's own unit."""

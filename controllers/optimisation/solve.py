@@ -9,15 +9,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import qpsolvers
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solution import Rows, Solution, certify, unsolved
 from controllers.optimisation.warm_osqp import WARM_OSQP, Workspace
-
-FloatArray = NDArray[np.float64]
 
 OSQP = "osqp"
 REFINED = 4

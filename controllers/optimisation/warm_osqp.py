@@ -14,8 +14,7 @@ import qpsolvers
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from controllers.arrays import BoolArray, FloatArray
 
 WARM_OSQP = "osqp_warm"
 """Name under which the workspace is registered with qpsolvers; users say ``osqp``."""

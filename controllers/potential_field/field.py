@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 NEAREST_EDGE = 0.05
 """Nearer to an edge, or beyond it, its push grows no more [m]."""

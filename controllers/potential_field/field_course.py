@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import BoolArray, FloatArray
 from controllers.driving import lane_keeping
 from controllers.driving.following import limit_now
 from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.geometry.path_clearance import beyond_edges, disc_clearances, vehicles_met
-from controllers.interface import Decision, FloatArray, Pedestrians, Perception
+from controllers.interface import Decision, Pedestrians, Perception
 from controllers.potential_field.field import Field
 from controllers.potential_field.field_guidance import Drives, Guidance, drive
 from controllers.potential_field.road_field import (
@@ -26,7 +27,6 @@ from controllers.potential_field.road_field import (
 )
 from controllers.prediction.forecast import Forecast, Predictor
 
-Flags = NDArray[np.bool_]
 WALKING = 0.2
 """A slower pedestrian stands [m/s]."""
 STEP = 0.1
@@ -178,7 +178,7 @@ class CourseFinder:
 
     def _hits(
         self, perception: Perception, forecast: Forecast, drives: Drives, more: float = 0.0
-    ) -> tuple[Flags, Flags]:
+    ) -> tuple[BoolArray, BoolArray]:
         """Say when on which drive whom it comes too near to, shape (K, m, n), and whom to stop for, (K, n).
 
         The ego does not stop for pedestrians standing beside the way, wherever the predictor expects them to
@@ -310,7 +310,7 @@ def _speeds(perception: Perception, acceleration: float, instants: FloatArray) -
     return np.clip(speed + acceleration * lasting, 0.0, highest)
 
 
-def _stop(perception: Perception, forecast: Forecast, hits: Flags) -> tuple[float | None, int]:
+def _stop(perception: Perception, forecast: Forecast, hits: BoolArray) -> tuple[float | None, int]:
     """Return how far the ego may drive to stop before whom it meets first, and who that is.
 
     Parameters

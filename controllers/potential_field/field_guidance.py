@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, RoadAhead
+from controllers.arrays import FloatArray
+from controllers.interface import EgoState, RoadAhead
 from controllers.potential_field.field import Field
 
 TURNED_OVER = 0.5

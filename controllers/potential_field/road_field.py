@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 from controllers.potential_field.field import (
     Field,
     Gains,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 from controllers.prediction.forecast import Forecast, Predictor
 
 

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 ANGLES: Final = np.deg2rad(np.arange(30.0, 151.0))
 """The alternatives [rad]."""

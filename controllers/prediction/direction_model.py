@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 from controllers.prediction.direction_choice import WALKING_SPEED, DirectionModel, Errand, velocity
 from controllers.prediction.forecast import Forecast, Predictor
 

@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 
 
 @dataclass(frozen=True, slots=True)

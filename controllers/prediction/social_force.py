@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import EgoState, Perception
 from controllers.prediction.forecast import Forecast, Predictor
 from controllers.prediction.social_force_model import CarOutline, SocialForceModel, Walkers, aims_of
 

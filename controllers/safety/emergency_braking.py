@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.geometry.contact_times import box_contact_times, disc_contact_times, sampled_contact_times
-from controllers.interface import Drive, EgoState, FloatArray, Perception
+from controllers.interface import Drive, EgoState, Perception
 from controllers.prediction.forecast import Forecast, Predictor
 
 GRAVITY = 9.80665

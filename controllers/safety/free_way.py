@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.geometry.plane import to_plane
-from controllers.interface import EgoState, FloatArray, Perception, RoadAhead
+from controllers.interface import EgoState, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
 """Length of an arc, and of the way that is looked for [m]."""

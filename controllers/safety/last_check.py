@@ -17,10 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.driving.standing import STANDING
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Command, FloatArray, Perception, Plan
+from controllers.interface import Command, Perception, Plan
 from controllers.prediction.forecast import Forecast
 from controllers.safety.pedestrian_discs import Discs, discs
 from controllers.safety.rollout import (

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.geometry.plane import people_in_plane, to_plane
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 from controllers.prediction.forecast import Forecast
 
 

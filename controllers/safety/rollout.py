@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.geometry.plane import to_plane
-from controllers.interface import FloatArray, Perception, Plan
+from controllers.interface import Perception, Plan
 
 LAG = 0.35
 """Time constant with which a braking command takes hold, the ramp of the command included [s]."""

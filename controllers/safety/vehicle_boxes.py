@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes
 from controllers.geometry.footprints import footprints
 from controllers.geometry.plane import vehicles_in_plane
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 
 STANDING = 0.5
 """Slower ones stand [m/s]."""

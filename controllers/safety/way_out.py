@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.driving.standing import STANDING
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Command, FloatArray, Perception, constant_command
+from controllers.interface import Command, Perception, constant_command
 from controllers.safety import free_way
 from controllers.safety.free_way import Obstacles
 from controllers.safety.pedestrian_discs import Discs

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from controllers.interface import EgoState, FloatArray
+from controllers.arrays import FloatArray
+from controllers.interface import EgoState
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,22 +11,13 @@ from enum import StrEnum
 
 import numpy as np
 
+from controllers.arrays import FloatArray, IntArray
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import BEND, SPEED_LIMIT, limit_now
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import (
-    Command,
-    Decision,
-    EgoState,
-    FloatArray,
-    IntArray,
-    Neighbour,
-    NeighbourGaps,
-    Perception,
-    Plan,
-)
+from controllers.interface import Command, Decision, EgoState, Neighbour, NeighbourGaps, Perception, Plan
 from controllers.own_part import OwnPart
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking

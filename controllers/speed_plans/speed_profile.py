@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

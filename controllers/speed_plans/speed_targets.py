@@ -13,12 +13,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts import path_conflicts
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import neighbours_ahead
-from controllers.interface import FloatArray, Pedestrians, Perception, Vehicles
+from controllers.interface import Pedestrians, Perception, Vehicles
 from controllers.prediction.forecast import Forecast, Predictor
 
 FORECAST_SPACING = 0.25

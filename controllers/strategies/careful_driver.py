@@ -11,17 +11,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import BoolArray, FloatArray
 from controllers.driving.lane_keeping import instants
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.geometry.contact_times import disc_contact_times
-from controllers.interface import Command, Controller, Decision, EgoState, FloatArray, Perception, Plan
+from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.own_part import OwnPart, differ
 from controllers.settings import ControllerSettings, NotNegative, Positive
-
-BoolArray = NDArray[np.bool_]
 
 GRAVITY = 9.80665
 START_SPEED = 2.0

@@ -16,6 +16,7 @@ from typing import Annotated, Final
 import numpy as np
 from pydantic import Field, model_validator
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.drivable_area.activation import in_reaction_space
@@ -32,16 +33,7 @@ from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import (
-    Command,
-    Controller,
-    Decision,
-    EgoState,
-    FloatArray,
-    Pedestrians,
-    Perception,
-    Plan,
-)
+from controllers.interface import Command, Controller, Decision, EgoState, Pedestrians, Perception, Plan
 from controllers.own_part import ANGLE, IDLE, OwnPart, differ
 from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative

@@ -15,19 +15,12 @@ from typing import Annotated, Final, Literal
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import (
-    Command,
-    Controller,
-    Decision,
-    EgoState,
-    FloatArray,
-    Perception,
-    Plan,
-)
+from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.own_part import ANGLE, OwnPart, differ
 from controllers.potential_field.field import Gains
 from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow, with_only

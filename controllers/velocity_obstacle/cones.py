@@ -12,9 +12,8 @@ from __future__ import annotations
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from controllers.arrays import FloatArray
 
 
 class Cone(StrEnum):

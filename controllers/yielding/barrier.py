@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import FloatArray, Solves
+from controllers.arrays import FloatArray
+from controllers.interface import Solves
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, solve

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.yielding.facing import Facing
 
 LEAST_DEVIATION = 0.05

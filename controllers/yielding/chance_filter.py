@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.following import limit_now
-from controllers.interface import FloatArray, Solves
+from controllers.interface import Solves
 from controllers.optimisation.settings import SolverSettings
 from controllers.yielding.chance import Tightening, WalkingUncertainty, tightening
 from controllers.yielding.chance_program import ChancePlan, ChanceProgram

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, solve

@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts, find
-from controllers.interface import Decision, FloatArray, Perception, Solves
+from controllers.interface import Decision, Perception, Solves
 
 HORIZON = 8.0
 """Pedestrians who come into the way later do not matter yet [s]."""

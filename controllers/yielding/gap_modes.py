@@ -7,8 +7,8 @@ from enum import StrEnum
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.following import limit_now
-from controllers.interface import FloatArray
 from controllers.yielding.facing import Answer, Facing
 
 

@@ -64,12 +64,9 @@ def run(
         Time that is recorded after the warm-up, and length of a step [s]; not given: as the scenario says.
     actuation
         ``hybrid`` or ``move``; not given: as the scenario says.
-    ego_route
-        Edges of an ego of its own.
-    ego_vehicle
-        Id of a vehicle of the demand that is to be the ego.
-    ego_share
-        Share of the passenger cars that are to be egos.
+    ego_route, ego_vehicle, ego_share
+        Edges of an ego of its own; id of a vehicle of the demand that is to be the ego; share of the
+        passenger cars that are to be egos.
     sensing
         Name of a sensing model; not given: as the scenario says.
     record
@@ -91,24 +88,30 @@ def run(
     SimulationError
         If this process runs a simulation already.
     """
-    try:
-        chosen = given(controller)
-    except TypeError as error:
-        raise InputError(str(error)) from error
-    route = ego_route.split() if isinstance(ego_route, str) else ego_route
     request = RunRequest(
         scenario=str(scenario),
-        controller=chosen,
+        controller=_given(controller),
         seed=int(seed),
         settings={key: as_text(value) for key, value in parameters.items()},
-        duration_s=None if duration_s is None else float(duration_s),
-        step_s=None if step_s is None else float(step_s),
+        duration_s=_number(duration_s),
+        step_s=_number(step_s),
         actuation=actuation,
-        ego_route=tuple(route),
+        ego_route=tuple(ego_route.split() if isinstance(ego_route, str) else ego_route),
         ego_vehicle=ego_vehicle,
-        ego_share=None if ego_share is None else float(ego_share),
+        ego_share=_number(ego_share),
         sensing=sensing,
         record=record,
         out=None if out is None else Path(out),
     )
     return Run(execute(request, progress).folder)
+
+
+def _given(controller: ControllerLike) -> str | Given:
+    try:
+        return given(controller)
+    except TypeError as error:
+        raise InputError(str(error)) from error
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)

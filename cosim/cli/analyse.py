@@ -51,12 +51,8 @@ def analyse(
     Exit codes: 0 success, 2 a folder, a file of tracks or a threshold is wrong (other folders are analysed).
     """
     from analysis.errors import AnalysisError
-    from analysis.recording.ssam import export_ssam
-    from analysis.results.analyse import analyse_run
     from analysis.thresholds import with_settings
     from cosim.errors import InputError
-    from cosim.presentation.notes import unverified
-    from cosim.presentation.numbers import read_row, run_table
     from cosim.running.request import parse_settings
 
     try:
@@ -68,6 +64,16 @@ def analyse(
     for flag, given in (("--out", out), ("--crs", crs), ("--bodies", bodies)):
         if given is not None:
             raise InputError(f"{flag} belongs to tracks of real road users: expected --network, too")
+    return _analyse_runs(folders, thresholds, ssam, xlsx)
+
+
+def _analyse_runs(folders: list[Path], thresholds: Thresholds, ssam: bool, xlsx: bool) -> int:
+    from analysis.errors import AnalysisError
+    from analysis.recording.ssam import export_ssam
+    from analysis.results.analyse import analyse_run
+    from cosim.presentation.notes import unverified
+    from cosim.presentation.numbers import read_row, run_table
+
     console = terminal.console()
     failed: list[Path] = []
     for note in unverified(folder for folder in folders if (folder / "run.json").is_file()):

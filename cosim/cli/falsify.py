@@ -16,31 +16,37 @@ if TYPE_CHECKING:
 MOST_KINDS = 12
 """Kinds that are printed."""
 
+Budget = Annotated[int, typer.Option(metavar="N", min=1, help="Number of trials.")]
+Method = Annotated[str, typer.Option(metavar="NAME", help="cma-es, tpe, sobol, random or nsga-ii.")]
+Seed = Annotated[int, typer.Option(metavar="N", help="Seed of the search and of its runs.")]
+TimeBudget = Annotated[
+    float | None, typer.Option(metavar="S", min=0, help="Begin no generation after so many seconds.")
+]
+StopAtFirst = Annotated[
+    bool, typer.Option("--stop-at-first", help="Stop after the generation with the first failure.")
+]
+Shrink = Annotated[
+    bool, typer.Option("--shrink/--no-shrink", help="Find the smallest change back to success.")
+]
+Report = Annotated[
+    bool, typer.Option("--report/--no-report", help="Write report.html with a replay of each kind.")
+]
+
 
 def falsify(
     scenario: Searched,
     controller: ControllerName = "vo_mpc",
-    budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of trials.")] = 200,
-    method: Annotated[
-        str, typer.Option(metavar="NAME", help="cma-es, tpe, sobol, random or nsga-ii.")
-    ] = "cma-es",
-    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the search and of its runs.")] = 1,
+    budget: Budget = 200,
+    method: Method = "cma-es",
+    seed: Seed = 1,
     space: Space = None,
     criteria: CriteriaFile = None,
     settings: Settings = None,
     jobs: Jobs = None,
-    time_budget: Annotated[
-        float | None, typer.Option(metavar="S", min=0, help="Begin no generation after so many seconds.")
-    ] = None,
-    stop_at_first: Annotated[
-        bool, typer.Option("--stop-at-first", help="Stop after the generation with the first failure.")
-    ] = False,
-    shrink: Annotated[
-        bool, typer.Option("--shrink/--no-shrink", help="Find the smallest change back to success.")
-    ] = True,
-    report: Annotated[
-        bool, typer.Option("--report/--no-report", help="Write report.html with a replay of each kind.")
-    ] = True,
+    time_budget: TimeBudget = None,
+    stop_at_first: StopAtFirst = False,
+    shrink: Shrink = True,
+    report: Report = True,
     run_timeout_s: RunTimeout = 600.0,
     out: OwnFolder = None,
     debug: Debug = False,

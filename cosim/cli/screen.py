@@ -20,54 +20,64 @@ if TYPE_CHECKING:
 
 LEAST_PEDESTRIANS = 30
 
+Town = Annotated[
+    str, typer.Argument(metavar="TOWN", help="SUMO configuration, or a scenario's name or folder.")
+]
+Seeds = Annotated[str, typer.Option(metavar="SEEDS", help='Seeds, such as "1-10" or "1, 2, 5".')]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Output folder; resumes an earlier screening.",
+        show_default="runs/screen-<TOWN>",
+    ),
+]
+Begin = Annotated[
+    str | None,
+    typer.Option(
+        "--from",
+        metavar="TIME",
+        help="Count from this simulated time on: 07:00, or seconds.",
+        show_default="as the scenario",
+    ),
+]
+End = Annotated[
+    str | None,
+    typer.Option("--to", metavar="TIME", help="End at this time.", show_default="as the scenario"),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a scenario parameter; repeatable."),
+]
+LeastPedestrians = Annotated[
+    float,
+    typer.Option(
+        metavar="N", min=0, help="Crossings with fewer pedestrians in all runs are listed, not ranked."
+    ),
+]
+Against = Annotated[
+    str | None,
+    typer.Option(metavar="TOWN", help="Compare with this configuration, on the same seeds."),
+]
+Alternative = Annotated[
+    list[str] | None,
+    typer.Option("--alt", metavar="KEY=VALUE", help="Compare with this scenario parameter; repeatable."),
+]
+
 
 def screen(
-    scenario: Annotated[
-        str, typer.Argument(metavar="TOWN", help="SUMO configuration, or a scenario's name or folder.")
-    ],
-    seeds: Annotated[str, typer.Option(metavar="SEEDS", help='Seeds, such as "1-10" or "1, 2, 5".')] = "1-10",
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Output folder; resumes an earlier screening.",
-            show_default="runs/screen-<TOWN>",
-        ),
-    ] = None,
+    scenario: Town,
+    seeds: Seeds = "1-10",
+    out: Folder = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
-    begin: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="TIME",
-            help="Count from this simulated time on: 07:00, or seconds.",
-            show_default="as the scenario",
-        ),
-    ] = None,
-    end: Annotated[
-        str | None,
-        typer.Option("--to", metavar="TIME", help="End at this time.", show_default="as the scenario"),
-    ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Set a scenario parameter; repeatable."),
-    ] = None,
-    min_pedestrians: Annotated[
-        float,
-        typer.Option(
-            metavar="N", min=0, help="Crossings with fewer pedestrians in all runs are listed, not ranked."
-        ),
-    ] = LEAST_PEDESTRIANS,
-    against: Annotated[
-        str | None,
-        typer.Option(metavar="TOWN", help="Compare with this configuration, on the same seeds."),
-    ] = None,
-    alt: Annotated[
-        list[str] | None,
-        typer.Option("--alt", metavar="KEY=VALUE", help="Compare with this scenario parameter; repeatable."),
-    ] = None,
+    begin: Begin = None,
+    end: End = None,
+    settings: Settings = None,
+    min_pedestrians: LeastPedestrians = LEAST_PEDESTRIANS,
+    against: Against = None,
+    alt: Alternative = None,
     debug: Debug = False,
 ) -> int:
     """Rank a network's crossings by their conflicts between vehicles and pedestrians.

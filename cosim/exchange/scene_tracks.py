@@ -9,11 +9,11 @@ import numpy as np
 
 from analysis.encounters.case import prepare, prepare_traffic
 from analysis.errors import AnalysisError
-from analysis.geometry import FloatArray
 from analysis.plots.scene import Piece, Scene, choose
 from analysis.recording.reading import read_run
 from analysis.recording.traffic import read_traffic
 from controllers.interface import Body
+from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.step.plant import body_of
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.geometry import clearance, rectangle_separation, to_frame
-from cosim.step.world import EgoTruth, FloatArray, PersonsTruth, Snapshot
+from cosim.arrays import FloatArray
+from cosim.step.world import EgoTruth, PersonsTruth, Snapshot
 
 PARTS = 4
 """Instants looked at between two samples; straight lines connect them."""

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.polylines import inside
+from cosim.arrays import FloatArray
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR, TURNAROUND
 from cosim.sensing.sight import distance_to_pieces
@@ -16,8 +16,6 @@ from cosim.sumo.bends import CAR as CAR_TURNING
 from cosim.sumo.bends import widened
 from cosim.sumo.network import Connection, NetCrossing, Network
 from cosim.sumo.path import Path
-
-FloatArray = NDArray[np.float64]
 
 HALF_CAR = 0.9
 PERSON = 0.25

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analysis.plots.saving import save
 from controllers.interface import CrossingKind
@@ -18,8 +17,6 @@ from cosim.inspection.crossings import NAMES
 from cosim.inspection.inspection import Inspection
 from cosim.inspection.roads import is_sidewalk
 from cosim.sumo.network import NetLane, Network
-
-FloatArray = NDArray[np.float64]
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart; the shape says the kind too.
 MARKS: Final = {

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cosim.arrays import FloatArray
 
 RADIUS = 0.25
 """Of a pedestrian's disc [m]."""

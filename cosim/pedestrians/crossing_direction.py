@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from cosim.pedestrians.behaviour import FloatArray
+from cosim.arrays import FloatArray
 
 ANGLES: Final = np.deg2rad(np.arange(30.0, 151.0))
 """The alternatives [rad]."""

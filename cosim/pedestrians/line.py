@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.pedestrians.behaviour import RADIUS, STANDING, FloatArray, RoadUser
+from cosim.arrays import FloatArray
+from cosim.pedestrians.behaviour import RADIUS, STANDING, RoadUser
 
 LOOK_AHEAD = 3.0
 """Length of the walk ahead that a pedestrian announces [m]."""

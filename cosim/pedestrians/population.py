@@ -11,7 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from cosim.pedestrians.behaviour import Behaviour, FloatArray, Leg
+from cosim.arrays import FloatArray
+from cosim.pedestrians.behaviour import Behaviour, Leg
 from cosim.pedestrians.crossing_direction import CrossingDirection
 from cosim.pedestrians.hesitating import Hesitating
 from cosim.pedestrians.jaywalking import Roadside, Wish, jaywalk_line

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.polylines import arc_lengths
-from cosim.pedestrians.behaviour import FloatArray, Scene, State
+from cosim.arrays import FloatArray
+from cosim.pedestrians.behaviour import Scene, State
 from cosim.pedestrians.line import LOOK_AHEAD
 
 

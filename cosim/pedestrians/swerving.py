@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cosim.pedestrians.behaviour import RADIUS, FloatArray, RoadUser, Scene, State
+from cosim.arrays import FloatArray
+from cosim.pedestrians.behaviour import RADIUS, RoadUser, Scene, State
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel

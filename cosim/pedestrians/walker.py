@@ -5,16 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from cosim.pedestrians.behaviour import (
-    FloatArray,
-    Leg,
-    Scene,
-    State,
-    begun,
-    duration_of,
-    remaining,
-    travelled,
-)
+from cosim.arrays import FloatArray
+from cosim.pedestrians.behaviour import Leg, Scene, State, begun, duration_of, remaining, travelled
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Manner, Pace, soonest_arrival
 from cosim.pedestrians.start import Start

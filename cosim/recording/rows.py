@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.interface import Decision, Perception, Plan
+from cosim.arrays import FloatArray
 from cosim.step.loop import ToWorld
 from cosim.step.world import CrossingFacts, EgoTruth, MapArea, PersonsTruth, Traffic, VehiclesTruth
 

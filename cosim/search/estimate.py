@@ -14,7 +14,6 @@ from scipy.special import ndtr
 
 from analysis.errors import did_you_mean
 from analysis.files import write_csv, write_json
-from analysis.geometry import FloatArray
 from analysis.sealing import seal_tables
 from analysis.search.axes import Value
 from analysis.search.objective import judge_contacts
@@ -24,6 +23,7 @@ from analysis.tables import column
 from analysis.tables.cells import cells
 from analysis.tables.column import Table
 from analysis.tables.datapackage import describe
+from cosim.arrays import FloatArray
 from cosim.batches.study import DEFAULT_TIMEOUT_S
 from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError

@@ -12,14 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from controllers.interface import Body
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from cosim.arrays import BoolArray, FloatArray, IntArray
 
 FARTHEST_UNIT = 50.0
 """A place further than this from every lane is outside the network [m]."""

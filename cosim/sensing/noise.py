@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.sensing.interface import FloatArray
+from cosim.arrays import FloatArray
 
 _TICKS = 64
 """Drawn at once."""

@@ -11,17 +11,9 @@ import numpy as np
 from pydantic import field_validator
 
 from controllers.settings import NotNegative, Positive
+from cosim.arrays import BoolArray, FloatArray, IntArray
 from cosim.sensing import sight
-from cosim.sensing.interface import (
-    FARTHEST_UNIT,
-    Belief,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Scene,
-    Site,
-    State,
-)
+from cosim.sensing.interface import FARTHEST_UNIT, Belief, Scene, Site, State
 from cosim.sensing.noise import Noise
 from cosim.sensing.settings import FullAngle, Probability, Settings
 from cosim.sensing.tracks import AGILITY

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.sensing.interface import BoolArray, FloatArray, IntArray, Scene, State
+from cosim.arrays import BoolArray, FloatArray, IntArray
+from cosim.sensing.interface import Scene, State
 
 
 @dataclass(frozen=True, slots=True)

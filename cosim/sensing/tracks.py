@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cosim.sensing.interface import BoolArray, FloatArray
+from cosim.arrays import BoolArray, FloatArray
 
 AGILITY = 0.5
 """Spectral density of a pedestrian's acceleration; 0.7 m/s are changed in 1 s. Assumed [m²/s³]."""

@@ -9,8 +9,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from controllers.settings import NotNegative, Positive
+from cosim.arrays import FloatArray
 from cosim.sensing import sight
-from cosim.sensing.interface import Belief, FloatArray, Scene, Site
+from cosim.sensing.interface import Belief, Scene, Site
 from cosim.sensing.noise import Noise
 from cosim.sensing.settings import Count, FullAngle, Probability, Settings
 from cosim.sensing.tracks import Tracks

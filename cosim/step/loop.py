@@ -12,7 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
-from controllers.interface import Command, Controller, Decision, FloatArray, Perception, Plan
+from controllers.interface import Command, Controller, Decision, Perception, Plan
+from cosim.arrays import FloatArray
 from cosim.errors import CosimError, SimulationError
 from cosim.step.world import Snapshot, World
 

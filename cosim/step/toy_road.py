@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Body, CrossingKind, Neighbour, NeighbourGaps, Vehicles
+from cosim.arrays import FloatArray
 from cosim.sensing.interface import Site
 from cosim.step.plant import Plant
 from cosim.step.world import MapArea
 
-FloatArray = NDArray[np.float64]
 Motion = Callable[[float], tuple[float, float, float, float]]
 """Time [s] -> x, y, x speed, y speed [m, m/s]."""
 

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import (
     Body,
@@ -25,6 +24,7 @@ from controllers.interface import (
     Vehicles,
     constant_command,
 )
+from cosim.arrays import FloatArray
 from cosim.sensing.eyesight import eyesight_of
 from cosim.sensing.interface import Scene, Sensing
 from cosim.sensing.models.perfect import Model as Perfect
@@ -32,8 +32,6 @@ from cosim.sensing.senses import Senses
 from cosim.step.plant import CAR_DRIVE, Plant
 from cosim.step.toy_road import ReactingMotion, ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, gaps_among
 from cosim.step.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(slots=True)

@@ -8,12 +8,10 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Body, Command, Perception
+from cosim.arrays import FloatArray
 from cosim.sensing.interface import Sensed
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from cosim.arrays import FloatArray
+
 Three = tuple[float, float, float]
 Turns = tuple[int, int, int]
 

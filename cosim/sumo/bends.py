@@ -13,15 +13,13 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.polylines import arc_lengths
 from controllers.interface import Body, Drive
+from cosim.arrays import FloatArray
 from cosim.step.plant import CAR_DRIVE
 from cosim.sumo.arcs import Arcs, Pose, between
 from cosim.sumo.path import SPACING, Path, evenly
-
-FloatArray = NDArray[np.float64]
 
 RESERVE = 1.1
 """Bends are driven with a radius greater by this than the vehicle's smallest, which leaves room to steer."""

@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.arrays import FloatArray, IntArray
 from cosim.step.world import Traffic
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
 from cosim.sumo.road_users import CarReader, KnownState, PersonReader, sumo_constant
 from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 PERSON_RANGE, VEHICLE_RANGE = 20.0, 60.0
 """Pedestrians and vehicles farther from every crossing are left out [m]."""

@@ -12,19 +12,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from analysis.polylines import arc_lengths
 from controllers.interface import JunctionFoe
+from cosim.arrays import FloatArray
 from cosim.sumo.approaches import Approaches
 from cosim.sumo.lane_path import PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
-
-FloatArray = NDArray[np.float64]
 
 NEAR = 60.0
 """Junctions that begin further ahead of the front bumper are not looked at [m]."""

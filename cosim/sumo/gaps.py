@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import Neighbour, NeighbourGaps, Vehicles
-
-FloatArray = NDArray[np.float64]
+from cosim.arrays import FloatArray
 
 TOLERANCE = 0.1
 """A body that reaches less than this into a lane is not in it [m]."""

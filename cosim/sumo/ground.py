@@ -9,15 +9,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.polylines import arc_lengths, inside
+from cosim.arrays import FloatArray
 from cosim.pedestrians.jaywalking import Roadside
 from cosim.pedestrians.line import Line
 from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.network import NetLane, Network
-
-FloatArray = NDArray[np.float64]
 
 OUTSIDE = 20.0
 """Who is further than this from every lane, crossing and walking area has left the network [m]."""

@@ -8,9 +8,9 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Body, Eyesight
+from cosim.arrays import FloatArray
 from cosim.sensing.eyesight import eyesight_of
 from cosim.sensing.interface import Scene, Sensed, Sensing, Site
 from cosim.sensing.senses import Senses
@@ -18,8 +18,6 @@ from cosim.step.plant import Plant
 from cosim.sumo.network import Network
 from cosim.sumo.road_users import Persons
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
-
-FloatArray = NDArray[np.float64]
 
 BUILDING = "building"
 """How the types of SUMO's polygons begin that stand in the way."""

@@ -9,15 +9,13 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.polylines import arc_lengths
 from controllers.interface import CrossingKind
+from cosim.arrays import FloatArray
 from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
 from cosim.sumo.network import Connection, NetCrossing, NetLane
 from cosim.sumo.path import Path, crossing_point
-
-FloatArray = NDArray[np.float64]
 
 STRAIGHT_ON = 60.0
 """How far a path goes straight on where its lanes end [m]."""

@@ -11,15 +11,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import STRtree, get_parts
 from shapely.geometry import LineString, Point
 
+from cosim.arrays import IntArray
 from cosim.sumo.driven_ego import DrivenEgo
 from cosim.sumo.network import Network
 from cosim.sumo.surroundings import VEHICLE_RANGE, Surroundings
-
-IntArray = NDArray[np.int64]
 
 BEHIND = 30.0
 """The ego's way begins so far behind it [m]."""

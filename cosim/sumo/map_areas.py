@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import FloatArray
 from cosim.step.world import CrossingFacts, MapArea
 from cosim.sumo.network import NetCrossing, Network
 
-FloatArray = NDArray[np.float64]
 ToDegrees = Callable[[float, float], tuple[float, float]]
 """From a place in the network to longitude and latitude."""
 

@@ -12,17 +12,14 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Pedestrians, Vehicles
+from cosim.arrays import FloatArray, IntArray
 from cosim.sumo.lane_path import PathCrossing
 from cosim.sumo.path import project_all
 from cosim.sumo.road_users import Cars
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.view import Frame
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class NearEgos:

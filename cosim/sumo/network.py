@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
-
-FloatArray = NDArray[np.float64]
+from cosim.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

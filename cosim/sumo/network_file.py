@@ -12,9 +12,9 @@ from typing import BinaryIO, cast
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import CrossingKind
+from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.sumo.network import (
     Connection,
@@ -25,8 +25,6 @@ from cosim.sumo.network import (
     Requests,
     WalkingArea,
 )
-
-FloatArray = NDArray[np.float64]
 
 DEFAULT_LANE_WIDTH = 3.2
 """SUMO's own default [m]."""

@@ -8,13 +8,10 @@ from functools import cached_property
 from itertools import accumulate
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from analysis.polylines import arc_lengths
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from cosim.arrays import FloatArray, IntArray
 
 SPACING = 0.5
 """Distance between samples [m]."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Crossing, JunctionFoe, Lane, RoadAhead, Signal, SignalState
 from cosim.sumo.gaps import LaneLine
@@ -16,8 +15,6 @@ from cosim.sumo.path import interpolated
 from cosim.sumo.route import VIEW
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
-
-FloatArray = NDArray[np.float64]
 
 CURVATURE_STEP = 1.0
 """[m]"""

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.interface import PedestrianPhase
+from cosim.arrays import FloatArray
 from cosim.step.frames import heading_of
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
-
-FloatArray = NDArray[np.float64]
 
 INVALID = 1e8
 """SUMO's coordinates of somebody who is nowhere are about −1e9 [m]."""

@@ -8,14 +8,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.sumo.bends import CAR, Turning
 from cosim.sumo.lane_path import LanePath, joined
 from cosim.sumo.network import Connection, NetLane, Network
-
-FloatArray = NDArray[np.float64]
 
 VIEW = 250.0
 """How far a path reaches beyond the end of its edge [m]."""

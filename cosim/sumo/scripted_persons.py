@@ -23,8 +23,6 @@ from cosim.sumo.traffic_near import TrafficNear, way_along
 from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding
 from sumo_scenarios.pedestrian_tables import PedestrianTable
 
-FloatArray = NDArray[np.float64]
-
 WALKING = 0.05
 """Slower is standing [m/s]."""
 

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import IntArray
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present
 from cosim.sumo.road_users import CarReader, Cars, KnownState, PersonReader, Persons, sumo_constant
-
-IntArray = NDArray[np.int64]
 
 PERSON_RANGE = 80.0
 """[m]"""

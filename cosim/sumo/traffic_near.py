@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import FloatArray
 from cosim.pedestrians.behaviour import RoadUser, Way
 from cosim.step.frames import heading_of
 from cosim.sumo.egos import ROADLESS_CLASSES
 from cosim.sumo.network import Network
 from cosim.sumo.path import Path
 from cosim.sumo.road_users import INVALID, sumo_constant
-
-FloatArray = NDArray[np.float64]
 
 NEAR = 100.0
 """[m]"""

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import IntArray
 from cosim.step.world import PersonsTruth, VehiclesTruth
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import NetCrossing
 from cosim.sumo.road_users import Cars, Persons
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS
-
-IntArray = NDArray[np.int64]
 
 
 def persons_truth(persons: Persons, rows: IntArray) -> PersonsTruth:

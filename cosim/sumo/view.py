@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cosim.arrays import FloatArray
 from cosim.step.frames import wrapped
 from cosim.step.plant import Plant
 from cosim.sumo.lane_path import LanePath, PathCrossing, PathJunction, PathSignal
 from cosim.sumo.route import VIEW
 from cosim.sumo.track import Track
-
-FloatArray = NDArray[np.float64]
 
 PASSED_LINE = 2.0
 """A stop line further behind the front bumper than this is forgotten [m]."""

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.interface import Command, Drive, Perception
+from cosim.arrays import FloatArray
 from cosim.errors import InputError, SimulationError
 from cosim.sensing.interface import Sensing
 from cosim.sensing.models.perfect import Model as Perfect
@@ -39,8 +39,6 @@ from cosim.sumo.window import Window
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.preparation import Prepared
 from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_file
-
-FloatArray = NDArray[np.float64]
 
 PLAN_INTERVAL = 0.1
 """Controllers are asked at most this often [s]."""

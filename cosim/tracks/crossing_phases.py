@@ -13,10 +13,8 @@ from shapely import STRtree
 
 from analysis.stretches import stretches
 from controllers.interface import PedestrianPhase
+from cosim.arrays import FloatArray, IntArray
 from cosim.sumo.network import Network
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 BESIDE_M = 0.5
 """People walk beside the markings: a crossing is so much wider to either side."""

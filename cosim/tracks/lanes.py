@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import STRtree
 
+from cosim.arrays import FloatArray, IntArray
 from cosim.sumo.network import NetLane, Network
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 REACH_M = 10.0
 """A lane farther away is none."""

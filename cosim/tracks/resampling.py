@@ -9,9 +9,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.trajectories.table import BODIES, PEDESTRIAN, Trajectories
+from cosim.arrays import FloatArray
 from cosim.errors import InputError
-
-FloatArray = NDArray[np.float64]
 
 LONGEST_GAP_S = 1.0
 """Nothing is made up over a longer gap: the track goes on as another one."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.recording.reading import RecordedRun, read_run
-from analysis.statistics.intervals import FloatArray, Interval, share_interval
+from analysis.statistics.intervals import Interval, share_interval
 from analysis.study.design import Condition, Study
 from analysis.study.runs import StudyRun
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.geometry import BoolArray
+from analysis.arrays import BoolArray
 from analysis.screening.counts import Counts, read_counts
 from analysis.screening.crossings_table import WORSE_BELOW
 from analysis.screening.ranking import rank

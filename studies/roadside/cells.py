@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from analysis.arrays import FloatArray
 from analysis.results.run_tables import ENCOUNTERS
-from analysis.statistics.intervals import FloatArray
 from analysis.statistics.paired import compare_values
 from analysis.study.runs import StudyRun
 

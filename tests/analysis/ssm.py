@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.arrays import FloatArray
 from analysis.errors import AnalysisError
-from analysis.geometry import FloatArray
 
 _UNDEFINED = "NA"
 

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from controllers.interface import Body, Controller, Drive, EgoState, FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Body, Controller, Drive, EgoState, Perception
 from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import ego
 

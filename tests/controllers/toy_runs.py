@@ -11,7 +11,8 @@ import shapely
 from numpy.typing import NDArray
 
 from controllers import catalog
-from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.arrays import FloatArray
+from controllers.interface import Decision, Perception, Plan
 from cosim.step.loop import ToWorld, run
 from cosim.step.toy_road import Motion, ToyPedestrian, ToyRoad, ToyVehicle
 from cosim.step.toy_world import ToyWorld

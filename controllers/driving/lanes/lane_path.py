@@ -11,8 +11,9 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from controllers.arrays import FloatArray
 from controllers.driving.lane_keeping import Place
-from controllers.interface import EgoState, FloatArray, Perception
+from controllers.interface import EgoState, Perception
 
 LEAST_ADVANCE = 0.2
 """Points of a path that lie closer together along the lane are left out [m]."""

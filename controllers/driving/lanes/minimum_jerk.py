@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 
 
 def minimum_jerk(fraction: FloatArray) -> FloatArray:

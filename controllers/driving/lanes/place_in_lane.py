@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.geometry.footprints import footprints
-from controllers.interface import EgoState, FloatArray, Lane, Perception
+from controllers.interface import EgoState, Lane, Perception
 
 LOOK_AHEAD = 45.0
 """People up to here are kept away from [m]."""

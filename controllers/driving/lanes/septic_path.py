@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.lane_keeping import Place
-from controllers.interface import FloatArray
 
 PROFILE = np.polynomial.Polynomial([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])
 """From 0 to 1; its first three derivatives vanish at both ends."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.geometry.plane import people_in_plane, to_plane
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 
 MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
 """It takes this distance, or this time [m, s]."""

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving import lane_keeping
 from controllers.interface import (
     HAND_BACK,
     Command,
     Decision,
     EgoState,
-    FloatArray,
     Manoeuvre,
     Neighbour,
     Pedestrians,

@@ -17,8 +17,6 @@ from controllers.velocity_obstacle.mpc.lateral import LateralProgram, SteeringPl
 from controllers.velocity_obstacle.mpc.longitudinal import SpeedPlan, SpeedTask
 from controllers.velocity_obstacle.mpc.speed_planning import SpeedPlanner
 
-FloatArray = NDArray[np.float64]
-
 SLOTS = 6
 """Pedestrians with a cone; whoever is farther away bounds the position instead."""
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.solve import Memory, solve
 from controllers.velocity_obstacle.mpc.arithmetic.speed_program import POSITION, SPEED
@@ -20,9 +20,6 @@ from controllers.velocity_obstacle.mpc.arithmetic.steering_program import ACROSS
 from controllers.velocity_obstacle.mpc.cone_rows import ConeRows, ConeSettings, Motion, Walkers, rows
 from controllers.velocity_obstacle.mpc.lateral import LateralProgram, Response, SteeringPlan, SteeringTask
 from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
-
-FloatArray = NDArray[np.float64]
-
 
 NEAR = 1.0
 """Velocities nearer ahead can hardly be changed any more. They have a slack of their own, so that their

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import Cone, clearance, rectangle_tangent
-
-FloatArray = NDArray[np.float64]
 
 SLOWEST, LONGEST = 0.3, 5.0
 """Bounds of the time that turns a distance in velocities into one in metres [s]."""

@@ -13,8 +13,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving.lanes import place_in_lane
 from controllers.driving.lanes.blocked_lanes import BlockedLanes
@@ -61,8 +61,6 @@ from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory, sampled_co
 from controllers.velocity_obstacle.mpc.speed_planning import Chosen, SpeedPlanner, with_margins
 from controllers.velocity_obstacle.mpc.speed_tasks import front_across
 from controllers.velocity_obstacle.mpc.unsolved_programs import FRESH, fallback
-
-FloatArray = NDArray[np.float64]
 
 SLACK, SLACK_FROM = "slack", 0.05
 """Status of a plan that goes farther than people allow, and from when on it does [m]."""

@@ -12,12 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.mpc.arithmetic import steering_program
 from controllers.velocity_obstacle.mpc.arithmetic.steering_program import STEERING, STEERING_COMMAND
-
-FloatArray = NDArray[np.float64]
 
 
 def growing_grid(steps: int, first: float, last: float) -> FloatArray:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.driving.standing import STANDING
-from controllers.interface import FloatArray, Lane, Perception
+from controllers.interface import Lane, Perception
 
 
 @dataclass(slots=True)

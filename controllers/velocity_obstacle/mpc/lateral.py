@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, solve
 from controllers.velocity_obstacle.mpc.arithmetic import steering_program
 from controllers.velocity_obstacle.mpc.arithmetic.steering_program import ACROSS, HEADING, STEERING_COMMAND
 from controllers.velocity_obstacle.mpc.horizon import LateralHorizon
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory, solve
@@ -34,9 +34,6 @@ from controllers.velocity_obstacle.mpc.arithmetic.speed_program import (
     UPPER,
 )
 from controllers.velocity_obstacle.mpc.horizon import LongitudinalHorizon
-
-FloatArray = NDArray[np.float64]
-
 
 SLACK_UNIT = 0.1
 """Slack variables are in tenths of a metre (of a m/s^2): as large as the other variables, for the solver."""

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
-from controllers.interface import FloatArray
 from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds
 
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.interface import Command, EgoState
 from controllers.velocity_obstacle.mpc.arithmetic import last_plan
-
-FloatArray = NDArray[np.float64]
 
 FORGOTTEN_AFTER = 1.5
 """An older plan is no guide any more [s]."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.conflicts import bystanders, path_conflicts
 from controllers.conflicts.expected_behaviour import Expectation, Watch, expected
 from controllers.conflicts.path_conflicts import Conflicts
@@ -29,8 +30,6 @@ from controllers.velocity_obstacle.mpc.passing_classes import ClassBounds
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
 from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, swept
-
-FloatArray = NDArray[np.float64]
 
 REACHED = 0.3
 """A bound nearer to a plan than this has shaped it [m]."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.conflicts import hidden_pedestrians
 from controllers.conflicts.expected_behaviour import Watch
 from controllers.driving import road_speeds
@@ -21,8 +21,6 @@ from controllers.velocity_obstacle.mpc.arithmetic import position_bounds
 from controllers.velocity_obstacle.mpc.longitudinal import SpeedLimits, SpeedTask
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
-
-FloatArray = NDArray[np.float64]
 
 SIDE_CLEARANCE = 0.3
 """Distance kept beside other vehicles [m]."""

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, HEADING, SPEED
-
-FloatArray = NDArray[np.float64]
 
 TOUCHING = 1e-3
 """Distance to the disc below which the tangent's turning is not followed any further [m]."""

@@ -13,22 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.following import Following
 from controllers.driving.lanes.lane_path import LanePath, Odometer, through
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import (
-    Command,
-    Decision,
-    FloatArray,
-    Lane,
-    Manoeuvre,
-    Perception,
-    Plan,
-    Solves,
-)
+from controllers.interface import Command, Decision, Lane, Manoeuvre, Perception, Plan, Solves
 from controllers.own_part import OwnPart, differ
 from controllers.prediction.forecast import Predictor
 from controllers.safety.emergency_braking import EmergencyBraking

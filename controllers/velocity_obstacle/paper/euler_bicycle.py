@@ -11,9 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from controllers.arrays import FloatArray
 
 # Order of the states, and of the inputs.
 ALONG, ACROSS, HEADING, SPEED, STEERING = range(5)

@@ -10,14 +10,12 @@ import importlib.util
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Tally
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, margins
 from controllers.velocity_obstacle.paper.sequential_programs import FOLLOWER_PRICE, AvoidancePlan, valued
-
-FloatArray = NDArray[np.float64]
 
 MISSED_PRICE = 10.0
 """Of missing the end state by one, in units of the objective: a random search does not meet equations."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving.lanes.lane_path import LanePath
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
-from controllers.interface import EgoState, FloatArray, Lane, Perception
+from controllers.interface import EgoState, Lane, Perception
 from controllers.velocity_obstacle.paper.euler_bicycle import HEADING, SPEED, STEERING
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan

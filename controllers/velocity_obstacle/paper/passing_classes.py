@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import BoolArray, FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Tally
 from controllers.velocity_obstacle.paper.cone_margins import clearances, cone_margins, nobody
@@ -25,9 +25,6 @@ from controllers.velocity_obstacle.paper.sequential_programs import (
     AvoidanceProgram,
     merits,
 )
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 JUMPS = 41
 """Speeds that a plan may go over to, of those that are tried."""

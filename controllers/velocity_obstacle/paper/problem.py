@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.cone_margins import (
     ConeGradients,
@@ -33,8 +33,6 @@ from controllers.velocity_obstacle.paper.euler_bicycle import (
     STEERING,
     EulerBicycle,
 )
-
-FloatArray = NDArray[np.float64]
 
 PER_RADIAN = 10.0
 """Margins of angles are in tenths of a radian."""

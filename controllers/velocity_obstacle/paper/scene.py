@@ -6,12 +6,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.conflicts import path_conflicts
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import Conflicts
 from controllers.driving.following import Following, limit_now
 from controllers.driving.lane_keeping import curvature_at
-from controllers.interface import EgoState, FloatArray, Lane, Neighbour, Perception
+from controllers.interface import EgoState, Lane, Neighbour, Perception
 from controllers.prediction.forecast import Forecast, Predictor
 from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.decision_rules import least_gap

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.arrays import FloatArray
 from controllers.optimisation.problem import blank
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solution import Solution
 from controllers.optimisation.solve import Memory, Tally, solve
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, gradients, margins
-
-FloatArray = NDArray[np.float64]
 
 PRICE = 1e3
 """Of a violation of one, in units of the objective; of a violation v it is ``price (v + v^2 / 2)``. The

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.driving.standing import HOLDING_GENTLY, STANDING
-from controllers.interface import FloatArray, Perception
+from controllers.interface import Perception
 from controllers.velocity_obstacle.paper.kept_option import Kept, tracked
 
 COMFORTABLE = 3.0

@@ -12,11 +12,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.costs import CostWeights
 from controllers.drivable_area.evaluation import Verdict
 from controllers.drivable_area.pareto_search import Front
 from controllers.drivable_area.reaction_space import ReactionSpace
-from controllers.interface import FloatArray
 from studies.papers.drivable_area.rides import Ride
 from studies.papers.drivable_area.scenes import (
     GRIP,

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers import catalog
+from controllers.arrays import FloatArray
 from controllers.drivable_area.clearances import Shape
-from controllers.interface import Body, Decision, FloatArray, Perception, Plan
+from controllers.interface import Body, Decision, Perception, Plan
 from cosim.step.loop import ToWorld, run
 from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk
 from cosim.step.toy_world import ToyWorld

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.avoidance import choose
 from controllers.drivable_area.braking_profile import TrapezoidalBraking
 from controllers.drivable_area.clearances import Shape
@@ -14,7 +15,7 @@ from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdic
 from controllers.drivable_area.pareto_search import Budget, Front
 from controllers.drivable_area.quintic_path import PathStart
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.interface import Body, FloatArray
+from controllers.interface import Body
 from controllers.prediction.social_force_model import Walkers
 
 NUMBER = "002"

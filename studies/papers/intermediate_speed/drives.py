@@ -9,16 +9,8 @@ from typing import Any
 import numpy as np
 
 from controllers import catalog
-from controllers.interface import (
-    Body,
-    Command,
-    Decision,
-    Drive,
-    FloatArray,
-    Perception,
-    Plan,
-    constant_command,
-)
+from controllers.arrays import FloatArray
+from controllers.interface import Body, Command, Decision, Drive, Perception, Plan, constant_command
 from controllers.speed_plans.jerk_limit import Planner
 from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 from cosim.step.loop import ToWorld

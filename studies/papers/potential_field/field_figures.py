@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.potential_field.field import Gains
 from studies.papers.potential_field.scenes import (
     CAR_LENGTH,

@@ -15,7 +15,8 @@ import numpy as np
 
 from analysis.geometry import signed_distance, to_frame
 from controllers import catalog
-from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.arrays import FloatArray
+from controllers.interface import Decision, Perception, Plan
 from controllers.potential_field.field import (
     Field,
     Gains,

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from controllers.interface import FloatArray
+from controllers.arrays import BoolArray, FloatArray
 from controllers.potential_field.field import Field, Gains, standing
 from controllers.prediction.direction_choice import ANGLES, DirectionModel, Errand
 from studies.papers.potential_field.scenes import (
@@ -34,26 +33,24 @@ EXAMPLE: Final = Errand(8.0, goal_along=-5.0, goal_beyond=1.0)
 """The paper's example: from (50, 4) to (45, −5) over 8 m of road."""
 EXAMPLE_START = (50.0, 4.0)
 
-Flags = NDArray[np.bool_]
-
 
 @dataclass(frozen=True, slots=True)
 class Orders:
     """Which of the paper's claims hold for each gain set, shape (sets,) each."""
 
-    curvature: dict[str, Flags]
+    curvature: dict[str, BoolArray]
     """By scene: smaller with the variable axis, in scene 3 larger."""
-    begins: Flags
+    begins: BoolArray
     """Earlier with the variable axis, in scene 3 later; all four scenes."""
-    left: Flags
+    left: BoolArray
     """Scene 3 is passed on the left with both, the others on the right."""
-    untouched: Flags
+    untouched: BoolArray
     """Nobody is touched in any scene, variable axis."""
-    on_road: Flags
+    on_road: BoolArray
     """The body stays on the road in all scenes, variable axis."""
 
     @property
-    def everything(self) -> Flags:
+    def everything(self) -> BoolArray:
         """All of that together."""
         orders = np.all(list(self.curvature.values()), axis=0)
         return np.asarray(orders & self.begins & self.left & self.untouched & self.on_road)
@@ -87,17 +84,17 @@ def orders(*, moving: bool) -> Orders:
         for axis in (lambda scene: FIXED_AXIS, lambda scene: scene.long_axis)
     )
 
-    def smaller(name: str, value: Callable[[Track], float]) -> Flags:
+    def smaller(name: str, value: Callable[[Track], float]) -> BoolArray:
         """Say where the variable axis has the smaller value; in scene 3, the larger one."""
         there = np.array([value(track) for track in variable[name]])
         here = np.array([value(track) for track in fixed[name]])
         return there > here if name == "3" else there < here
 
-    def always(holds: Callable[[Track], bool]) -> Flags:
+    def always(holds: Callable[[Track], bool]) -> BoolArray:
         found = [[holds(track) for track in variable[scene.name]] for scene in SCENES]
         return np.asarray(np.array(found).all(axis=0))
 
-    def sided(found: dict[str, list[Track]]) -> Flags:
+    def sided(found: dict[str, list[Track]]) -> BoolArray:
         wanted = {scene.name: "left" if scene.name == "3" else "right" for scene in SCENES}
         sides = [[track.side == wanted[name] for track in found[name]] for name in wanted]
         return np.asarray(np.array(sides).all(axis=0))

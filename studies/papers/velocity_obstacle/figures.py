@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes.septic_path import SepticPath
-from controllers.interface import FloatArray
 from studies.papers.velocity_obstacle.scenes import RADIUS, STEP, Scene, people
 from studies.papers.velocity_obstacle.search import Spread
 

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
-FloatArray = NDArray[np.float64]
+from cosim.arrays import FloatArray
 
 STEERING_LIMIT = np.deg2rad(9.4)
 TURN_LIMIT = np.deg2rad(10.0)

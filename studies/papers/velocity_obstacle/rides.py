@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from controllers import catalog
-from controllers.interface import Decision, FloatArray, Perception, Plan
+from controllers.arrays import FloatArray
+from controllers.interface import Decision, Perception, Plan
 from cosim.step.loop import ToWorld
 from cosim.step.loop import run as run_loop
 from cosim.step.toy_road import ToyPedestrian, ToyRoad, walk

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.cone_margins import People

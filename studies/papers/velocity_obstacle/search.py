@@ -7,7 +7,7 @@ from time import process_time
 
 import numpy as np
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, solve_genetically
 from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem

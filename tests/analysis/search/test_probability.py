@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from analysis.search.probability import METHODS, estimate, in_words
 
 DIMENSION = 6

@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from analysis.arrays import FloatArray
 from analysis.statistics.intervals import (
-    FloatArray,
     Interval,
     mean_interval,
     percentile_interval,

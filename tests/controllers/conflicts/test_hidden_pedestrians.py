@@ -13,10 +13,11 @@ from shapely import affinity
 from shapely.geometry import LineString, Point, Polygon, box
 
 from controllers import catalog
+from controllers.arrays import FloatArray
 from controllers.conflicts import hidden_pedestrians
 from controllers.conflicts.hidden_pedestrians import RADIUS, HiddenPedestrian
 from controllers.geometry import plane
-from controllers.interface import Body, Eyesight, FloatArray, Perception
+from controllers.interface import Body, Eyesight, Perception
 from controllers.velocity_obstacle.mpc.speed_planning import with_margins
 from cosim.sensing import catalog as sensing_catalog
 from cosim.step.loop import run

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from controllers.arrays import FloatArray
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
 from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts, find
-from controllers.interface import CrossingKind, FloatArray, Perception
+from controllers.interface import CrossingKind, Perception
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
 from controllers.velocity_obstacle.mpc.arithmetic.passing_bounds import shortfalls

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
+from controllers.arrays import FloatArray
 from controllers.drivable_area.clearances import Boxes, Shape
 from controllers.drivable_area.costs import (
     CostWeights,
@@ -21,7 +22,7 @@ from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdict, judge
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from controllers.drivable_area.reaction_space import GRAVITY
-from controllers.interface import Body, FloatArray
+from controllers.interface import Body
 from controllers.prediction.social_force_model import Walkers
 
 

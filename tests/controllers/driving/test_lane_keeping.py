@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from controllers.arrays import FloatArray
 from controllers.driving import lane_keeping
-from controllers.interface import Body, Command, FloatArray, RoadAhead
+from controllers.interface import Body, Command, RoadAhead
 from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import LANE_WIDTH, bend, ego, perception, straight_road
 

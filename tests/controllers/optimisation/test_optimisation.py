@@ -7,7 +7,7 @@ import osqp
 import pytest
 import qpsolvers
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.optimisation import warm_osqp
 from controllers.optimisation.problem import Problem, blank
 from controllers.optimisation.settings import SolverSettings

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.potential_field.field import (
     Field,
     Gains,

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 from controllers.prediction import by_name
 from controllers.prediction.forecast import Forecast, Predictor
 from cosim.step.loop import run

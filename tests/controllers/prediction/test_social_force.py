@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.prediction import by_name
 from controllers.prediction.social_force_model import CarOutline, SocialForceModel, Walkers, aims_of
 from tests.controllers.scenes import Walker, ego, perception, straight_road

@@ -9,17 +9,9 @@ import numpy as np
 import pytest
 
 from controllers import catalog
+from controllers.arrays import FloatArray
 from controllers.geometry.plane import people_in_plane, to_plane
-from controllers.interface import (
-    Body,
-    Command,
-    CrossingKind,
-    EgoState,
-    FloatArray,
-    Pedestrians,
-    Perception,
-    Plan,
-)
+from controllers.interface import Body, Command, CrossingKind, EgoState, Pedestrians, Perception, Plan
 from controllers.safety.last_check import SHIELDED, LastCheck
 from controllers.safety.rollout import (
     PASSING_ACCELERATION,

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from controllers import catalog
+from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Body, FloatArray, Perception, Plan
+from controllers.interface import Body, Perception, Plan
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from shapely.geometry import LineString, Point, box
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import clearance, rectangle_tangent, tangent
 
 HALF_LENGTH, HALF_WIDTH = 2.25, 0.9

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from controllers import catalog
-from controllers.interface import Body, FloatArray
+from controllers.arrays import FloatArray
+from controllers.interface import Body
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Pace
 from cosim.pedestrians.start import AtTime

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from controllers.interface import Body, constant_command
+from cosim.arrays import FloatArray
 from cosim.pedestrians.behaviour import (
     RADIUS,
     Behaviour,
-    FloatArray,
     Leg,
     RoadUser,
     Scene,

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from analysis.geometry import FloatArray
+from analysis.arrays import FloatArray
 from cosim.recording.parquet_sink import ParquetSink
 from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.commands import ended

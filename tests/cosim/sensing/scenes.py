@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from controllers.interface import Body
+from cosim.arrays import FloatArray
 from cosim.sensing import catalog
-from cosim.sensing.interface import FloatArray, Scene, Sensing, Site
+from cosim.sensing.interface import Scene, Sensing, Site
 
 SITE = Site(
     {"zebra": np.array([[30.0, -4.0], [30.0, 4.0]])},

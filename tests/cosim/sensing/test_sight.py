@@ -7,16 +7,14 @@ import math
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPoint, Polygon, affinity, box
 from shapely.geometry.base import BaseGeometry
 
+from cosim.arrays import BoolArray, FloatArray
 from cosim.sensing import sight
-from cosim.sensing.interface import FloatArray
 
 NO_WALLS = np.zeros((0, 4))
 NO_BOXES = sight.boxes_of(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
-Flags = NDArray[np.bool_]
 GRAZE = 1e-7
 """A line that touches a corner by less than this may be judged either way [m]."""
 
@@ -42,8 +40,8 @@ def _judged(
     sides = [shape.exterior if isinstance(shape, Polygon) else shape for shape in shapes]
     corners = [MultiPoint(list(side.coords)) for side in sides]
     near_corner, on_side = shapely.distance(lines, corners), shapely.distance(sides, tips)
-    grazes: Flags = np.asarray((near_corner < GRAZE) | (on_side < GRAZE), dtype=bool)
-    blocked: Flags = np.asarray(shapely.intersects(lines, shapes), dtype=bool)
+    grazes: BoolArray = np.asarray((near_corner < GRAZE) | (on_side < GRAZE), dtype=bool)
+    blocked: BoolArray = np.asarray(shapely.intersects(lines, shapes), dtype=bool)
     return [
         None if touched.any() else bool((hit.sum(axis=-1) == 0).any())
         for touched, hit in zip(grazes, blocked, strict=True)

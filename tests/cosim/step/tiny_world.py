@@ -24,9 +24,10 @@ from controllers.interface import (
     constant_command,
 )
 from controllers.velocity_obstacle.decision_rules import Rule
+from cosim.arrays import FloatArray
 from cosim.errors import SimulationError
 from cosim.step.plant import CAR_DRIVE
-from cosim.step.world import EgoTruth, FloatArray, MapArea, PersonsTruth, Snapshot, VehiclesTruth
+from cosim.step.world import EgoTruth, MapArea, PersonsTruth, Snapshot, VehiclesTruth
 
 NONE = np.zeros(0)
 BODY = Body()

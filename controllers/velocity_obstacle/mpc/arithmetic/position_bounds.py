@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from controllers.arrays import FloatArray
 
 BODY_GAP = 1.0
 """Least distance to a rear bumper ahead; the time gap is on top of the gap at a standstill [m]."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from controllers.arrays import FloatArray
 
 BLOCKS = 9
 UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE, JERK_UP, JERK_DOWN = range(BLOCKS)

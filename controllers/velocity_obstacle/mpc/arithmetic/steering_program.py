@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from controllers.arrays import FloatArray
 
 ACROSS, HEADING, STEERING, STEERING_COMMAND = range(4)
 """Rows of the lateral states."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.mpc.cone_rows import ConeSettings, Motion, Outline, Walkers, rows
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.mpc.arithmetic import steering_program
 from controllers.velocity_obstacle.mpc.arithmetic.speed_program import ACCELERATION, COMMAND, POSITION, SPEED
 from controllers.velocity_obstacle.mpc.horizon import LateralHorizon, LongitudinalHorizon, growing_grid

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes.minimum_jerk import minimum_jerk
-from controllers.interface import Body, FloatArray
+from controllers.interface import Body
 from controllers.optimisation.settings import SolverSettings
 from controllers.velocity_obstacle.mpc.horizon import growing_grid
 from controllers.velocity_obstacle.mpc.lateral import (

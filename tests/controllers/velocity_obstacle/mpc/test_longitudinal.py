@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Memory
 from controllers.velocity_obstacle.mpc.horizon import growing_grid

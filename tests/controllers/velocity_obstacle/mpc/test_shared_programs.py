@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from controllers import catalog
-from controllers.interface import FloatArray, Perception
+from controllers.arrays import FloatArray
+from controllers.interface import Perception
 from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, walk
 from cosim.step.toy_world import ToyWorld
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
+from controllers.arrays import FloatArray
 from controllers.driving.lanes.septic_path import PROFILE, SepticPath
 from controllers.optimisation.settings import SolverSettings
 from controllers.velocity_obstacle.cones import Cone
@@ -17,7 +18,6 @@ from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget,
 from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser, class_jumps
 from controllers.velocity_obstacle.paper.problem import (
     AvoidanceProblem,
-    FloatArray,
     InputLimits,
     Room,
     all_room,

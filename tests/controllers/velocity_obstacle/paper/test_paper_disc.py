@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from controllers.interface import FloatArray
+from controllers.arrays import FloatArray
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.toy_runs import Ride, ride
 

@@ -1,0 +1,181 @@
+"""The encounters that a report lists, and their replays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from analysis.errors import RecordingError
+from analysis.page import origin, town
+from analysis.page.encounters import (
+    OF_EGOS,
+    OF_TRAFFIC,
+    SEVERITIES,
+    Encounters,
+    Found,
+    Listing,
+    pick,
+    read_encounters,
+    worst_first,
+)
+from analysis.page.replay import has_recording, read_recording, read_traffic_recording, write_replays
+from analysis.study.design import Study
+
+OF_EACH = 20
+"""So many of the worst encounters of each configuration are listed, however good it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """What is listed of all encounters."""
+
+    table: Listing
+    found: Encounters
+    rows: Sequence[Found]
+    """The worst first."""
+    of_crossings: Mapping[str, Sequence[Found]]
+    """The worst ones of each crossing of a screening; they are among the rows, too."""
+    accused: Mapping[tuple[str, int], str]
+    """Replay of the encounter that a failed criterion is about, by run and number; these are, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """Replays that were written, and those that could not be."""
+
+    keys: set[str]
+    problems: Mapping[str, str]
+    """What went wrong, by key."""
+    damaged: Mapping[Path, str]
+    """The same by run."""
+
+
+def choose(
+    study: Study, root: Path | None, criteria: Mapping[str, Any] | None, *, of_town: bool, rows: int
+) -> Listed:
+    """Return what is listed: the worst encounters, and those that criteria and crossings are about.
+
+    Parameters
+    ----------
+    study
+        The runs.
+    root
+        Folder of the check that the criteria are of.
+    criteria
+        As :func:`analysis.page.origin.criteria`.
+    of_town
+        Whether the runs are of a screening.
+    rows
+        So many of the worst encounters are listed.
+    """
+    table = OF_TRAFFIC if of_town or _without_egos(study) else OF_EGOS
+    found = read_encounters(study, table)
+    order = worst_first(found)
+    worst = town.worst_of_each(found, order) if of_town else {}
+    accused = _accused(criteria, root, found)
+    chosen = {*pick(order, found, study, rows, OF_EACH), *accused.values()}
+    chosen |= {row for some in worst.values() for row in some}
+    return Listed(
+        table,
+        found,
+        [found.at(row) for row in order if row in chosen],
+        {name: [found.at(row) for row in some] for name, some in worst.items()},
+        {where: found.at(row).key for where, row in accused.items()},
+    )
+
+
+def _without_egos(study: Study) -> bool:
+    """Return whether everybody was recorded and nobody is an ego, so that the traffic is what was judged."""
+    valid = [run for run in study.runs if run.valid]
+    return bool(valid) and all(
+        not run.numbers.get("ego_count") and (run.folder / OF_TRAFFIC.file).is_file() for run in valid
+    )
+
+
+def replay(listed: Listed, folder: Path, most: int) -> Replayed:
+    """Write the replays of the worst encounters that have a recording; old ones in the folder go.
+
+    Parameters
+    ----------
+    listed
+        What is listed. What verdicts and crossings are about comes first.
+    folder
+        For the files.
+    most
+        So many are written.
+    """
+    first = {*listed.accused.values(), *(one.key for some in listed.of_crossings.values() for one in some)}
+    rows = sorted(listed.rows, key=lambda one: one.key not in first)
+    read = read_recording if listed.table is OF_EGOS else read_traffic_recording
+    for old in folder.glob("*.js") if folder.is_dir() else ():
+        old.unlink()
+    recorded = {path: has_recording(path) for path in {one.run.folder for one in rows}}
+    chosen = [one for one in rows if recorded[one.run.folder]][:most]
+    done: set[str] = set()
+    problems: dict[str, str] = {}
+    damaged: dict[Path, str] = {}
+    for place, group in groupby(
+        sorted(chosen, key=lambda one: str(one.run.folder)), lambda one: one.run.folder
+    ):
+        mine = list(group)
+        try:
+            write_replays(read(place), [(one.number, one.key) for one in mine], folder)
+            done |= {one.key for one in mine}
+        except RecordingError as error:
+            problems |= {one.key: str(error) for one in mine}
+            damaged[place] = str(error)
+    return Replayed(done, problems, damaged)
+
+
+def _accused(
+    criteria: Mapping[str, Any] | None, root: Path | None, found: Encounters
+) -> dict[tuple[str, int], int]:
+    """Return the encounters that failed criteria are about: run and number of criteria.csv, to row."""
+    rows = [] if criteria is None else [one for one in criteria["rows"] if one["status"] == "fail"]
+    wanted = {(one["run"], one["encounter_id"]) for one in rows if one["run"] and one["encounter_id"]}
+    if root is None or not wanted:
+        return {}
+    places = {
+        (run.folder.resolve(), int(number)): row
+        for row, (owner, number) in enumerate(zip(found.owner, found.numbers["encounter_id"], strict=True))
+        for run in (found.runs[int(owner)],)
+    }
+    known = {one: places.get(((root / one[0]).resolve(), one[1])) for one in sorted(wanted)}
+    return {one: row for one, row in known.items() if row is not None}
+
+
+def line(one: Found, study: Study, out: Path, replayed: Replayed) -> dict[str, Any]:
+    """Return one row of the table of encounters."""
+    run = one.run
+    condition = next(found for found in study.conditions if found.condition_id == run.condition_id)
+    if one.key in replayed.keys:
+        state = "replay"
+    elif one.key in replayed.problems:
+        state = "broken"
+    else:
+        state = "more" if has_recording(run.folder) else "unrecorded"
+    return {
+        **one.values,
+        "key": one.key,
+        "rank": SEVERITIES.index(one.values["severity"]),
+        "label": study.label(run),
+        "scenario": run.scenario_id,
+        "condition": condition.text,
+        "seed": run.seed,
+        "run_id": run.run_id,
+        "folder": relative_name(run.folder, out),
+        "number": one.number,
+        "contact": one.contact,
+        "moment_s": one.moment_s,
+        "state": state,
+        "problem": replayed.problems.get(one.key, ""),
+    }
+
+
+def relative_name(folder: Path, out: Path) -> str:
+    """Return a run folder as seen from the report; ``this folder`` for the report's own."""
+    name = origin.relative(folder, out)
+    return "this folder" if name == "." else name
