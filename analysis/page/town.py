@@ -18,12 +18,11 @@ from analysis.page.tables import read_rows
 from analysis.recording.reading import Area, read_map
 from analysis.screening.caution import caution
 from analysis.screening.changes import CHANGES, TOTAL
-from analysis.screening.crossings_table import CROSSINGS
+from analysis.screening.crossings_table import CROSSINGS, VALUES, value_column
+from analysis.screening.ranking import BY_CONFLICTS, BY_RISK
 from analysis.study.runs import StudyRun
 from analysis.wording import some
 
-RATE = "expected_conflicts_per_1000_ped"
-"""What colour and size of a crossing say."""
 COLOURS = 5
 OF_EACH = 3
 """So many of a crossing's worst encounters are listed."""
@@ -53,7 +52,8 @@ def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | N
         "rows": rows,
         "ranked": ranked,
         "seeds": len({run.seed for run in runs if run.valid}),
-        "map": _map(rows, _areas(runs)),
+        "by_risk": value_column(rows) == VALUES[BY_RISK],
+        "map": _map(rows, _areas(runs), value_column(rows)),
         "caution": caution(rows),
         "changes": _changes(root / CHANGES.file),
     }
@@ -69,11 +69,17 @@ def answers(found: Mapping[str, Any]) -> list[str]:
         interval = ""
         if first["rank_lo"] is not None:
             interval = f" (rank 1, 95 % {first['rank_lo']:.0f} to {first['rank_hi']:.0f})"
-        why = f": {first['reasons']}" if first["reasons"] else ""
-        told.append(
-            f"Most conflicts are expected at {first['crossing_id']}, "
-            f"{first[RATE]:.1f} per 1000 pedestrians{interval}{why}."
-        )
+        why = f"; {first['reasons']}" if first["reasons"] else ""
+        conflicts = f"{first[VALUES[BY_CONFLICTS]]:.1f} conflicts expected per 1000 pedestrians"
+        if found["by_risk"]:
+            told.append(
+                f"The risk is highest at {first['crossing_id']}{interval}: {conflicts}, "
+                f"{first['p_fatal_expected']:.1%} of them fatal if the vehicle did not slow down{why}."
+            )
+        else:
+            told.append(
+                f"Most conflicts are to be expected at {first['crossing_id']}{interval}: {conflicts}{why}."
+            )
         told.append(f"Significantly worse than the others: {some(worse, 5) or 'none'}.")
     return told
 
@@ -90,14 +96,14 @@ def _areas(runs: Iterable[StudyRun]) -> list[Area]:
     return list(known.values())
 
 
-def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any]:
-    """Return lines and circles in a plane whose y leads down."""
+def _map(rows: Sequence[Row], lanes: Sequence[Area], value: str) -> dict[str, Any]:
+    """Return lines and circles in a plane whose y leads down; colour and size of a crossing are its value."""
     places = np.array([[row["x_m"], row["y_m"]] for row in rows])
     points = np.concatenate([places, *(lane.shape for lane in lanes)])
     low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max())
     low, high = low - MARGIN * side, high + MARGIN * side
-    most = max((row[RATE] for row in rows if row["rank"] is not None), default=0.0) or 1.0
+    most = max((row[value] for row in rows if row["rank"] is not None), default=0.0) or 1.0
     size = high - low
     return {
         "width": size[0],
@@ -111,22 +117,22 @@ def _map(rows: Sequence[Row], lanes: Sequence[Area]) -> dict[str, Any]:
                 "row": row,
                 "x": row["x_m"] - low[0],
                 "y": high[1] - row["y_m"],
-                "radius": side * (SMALLEST + (LARGEST - SMALLEST) * _share(row, most)),
+                "radius": side * (SMALLEST + (LARGEST - SMALLEST) * _share(row, value, most)),
                 "colour": 0
                 if row["rank"] is None
-                else 1 + min(COLOURS - 1, int(COLOURS * _share(row, most))),
+                else 1 + min(COLOURS - 1, int(COLOURS * _share(row, value, most))),
             }
             # The worst are drawn last, above the others.
             for row in reversed(rows)
         ],
         "bar": max((length for length in LENGTHS if length <= 0.2 * size[0]), default=LENGTHS[0]),
         "line": 0.002 * side,
-        "steps": [most * number / COLOURS for number in range(COLOURS + 1)],
+        "steps": [f"{most * number / COLOURS:.3g}" for number in range(COLOURS + 1)],
     }
 
 
-def _share(row: Row, most: float) -> float:
-    return 0.0 if row["rank"] is None else float(row[RATE] / most)
+def _share(row: Row, value: str, most: float) -> float:
+    return 0.0 if row["rank"] is None else float(row[value] / most)
 
 
 def _path(shape: FloatArray, low: FloatArray, high: FloatArray) -> str:

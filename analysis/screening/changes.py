@@ -40,6 +40,7 @@ class Measure:
 MEASURES = (
     Measure("conflicts_per_1000_ped", "1", "conflicts", "n_pedestrians", 1000.0),
     Measure("conflicts_per_h", "1/h", "conflicts", OBSERVED, 3600.0),
+    Measure("p_fatal_mean", "1", "p_fatal_sum", "n_p_fatal_defined"),
     Measure("severe_per_h", "1/h", "severe", OBSERVED, 3600.0),
     Measure("pedestrians_per_h", "1/h", "n_pedestrians", OBSERVED, 3600.0),
     Measure("vehicles_per_h", "1/h", "n_vehicles", OBSERVED, 3600.0),

@@ -12,16 +12,21 @@ from analysis.arrays import FloatArray
 from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv
+from analysis.metrics.injury_risk_rosen2009 import risk
 from analysis.results.exposure_rows import BICYCLE, EXPOSURE
 from analysis.results.run_tables import RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
+from analysis.screening.consequences import Risks
+from analysis.screening.ranking import Counted
 
 _USED = (
     *("n_pedestrians", "n_vehicles", "n_cyclists", "n_red_light_walkers"),
     *("n_ped_delay_defined", "ped_delay_sum_s", "observed_s"),
 )
 _SPEEDS = ("vehicle_speed_mean_mps", "vehicle_speed_p85_mps")
+_FATAL = ("p_fatal_sum", "p_fatal_squares", "n_p_fatal_defined")
 _MET = (
+    *_FATAL,
     *("encounters", "entered", "conflicts", "severe", "collisions"),
     *("yields", "yieldable", "late", "late_defined", "hidden", "cyclist_encounters", "cyclist_conflicts"),
 )
@@ -47,6 +52,12 @@ class Counts:
     def total(self, name: str) -> FloatArray:
         """Return the sum over runs, shape (crossings,)."""
         return np.asarray(self.each[name].sum(axis=1))
+
+    def counted(self, runs: Sequence[int] | None = None) -> Counted:
+        """Return what a ranking needs, of some columns of ``each`` or of all."""
+        chosen = slice(None) if runs is None else list(runs)
+        risks = Risks(*(self.each[name][:, chosen] for name in _FATAL))
+        return Counted(self.each["conflicts"][:, chosen], self.each["n_pedestrians"][:, chosen], risks)
 
 
 def read_counts(folder: Path) -> Counts:
@@ -107,6 +118,11 @@ def _count(row: Cells, each: Mapping[str, FloatArray], at: tuple[int, int]) -> N
     each["yields"][at] += row["yielded"] == "1"
     each["late_defined"][at] += row["late_entry"] != ""
     each["late"][at] += row["late_entry"] == "1"
+    if row["entered"] == "1" and row["conflicting_speed_mps"]:
+        p_fatal = risk(3.6 * float(row["conflicting_speed_mps"]))
+        each["p_fatal_sum"][at] += p_fatal
+        each["p_fatal_squares"][at] += p_fatal**2
+        each["n_p_fatal_defined"][at] += 1
     each["hidden"][at] += row.get("hidden_before_conflict") == "1"  # studies of before lack it
 
 

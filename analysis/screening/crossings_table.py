@@ -10,13 +10,15 @@ import numpy as np
 from analysis.arrays import FloatArray
 from analysis.encounters.hcm import level_of_service
 from analysis.screening.counts import Counts
-from analysis.screening.ranking import Ranking
+from analysis.screening.ranking import BY_CONFLICTS, BY_RISK, RANK_BY, Ranking
 from analysis.screening.reasons import reasons
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Table, at_least_0, count, flag, number, text
 
 WORSE_BELOW = 0.05
 """A crossing whose adjusted p is below this is called worse than the others."""
+VALUES = {BY_RISK: "risk_per_1000_ped", BY_CONFLICTS: "expected_conflicts_per_1000_ped"}
+"""Column that a rank follows."""
 _HOUR = 3600.0
 
 CROSSINGS = Table(
@@ -27,12 +29,20 @@ CROSSINGS = Table(
         number(
             "rank",
             "1",
-            "1 for the most expected conflicts per pedestrian; empty for too few pedestrians",
+            "1 for the worst by ranked_by; empty for too few pedestrians",
         ),
         number("rank_lo", "1", "95 % interval of the rank by resampling runs; empty with a single run"),
         number("rank_hi", "1", "upper end"),
         flag("worse", "worse than the other ranked crossings, p_worse below 0.05; empty where not tested"),
         at_least_0("p_worse", "1", "t-test over runs, one-sided, adjusted for false discoveries"),
+        text(
+            "ranked_by",
+            "what rank, its interval and worse follow: risk_per_1000_ped or expected_conflicts_per_1000_ped",
+            *RANK_BY,
+            required=True,
+        ),
+        number("rank_by_risk", "1", "rank by risk_per_1000_ped"),
+        number("rank_by_conflicts", "1", "rank by expected_conflicts_per_1000_ped"),
         text("reasons", "what is unusual about it, in words"),
         text("crossing_type", "kind", "zebra", "unmarked", "signal"),
         count("lanes", "lanes for cars that it crosses"),
@@ -54,8 +64,22 @@ CROSSINGS = Table(
         count("n_collisions", "of them collisions", required=True),
         at_least_0("conflicts_per_h", "1/h", "conflicts"),
         at_least_0("conflicts_per_1000_ped", "1", "conflicts; empty without pedestrians"),
+        at_least_0("expected_conflicts_per_1000_ped", "1", "the same by empirical Bayes"),
         at_least_0(
-            "expected_conflicts_per_1000_ped", "1", "the same by empirical Bayes; what the rank follows"
+            "risk_per_1000_ped",
+            "1",
+            "expected conflicts times p_fatal_expected; empty where no speed is known at any crossing",
+        ),
+        at_least_0(
+            "p_fatal_expected",
+            "1",
+            "mean of p_fatal_mean of this crossing and of all, by the credibility of its encounters",
+        ),
+        at_least_0(
+            "p_fatal_mean",
+            "1",
+            "mean probability of death at the conflicting speeds of encounters that were entered, by "
+            "[RosenSander2009]",
         ),
         at_least_0("ttc_p05_s", "s", "5th percentile of the smallest TTC of encounters that were entered"),
         at_least_0("ttc_median_s", "s", "median of it"),
@@ -83,6 +107,13 @@ _FACTS: Mapping[str, Callable[[str], Any]] = {
 }
 
 
+def value_column(rows: Sequence[Row]) -> str:
+    """Return the column that ranks follow: conflicts where no speed is known at any crossing."""
+    named = {VALUES[row["ranked_by"]] for row in rows} - {VALUES[BY_CONFLICTS]}
+    known = [name for name in named if any(row[name] is not None for row in rows)]
+    return known[0] if known else VALUES[BY_CONFLICTS]
+
+
 def crossing_rows(counts: Counts, ranking: Ranking) -> list[Row]:
     """Return the rows of crossings.csv."""
     hours = counts.total("observed_s") / _HOUR
@@ -93,6 +124,7 @@ def crossing_rows(counts: Counts, ranking: Ranking) -> list[Row]:
         "rank_lo": ranking.rank_low,
         "rank_hi": ranking.rank_high,
         "p_worse": ranking.p_worse,
+        **{f"rank_by_{name}": ranking.ranks[name] for name in RANK_BY},
         "observed_h": hours,
         "pedestrians_per_h": _ratio(pedestrians, hours),
         "vehicles_per_h": _ratio(counts.total("n_vehicles"), hours),
@@ -105,6 +137,9 @@ def crossing_rows(counts: Counts, ranking: Ranking) -> list[Row]:
         "conflicts_per_h": _ratio(conflicts, hours),
         "conflicts_per_1000_ped": 1000.0 * _ratio(conflicts, pedestrians),
         "expected_conflicts_per_1000_ped": 1000.0 * ranking.rate,
+        "risk_per_1000_ped": 1000.0 * ranking.rate * ranking.p_fatal,
+        "p_fatal_expected": ranking.p_fatal,
+        "p_fatal_mean": _ratio(counts.total("p_fatal_sum"), counts.total("n_p_fatal_defined")),
         "ttc_p05_s": _percentiles(counts.ttc, 5.0),
         "ttc_median_s": _percentiles(counts.ttc, 50.0),
         "pet_p05_s": _percentiles(counts.pet, 5.0),
@@ -122,7 +157,11 @@ def crossing_rows(counts: Counts, ranking: Ranking) -> list[Row]:
     rows = []
     for i, known in enumerate(counts.crossings):
         own = {name: values[i] for name, values in measured.items()}
-        verdict = {"reasons": told[i], **_verdict(float(ranking.p_worse[i]), float(delay[i]))}
+        verdict = {
+            "ranked_by": ranking.by,
+            "reasons": told[i],
+            **_verdict(float(ranking.p_worse[i]), float(delay[i])),
+        }
         rows.append(plain(CROSSINGS, {**_facts(known), **own, **verdict}))
     return sorted(rows, key=lambda row: (row["rank"] is None, row["rank"] or 0.0, row["crossing_id"]))
 

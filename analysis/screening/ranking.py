@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import false_discovery_control, rankdata, ttest_1samp
 
 from analysis.arrays import FloatArray
-from analysis.screening.shrinkage import Prior, expected, fit
+from analysis.screening.consequences import Risks, belief_in
+from analysis.screening.shrinkage import expected, fit
 from analysis.statistics.ratios import contributions
 
 RESAMPLES = 2000
 _BLOCK = 1000
+_AT_ONCE = 200_000
+BY_RISK, BY_CONFLICTS = "risk", "conflicts"
+RANK_BY = (BY_RISK, BY_CONFLICTS)
+"""What a rank may follow: conflicts for each pedestrian, or these times the probability of death."""
+
+
+@dataclass(frozen=True, slots=True)
+class Counted:
+    """What happened at crossings; arrays of shape (crossings, runs)."""
+
+    conflicts: FloatArray
+    pedestrians: FloatArray
+    risks: Risks
+
+    def of(self, chosen: FloatArray) -> Counted:
+        """Return that of some crossings."""
+        return Counted(self.conflicts[chosen], self.pedestrians[chosen], self.risks.of(chosen))
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,83 +40,122 @@ class Ranking:
 
     rate: FloatArray
     """Expected conflicts for each pedestrian."""
-    rank: FloatArray
-    """1 for the highest rate; equal ones share the mean of their ranks."""
+    p_fatal: FloatArray
+    """Expected probability of death in a collision; nan too where no speed is known at any crossing."""
+    ranks: Mapping[str, FloatArray]
+    """For each of ``RANK_BY``: 1 for the highest value; equal ones share the mean of their ranks."""
+    by: str
+    """Which of them interval and test belong to."""
     rank_low: FloatArray
     """95 % interval by resampling runs; nan with a single run."""
     rank_high: FloatArray
     p_worse: FloatArray
-    """Of a t-test over runs that the rate is not above that of all other ranked crossings, adjusted for
+    """Of a t-test over runs that the value is not above that of all other ranked crossings, adjusted for
     their number; nan where it cannot be said."""
 
+    @property
+    def rank(self) -> FloatArray:
+        """The rank that counts."""
+        return self.ranks[self.by]
 
-def rank(conflicts: FloatArray, pedestrians: FloatArray, least_pedestrians: float) -> Ranking:
-    """Rank crossings by the expected conflicts for each pedestrian.
+
+def rank(counted: Counted, least_pedestrians: float, by: str = BY_RISK) -> Ranking:
+    """Rank crossings by expected conflicts for each pedestrian, and by their risk.
 
     Parameters
     ----------
-    conflicts, pedestrians
-        Shape (crossings, runs).
+    counted
+        Of all crossings.
     least_pedestrians
         A crossing with fewer in all runs is not ranked.
+    by
+        One of ``RANK_BY``.
 
     Notes
     -----
-    The run is what is resampled and tested, since what happens within one is not independent. The
-    prior's dispersion is that of all runs. P values are adjusted for false discoveries
+    Risk is probability times consequence: the expected conflicts for each pedestrian, times the expected
+    probability of death in a collision at the speed from which drivers brake there. Weights of severity are
+    usual in network screening [HSM2010]_, where they are the costs of crashes.
+
+    The run is what is resampled and tested, since what happens within one is not independent. Dispersion
+    and credibility are those of all runs. P values are adjusted for false discoveries
     [BenjaminiHochberg1995]_.
     """
-    ranked = pedestrians.sum(axis=1) >= max(least_pedestrians, 1.0)
-    nothing = np.full(len(conflicts), np.nan)
-    if not ranked.any():
-        return Ranking(*(nothing.copy() for _ in range(5)))
-    k, e = conflicts[ranked], pedestrians[ranked]
-    prior = fit(k.sum(axis=1), e.sum(axis=1))
-    rate = expected(k.sum(axis=1), e.sum(axis=1), prior)
-    low, high = _rank_intervals(k, e, prior)
-    p = _p_worse(k, e)
+    ranked = counted.pedestrians.sum(axis=1) >= max(least_pedestrians, 1.0)
+    nothing = np.full(len(ranked), np.nan)
 
     def of_all(values: FloatArray) -> FloatArray:
         found = nothing.copy()
         found[ranked] = values
         return found
 
-    return Ranking(of_all(rate), of_all(_ranks(rate)), of_all(low), of_all(high), of_all(p))
+    if not ranked.any():
+        return Ranking(nothing, nothing, dict.fromkeys(RANK_BY, nothing), by, nothing, nothing, nothing)
+    own = counted.of(ranked)
+    rates, p_fatal, low, high = _estimated(own, by)
+    # Where no speed is known, all crossings have the same unknown consequence.
+    values = {BY_CONFLICTS: rates, BY_RISK: rates * np.where(np.isfinite(p_fatal), p_fatal, 1.0)}
+    return Ranking(
+        of_all(rates),
+        of_all(p_fatal),
+        {name: of_all(_ranks(values[name])) for name in RANK_BY},
+        by,
+        of_all(low),
+        of_all(high),
+        of_all(_p_worse(own, by)),
+    )
 
 
-def _ranks(rates: FloatArray) -> FloatArray:
-    return np.asarray(rankdata(-np.round(rates, 12), axis=0), dtype=np.float64)
+def _ranks(values: FloatArray) -> FloatArray:
+    return np.asarray(rankdata(-np.round(values, 12), axis=0), dtype=np.float64)
 
 
-def _rank_intervals(
-    conflicts: FloatArray, exposure: FloatArray, prior: Prior
-) -> tuple[FloatArray, FloatArray]:
-    """Return the 2.5th and 97.5th percentile of each rank over resampled runs."""
-    runs = conflicts.shape[1]
+def _estimated(own: Counted, by: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return rates, probabilities of death, and both ends of the rank's interval."""
+    k, e = own.conflicts, own.pedestrians
+    prior, belief = fit(k.sum(axis=1), e.sum(axis=1)), belief_in(own.risks)
+    deaths, met = own.risks.total, own.risks.defined
+    rates = expected(k.sum(axis=1), e.sum(axis=1), prior)
+    p_fatal = belief.of(deaths.sum(axis=1), met.sum(axis=1))
+    runs = k.shape[1]
     if runs < 2:
-        return np.full(len(conflicts), np.nan), np.full(len(conflicts), np.nan)
+        unknown = np.full(len(k), np.nan)
+        return rates, p_fatal, unknown, unknown
     # The same runs for every table with as many of them: the numbers are those of a repetition.
     drawn = np.random.default_rng(runs).multinomial(runs, np.full(runs, 1.0 / runs), RESAMPLES).T
-    k, e = (conflicts @ drawn).T, (exposure @ drawn).T
-    usual = k.sum(axis=1) / np.maximum(e.sum(axis=1), 1.0)
     # Ranks are halves of whole numbers: exact in few bytes, of which ten thousand crossings need many.
-    ranks = np.empty((len(conflicts), RESAMPLES), dtype=np.float32)
-    for number, mean in enumerate(usual.tolist()):
-        ranks[:, number] = _ranks(expected(k[number], e[number], prior._replace(mean=mean)))
+    ranks = np.empty((len(k), RESAMPLES), dtype=np.float32)
+    step = max(1, _AT_ONCE // len(k))
+    for at in range(0, RESAMPLES, step):
+        chosen = drawn[:, at : at + step].astype(np.float64)
+        events, exposure = k @ chosen, e @ chosen
+        usual = events.sum(axis=0) / np.maximum(exposure.sum(axis=0), 1.0)
+        values = expected(events, exposure, prior._replace(mean=usual))
+        if by == BY_RISK and met.any():
+            some, seen = deaths @ chosen, met @ chosen
+            around = some.sum(axis=0) / np.maximum(seen.sum(axis=0), 1.0)
+            values = values * belief._replace(usual=around).of(some, seen)
+        ranks[:, at : at + step] = _ranks(values)
     ends = [
         np.percentile(ranks[at : at + _BLOCK].astype(np.float64), (2.5, 97.5), axis=1)
         for at in range(0, len(ranks), _BLOCK)
     ]
     low, high = np.concatenate(ends, axis=1)
-    return low, high
+    return rates, p_fatal, low, high
 
 
-def _p_worse(conflicts: FloatArray, exposure: FloatArray) -> FloatArray:
-    all_conflicts, all_exposure = conflicts.sum(axis=0), exposure.sum(axis=0)
+def _p_worse(own: Counted, by: str) -> FloatArray:
+    tables = [own.conflicts, own.pedestrians]
+    if by == BY_RISK and own.risks.defined.any():
+        tables += [own.risks.total, own.risks.defined]
+    sums = [table.sum(axis=0) for table in tables]
     found = np.array(
         [
-            _p_of(own, walks, all_conflicts - own, all_exposure - walks)
-            for own, walks in zip(conflicts, exposure, strict=True)
+            _p_of(
+                [table[i] for table in tables],
+                [all_ - table[i] for all_, table in zip(sums, tables, strict=True)],
+            )
+            for i in range(len(own.conflicts))
         ]
     )
     defined = np.isfinite(found)
@@ -106,11 +164,20 @@ def _p_worse(conflicts: FloatArray, exposure: FloatArray) -> FloatArray:
     return found
 
 
-def _p_of(conflicts: FloatArray, exposure: FloatArray, others: FloatArray, walks: FloatArray) -> float:
-    """Return the p of one crossing against all others together, as ratios of sums over runs."""
-    if len(conflicts) < 2 or walks.sum() <= 0.0:
+def _p_of(own: list[FloatArray], others: list[FloatArray]) -> float:
+    """Return the p of one crossing against all others together, by what each run contributes."""
+    if len(own[0]) < 2 or any(below.sum() <= 0.0 for side in (own, others) for below in side[1::2]):
         return np.nan
-    differences = contributions(conflicts, exposure) - contributions(others, walks)
+    differences = _product(own) - _product(others)
     if np.ptp(differences) < 1e-12:
         return np.nan
     return float(ttest_1samp(differences, 0.0, alternative="greater").pvalue)
+
+
+def _product(tables: list[FloatArray]) -> FloatArray:
+    """Return what each run contributes to a ratio, or to the product of two, to first order."""
+    first = contributions(tables[0], tables[1])
+    if len(tables) == 2:
+        return first
+    second = contributions(tables[2], tables[3])
+    return np.asarray(second.mean() * first + first.mean() * second - first.mean() * second.mean())

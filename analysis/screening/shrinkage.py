@@ -18,7 +18,7 @@ START = 0.5
 class Prior(NamedTuple):
     """How the rates of places differ: a gamma distribution."""
 
-    mean: float
+    mean: float | FloatArray
     """Events per unit of exposure."""
     dispersion: float
     """Squared coefficient of variation of the rates."""
@@ -70,12 +70,14 @@ def fit(events: FloatArray, exposure: FloatArray) -> Prior:
 def expected(events: FloatArray, exposure: FloatArray, prior: Prior) -> FloatArray:
     """Return the expected rate of each place: between what was counted there and the prior's mean.
 
+    The prior's mean may be an array that broadcasts with the events.
+
     Examples
     --------
     >>> expected(np.array([5.0, 0.0]), np.array([10.0, 0.0]), Prior(0.1, 1.0)).round(3).tolist()
     [0.3, 0.1]
     """
-    size = 1.0 / prior.dispersion
-    if prior.mean == 0.0:
-        return np.zeros(np.shape(events))
-    return np.asarray((size + events) / (size / prior.mean + exposure))
+    size, mean = 1.0 / prior.dispersion, np.asarray(prior.mean)
+    nothing = mean == 0.0
+    rates = (size + events) / (size / np.where(nothing, 1.0, mean) + exposure)
+    return np.asarray(np.where(nothing, 0.0, rates))

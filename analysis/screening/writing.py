@@ -11,7 +11,7 @@ from analysis.screening import geojson
 from analysis.screening.changes import CHANGES, change_rows
 from analysis.screening.counts import Counts, read_counts
 from analysis.screening.crossings_table import CROSSINGS, crossing_rows
-from analysis.screening.ranking import rank
+from analysis.screening.ranking import BY_RISK, rank
 from analysis.sealing import seal
 from analysis.tables.cells import Row, cells
 from analysis.tables.datapackage import describe
@@ -35,7 +35,7 @@ class Screened:
         return self.counts.seeds
 
 
-def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
+def write_ranking(folder: Path, least_pedestrians: float, by: str = BY_RISK) -> Screened:
     """Rank the crossings of a study's folder; write crossings.csv, its dictionary and crossings.geojson.
 
     Parameters
@@ -44,6 +44,8 @@ def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
         Of a study whose runs recorded everybody.
     least_pedestrians
         A crossing with fewer pedestrians in all runs is listed, and not ranked.
+    by
+        One of ``RANK_BY``.
 
     Raises
     ------
@@ -53,7 +55,7 @@ def write_ranking(folder: Path, least_pedestrians: float) -> Screened:
         When a file cannot be read or written.
     """
     counts = read_counts(folder)
-    ranking = rank(counts.each["conflicts"], counts.each["n_pedestrians"], least_pedestrians)
+    ranking = rank(counts.counted(), least_pedestrians, by)
     rows = crossing_rows(counts, ranking)
     files = [
         write_csv(folder / CROSSINGS.file, CROSSINGS.names(), cells(CROSSINGS, rows)),

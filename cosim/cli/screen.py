@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +20,14 @@ if TYPE_CHECKING:
     from cosim.screening.screen import Plan, ScreenRequest
 
 LEAST_PEDESTRIANS = 30
+
+
+class Measure(StrEnum):
+    """What ranks follow; those of ``analysis.screening.ranking``, which loads numerical libraries."""
+
+    RISK = "risk"
+    CONFLICTS = "conflicts"
+
 
 Town = Annotated[
     str, typer.Argument(metavar="TOWN", help="SUMO configuration, or a scenario's name or folder.")
@@ -56,6 +65,14 @@ LeastPedestrians = Annotated[
         metavar="N", min=0, help="Crossings with fewer pedestrians in all runs are listed, not ranked."
     ),
 ]
+RankBy = Annotated[
+    Measure,
+    typer.Option(
+        "--rank-by",
+        help="risk: conflicts for each pedestrian, by how likely a pedestrian would die at the speeds there; "
+        "conflicts: these alone.",
+    ),
+]
 Against = Annotated[
     str | None,
     typer.Option(metavar="TOWN", help="Compare with this configuration, on the same seeds."),
@@ -76,11 +93,12 @@ def screen(
     end: End = None,
     settings: Settings = None,
     min_pedestrians: LeastPedestrians = LEAST_PEDESTRIANS,
+    rank_by: RankBy = Measure.RISK,
     against: Against = None,
     alt: Alternative = None,
     debug: Debug = False,
 ) -> int:
-    """Rank a network's crossings by their conflicts between vehicles and pedestrians.
+    """Rank a network's crossings by the risk that vehicles are to pedestrians there.
 
     SUMO's own traffic is simulated, no ego is needed. --against and --alt screen an alternative too and
     say what it changes at each crossing. Repeat the command to resume.
@@ -124,7 +142,7 @@ def screen(
         _checked(plans[-1])
     codes, rankings = [], []
     for one, plan in zip(requests, plans, strict=True):
-        code, stopped, ranking = _screened(one, plan, min_pedestrians)
+        code, stopped, ranking = _screened(one, plan, min_pedestrians, rank_by.value)
         codes.append(code)
         if stopped:
             return code
@@ -146,7 +164,7 @@ def _checked(plan: Plan) -> None:
         pass
 
 
-def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bool, Screened | None]:
+def _screened(request: ScreenRequest, plan: Plan, least: float, by: str) -> tuple[int, bool, Screened | None]:
     """Make the runs and print the ranking; return exit code, whether it was stopped, and the ranking."""
     from cosim.batches.batch import prepared
     from cosim.batches.progress import shown_checks, shown_tally
@@ -155,7 +173,7 @@ def _screened(request: ScreenRequest, plan: Plan, least: float) -> tuple[int, bo
     with prepared(plan.batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
         code = show_result(batch, result)
-    ranking = ranked(request, least) if result.tally.done else None
+    ranking = ranked(request, least, by) if result.tally.done else None
     if ranking is not None:
         show_ranking(ranking, least)
     return code, bool(result.stopped), ranking

@@ -28,11 +28,23 @@ def show_ranking(found: Screened, least: float) -> None:
     least : pedestrians below which a crossing is not ranked
     """
     from analysis.screening.caution import caution
+    from analysis.screening.crossings_table import VALUES, value_column
+    from analysis.screening.ranking import BY_RISK
 
     rows = [row for row in found.rows if row["rank"] is not None]
-    table = _table("rank", "95 %", "crossing", "conflicts per 1000 pedestrians", "expected", "why")
+    by_risk = value_column(found.rows) == VALUES[BY_RISK]
+    table = _table(
+        *("rank by risk" if by_risk else "rank", "95 %", "crossing"),
+        *(
+            "conflicts per 1000 pedestrians",
+            "expected",
+            "fatal if struck",
+            "rank by conflicts" if by_risk else "rank by risk",
+            "why",
+        ),
+    )
     for row in rows[:SHOWN]:
-        table.add_row(*_line(row))
+        table.add_row(*_line(row, "rank_by_conflicts" if by_risk else "rank_by_risk"))
     console = terminal.console()
     if rows:
         console.print(table)
@@ -52,12 +64,13 @@ def show_ranking(found: Screened, least: float) -> None:
     typer.echo(f"files: {', '.join(map(str, found.files))}")
 
 
-def _line(row: Row) -> list[str]:
+def _line(row: Row, other: str) -> list[str]:
     known = row["rank_lo"] is not None
     interval = f"{row['rank_lo']:.0f}–{row['rank_hi']:.0f}" if known else ""
     rates = [f"{row[name]:.1f}" for name in ("conflicts_per_1000_ped", "expected_conflicts_per_1000_ped")]
     name = f"{row['crossing_id']} (worse)" if row["worse"] else str(row["crossing_id"])
-    return [f"{row['rank']:g}", interval, name, *rates, str(row["reasons"])]
+    fatal = "" if row["p_fatal_expected"] is None else f"{row['p_fatal_expected']:.1%}"
+    return [f"{row['rank']:g}", interval, name, *rates, fatal, f"{row[other]:g}", str(row["reasons"])]
 
 
 def show_changes(found: Changed) -> None:

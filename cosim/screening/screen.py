@@ -161,8 +161,8 @@ def _times(request: ScreenRequest, scenario: library.Scenario) -> dict[str, floa
     return found
 
 
-def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:
-    """Rank the crossings from the finished runs, and write the ranking.
+def ranked(request: ScreenRequest, least_pedestrians: float, by: str) -> Screened:
+    """Rank the crossings from the finished runs by one of ``RANK_BY``, and write the ranking.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def ranked(request: ScreenRequest, least_pedestrians: float) -> Screened:
         When no run can be ranked, or the ranking cannot be written.
     """
     try:
-        return write_ranking(request.folder, least_pedestrians)
+        return write_ranking(request.folder, least_pedestrians, by)
     except (AnalysisError, OSError) as error:
         raise SimulationError(f"no ranking: {reason_of(error)}") from error
 

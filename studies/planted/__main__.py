@@ -15,11 +15,8 @@ from cosim.batches.batch import prepared
 from cosim.batches.progress import shown_checks, shown_tally
 from cosim.errors import CosimError
 from cosim.screening.screen import ScreenRequest, planned
-from studies.planted.outcomes import BLOCK, RUNS, block_folder
+from studies.planted.outcomes import BLOCK, FIRST_SEED, RUNS, block_folder
 from studies.planted.town import DEFECTS, write_town
-
-FIRST_SEED = 9601
-"""Nothing was tuned on these seeds."""
 
 
 def main(words: Sequence[str] | None = None) -> int:

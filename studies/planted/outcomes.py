@@ -11,13 +11,16 @@ import numpy as np
 from analysis.arrays import BoolArray
 from analysis.screening.counts import Counts, read_counts
 from analysis.screening.crossings_table import WORSE_BELOW
-from analysis.screening.ranking import rank
+from analysis.screening.ranking import BY_RISK, RANK_BY, rank
 from studies.planted.town import PLANTED, Defect, crossing_of
 
 RUNS = 4
 """Runs of a replication: the seeds of one screening."""
 BLOCK = 5
 """Replications that are made at once."""
+FIRST_SEED = 9601
+CHOSEN_ON = 5
+"""Of the first replications it was looked at how conflicts are best weighted; they count no longer."""
 LEAST_PEDESTRIANS = 30.0
 """As ``cosim screen`` has it."""
 
@@ -31,6 +34,8 @@ def block_folder(folder: Path, defect: Defect, block: int) -> Path:
 class Replication:
     """One screening of one town."""
 
+    seed: int
+    """The first of its runs."""
     rank: float
     """Of the crossing on the planted street, whether something is planted there or not."""
     worse: BoolArray
@@ -58,16 +63,22 @@ class Replication:
         return int(self.worse.sum()) - self.called_worse
 
 
-def replications(folder: Path, defect: Defect) -> list[Replication]:
-    """Return the finished replications of a variant; those with an invalid or missing run are left out."""
-    found: list[Replication] = []
+def replications(folder: Path, defect: Defect) -> dict[str, list[Replication]]:
+    """Return the finished replications of a variant that count, for each measure that a rank may follow.
+
+    Those with an invalid or missing run are left out, and those on which something was chosen.
+    """
+    first = FIRST_SEED + CHOSEN_ON * RUNS
+    found: dict[str, list[Replication]] = {by: [] for by in RANK_BY}
     for block in sorted((folder / defect.name).glob("block-*")):
         if (block / "runs.csv").is_file():
-            found.extend(of_counts(read_counts(block)))
+            counts = read_counts(block)
+            for by in RANK_BY:
+                found[by].extend(one for one in of_counts(counts, by) if one.seed >= first)
     return found
 
 
-def of_counts(counts: Counts) -> Iterator[Replication]:
+def of_counts(counts: Counts, by: str = BY_RISK) -> Iterator[Replication]:
     """Yield the replications that are whole among the runs of a block."""
     names = [cells["crossing_id"] for cells in counts.crossings]
     planted = names.index(crossing_of(PLANTED))
@@ -77,9 +88,10 @@ def of_counts(counts: Counts) -> Iterator[Replication]:
         chosen = [column[seed] for seed in range(begin, begin + RUNS) if seed in column]
         if len(chosen) == RUNS:
             conflicts, walks = counts.each["conflicts"][:, chosen], counts.each["n_pedestrians"][:, chosen]
-            ranking = rank(conflicts, walks, LEAST_PEDESTRIANS)
+            ranking = rank(counts.counted(chosen), LEAST_PEDESTRIANS, by)
             others = np.arange(len(names)) != planted
             yield Replication(
+                begin,
                 float(ranking.rank[planted]),
                 np.asarray(ranking.p_worse < WORSE_BELOW),
                 planted,

@@ -6,22 +6,27 @@ Writes it below the line ``## Table`` of the page, which keeps what stands above
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from analysis.errors import StudyError
 from analysis.markdown import table, write_below
+from analysis.screening.ranking import BY_CONFLICTS, BY_RISK
 from analysis.statistics.intervals import share_interval
-from studies.planted.outcomes import RUNS, Replication, replications
+from studies.planted.outcomes import CHOSEN_ON, RUNS, Replication, replications
 from studies.planted.town import DEFECTS, STREETS, Defect
 
 TABLE = "## Table"
 BARS = {"found": 0.90, "false_alarms": 0.05}
 """Least share of replications that find the planted crossing; most crossings called worse for nothing."""
-WHOLE = 50
-"""Replications of the whole study."""
+WHOLE = 50 - CHOSEN_ON
+"""Replications of the whole study that count."""
+MEASURES = {
+    BY_RISK: "Ranked by risk (as `cosim screen` does)",
+    BY_CONFLICTS: "Ranked by conflicts alone (`--rank-by conflicts`)",
+}
 _HEADS = (
     *("planted", "replications", "conflicts per 1000 pedestrians there", "on the others"),
     *("ranks first (95 %)", "median rank", "called worse", "others called worse (95 %)"),
@@ -29,10 +34,21 @@ _HEADS = (
 )
 
 
-def markdown(found: dict[str, list[Replication]]) -> str:
-    """Return the table, a row for each variant, and the verdict on the bars."""
+def markdown(found: Mapping[str, Mapping[str, list[Replication]]]) -> str:
+    """Return for each measure a table with a row for each variant, and the verdict on the bars.
+
+    Parameters
+    ----------
+    found
+        The replications of each variant, by the measure that ranks follow.
+    """
+    parts = [_part({name: made[by] for name, made in found.items()}, by) for by in MEASURES]
+    return "\n".join(parts)
+
+
+def _part(found: Mapping[str, list[Replication]], by: str) -> str:
     rows = [_texts(defect, found[defect.name]) for defect in DEFECTS if found[defect.name]]
-    return f"{table(_HEADS, rows)}\n\n{_verdict(found)}\n"
+    return f"### {MEASURES[by]}\n\n{table(_HEADS, rows)}\n\n{_verdict(found)}\n"
 
 
 def write_page(folder: Path, page: Path) -> None:
@@ -44,7 +60,7 @@ def write_page(folder: Path, page: Path) -> None:
         If no replication is finished, or its files cannot be read.
     """
     found = {defect.name: replications(folder, defect) for defect in DEFECTS}
-    if not any(found.values()):
+    if not any(made[BY_RISK] for made in found.values()):
         raise StudyError(f"{folder}: no finished replication; python -m studies.planted {folder} makes them")
     write_below(page, TABLE, markdown(found), "# Planted defects")
 
@@ -79,7 +95,7 @@ def _share(hits: int, of: int) -> str:
     return f"{hits} of {of}, {hits / of:.0%}{interval}"
 
 
-def _verdict(found: dict[str, list[Replication]]) -> str:
+def _verdict(found: Mapping[str, list[Replication]]) -> str:
     """Return which bars are met, one line each."""
     lines = []
     for defect in DEFECTS:

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from analysis.screening.ranking import BY_RISK
 from cosim.batches.batch import prepared
 from cosim.batches.progress import shown_checks, shown_tally
 from cosim.errors import CosimError
@@ -51,7 +52,7 @@ def main(words: Sequence[str] | None = None) -> int:
     with prepared(planned(request).batch, shown_checks()) as batch:
         result = batch.run(shown_tally())
     if result.tally.done:
-        ranked(request, given.min_pedestrians)
+        ranked(request, given.min_pedestrians, BY_RISK)
     return 0 if result.good else 3
 
 

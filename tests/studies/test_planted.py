@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.errors import StudyError
+from analysis.screening.ranking import BY_CONFLICTS, BY_RISK
 from studies.planted.outcomes import RUNS, Replication, of_counts
 from studies.planted.page import markdown, write_page
 from studies.planted.town import DEFECTS, PLANTED, STREETS, Defect, crossing_of, write_town
@@ -50,10 +51,18 @@ def test_a_replication_that_lacks_a_run_is_left_out() -> None:
 
 
 def test_the_page_says_which_bars_are_met_and_what_was_not_run(tmp_path: Path) -> None:
-    found = {defect.name: screened(1, 8.0) for defect in DEFECTS[:2]} | {one.name: [] for one in DEFECTS[2:]}
-    told = markdown(found)
+    made = [screened(1, 8.0), screened(1, 8.0), *([] for _ in DEFECTS[2:])]
+    told = markdown(
+        {
+            defect.name: {BY_RISK: some, BY_CONFLICTS: some[:1]}
+            for defect, some in zip(DEFECTS, made, strict=True)
+        }
+    )
+    by_risk, by_conflicts = told.split("### Ranked by conflicts alone")
+    assert "1 of 1, 100%" in by_conflicts
+    told = by_risk
     assert (
-        f"- {DEFECTS[1].name}: first in at least 90% of replications: not decided by 2 of 50 replications."
+        f"- {DEFECTS[1].name}: first in at least 90% of replications: not decided by 2 of 45 replications."
         in told
     )
     assert f"- {DEFECTS[2].name}: not run." in told

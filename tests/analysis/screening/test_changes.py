@@ -24,7 +24,11 @@ def counts(
     shape = conflicts.shape
     each: Mapping[str, np.ndarray] = {
         **dict.fromkeys(
-            ("severe", "yields", "yieldable", "vehicle_speed_sum_mps", "ped_delay_sum_s"), np.zeros(shape)
+            (
+                *("severe", "yields", "yieldable", "vehicle_speed_sum_mps", "ped_delay_sum_s"),
+                *("p_fatal_sum", "p_fatal_squares", "n_p_fatal_defined"),
+            ),
+            np.zeros(shape),
         ),
         "conflicts": conflicts,
         "n_pedestrians": walks,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from analysis.screening.crossings_table import value_column
 from analysis.screening.geojson import features
 from analysis.screening.reasons import reasons
 
@@ -46,3 +47,16 @@ def test_a_network_without_a_projection_has_no_geojson() -> None:
     assert found["features"][0]["geometry"] == {"type": "Point", "coordinates": [10.5, 52.3]}
     assert found["features"][0]["properties"]["rank"] == 1.0
     assert features([row, {"crossing_id": ":b_c0"}]) is None
+
+
+def test_the_column_that_ranks_follow_is_the_conflicts_where_no_speed_is_known() -> None:
+    rows = [
+        {"ranked_by": "risk", "risk_per_1000_ped": risk, "expected_conflicts_per_1000_ped": 2.0}
+        for risk in (None, 0.4)
+    ]
+    assert value_column(rows) == "risk_per_1000_ped"
+    assert value_column(rows[:1]) == "expected_conflicts_per_1000_ped"
+    assert (
+        value_column([row | {"ranked_by": "conflicts"} for row in rows]) == "expected_conflicts_per_1000_ped"
+    )
+    assert value_column([]) == "expected_conflicts_per_1000_ped"

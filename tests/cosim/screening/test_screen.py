@@ -11,6 +11,7 @@ from subprocess import CompletedProcess
 import pytest
 
 from analysis.files import read_csv
+from analysis.metrics.injury_risk_rosen2009 import risk
 from cosim.errors import InputError
 from cosim.screening.clock import seconds
 from sumo_scenarios.sumo_installation import netconvert
@@ -87,6 +88,24 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
     again = ("screen", screened[0] / "t.sumocfg", "--seeds", "1-2", "--jobs", 2, "--out", out)
     ended(*again, *LIMITS)
     assert (out / "crossings.csv").read_bytes() == before
+    assert {row["ranked_by"] for row in rows} == {"risk"}
+    ended(*again, *LIMITS, "--rank-by", "conflicts")
+    by_conflicts = read_csv(out / "crossings.csv")
+    assert {row["ranked_by"] for row in by_conflicts} == {"conflicts"}
+    assert [row["rank"] for row in by_conflicts] == [row["rank_by_conflicts"] for row in by_conflicts]
+    for row in rows:
+        assert row["rank"] == row["rank_by_risk"]
+        met = [
+            risk(3.6 * float(one["conflicting_speed_mps"]))
+            for one in traffic
+            if (one["crossing_id"], one["entered"]) == (row["crossing_id"], "1")
+            and one["conflicting_speed_mps"]
+        ]
+        assert (row["p_fatal_mean"] == "") == (not met)
+        assert not met or float(row["p_fatal_mean"]) == pytest.approx(sum(met) / len(met), rel=1e-3)
+    refused = ended(*again, *LIMITS, "--rank-by", "wind", code=2).stderr
+    assert "wind" in refused
+    assert "risk" in refused
     ended("verify", out)
     (out / "crossings.csv").write_text("altered")
     assert "crossings.csv" in ended("verify", out, code=3).stderr
