@@ -44,7 +44,7 @@ CRITERIA = Table(
         Column("seed", "integer", "1", "seed of the run"),
         _text("run", "folder of the run or of what it left, in the check's folder"),
         Column("encounter_id", "integer", "1", "number within the run", minimum=1.0),
-        _text("ego_id", "ego of the encounter; of a failed run the encounter that decides"),
+        _text("ego_id", "ego of the encounter; of a failed run the ego that decides"),
         _text("ped_id", "pedestrian of the encounter"),
         Column("t_start_s", "number", "s", "beginning of the encounter"),
         Column("moment_s", "number", "s", "when what the criterion is about was worst"),

@@ -10,7 +10,9 @@ Undefined: never. Steps without a recorded gap count as free.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,14 +29,43 @@ RUN_COLUMNS = (
     column.text("deadlock_where", "which ego, from when to when, and where; empty without one"),
 )
 
+_STAND = re.compile(
+    r"ego (?P<ego>.*), (?P<start>[\d.]+) to (?P<end>[\d.]+) s, (?P<place>(at crossing|on lane) .*)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """One of the egos that deadlock_where names."""
+
+    ego_id: str
+    start_s: float
+    end_s: float
+    place: str
+
+    def __str__(self) -> str:
+        return f"ego {self.ego_id}, {self.start_s:.1f} to {self.end_s:.1f} s, {self.place}"
+
+
+def first_stand(told: str) -> Stand | None:
+    """Return the first ego that a text of deadlock_where names.
+
+    Examples
+    --------
+    >>> first_stand("ego a, 12.0 to 90.5 s, at crossing :J_c0; ego b, 13.0 to 91.0 s, on lane in_0")
+    Stand(ego_id='a', start_s=12.0, end_s=90.5, place='at crossing :J_c0')
+    """
+    found = _STAND.fullmatch(told.split("; ego ")[0])
+    return found and Stand(found["ego"], float(found["start"]), float(found["end"]), found["place"])
+
 
 def compute(case: Case) -> Values:
     """Return the number of stretches, and what they were."""
-    told = [one for track in case.egos for one in _told(case, track)]
-    return {"deadlock": len(told), "deadlock_where": "; ".join(told) or None}
+    stands = [one for track in case.egos for one in _stands(case, track)]
+    return {"deadlock": len(stands), "deadlock_where": "; ".join(map(str, stands)) or None}
 
 
-def _told(case: Case, track: Track) -> Iterator[str]:
+def _stands(case: Case, track: Track) -> Iterator[Stand]:
     limits = case.thresholds
     number = case.run.egos.numbers
     rows = track.rows[:: case.grid.factor]
@@ -53,4 +84,4 @@ def _told(case: Case, track: Track) -> Iterator[str]:
             continue
         lane = case.run.egos.texts["lane"].at(int(rows[first]))
         place = f"at crossing {min(near, key=lambda name: near[name])}" if near else f"on lane {lane or '?'}"
-        yield f"ego {track.name}, {time[first]:.1f} to {time[last]:.1f} s, {place}"
+        yield Stand(track.name, float(time[first]), float(time[last]), place)

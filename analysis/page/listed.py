@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -21,11 +21,24 @@ from analysis.page.encounters import (
     read_encounters,
     worst_first,
 )
-from analysis.page.replay import has_recording, read_recording, read_traffic_recording, write_replays
+from analysis.page.recorded import Recording, has_recording, read_recording, read_traffic_recording
+from analysis.page.replay import replay_of, replay_of_ego, write_replay
 from analysis.study.design import Study
+from analysis.study.runs import StudyRun
 
 OF_EACH = 20
 """So many of the worst encounters of each configuration are listed, however good it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A moment of an ego that met nobody, such as the beginning of a deadlock."""
+
+    run: StudyRun
+    key: str
+    """Name of the replay."""
+    ego_id: str
+    moment_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +53,8 @@ class Listed:
     """The worst ones of each crossing of a screening; they are among the rows, too."""
     accused: Mapping[tuple[str, int], str]
     """Replay of the encounter that a failed criterion is about, by run and number; these are, too."""
+    moments: Mapping[tuple[str, str, float], Moment]
+    """The moments of egos that failed criteria are about, by run, ego and time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +99,7 @@ def choose(
         [found.at(row) for row in order if row in chosen],
         {name: [found.at(row) for row in some] for name, some in worst.items()},
         {where: found.at(row).key for where, row in accused.items()},
+        _moments(criteria, root, study),
     )
 
 
@@ -96,7 +112,7 @@ def _without_egos(study: Study) -> bool:
 
 
 def replay(listed: Listed, folder: Path, most: int) -> Replayed:
-    """Write the replays of the worst encounters that have a recording; old ones in the folder go.
+    """Write the replays of the worst encounters and of moments that have a recording; old ones go.
 
     Parameters
     ----------
@@ -105,15 +121,16 @@ def replay(listed: Listed, folder: Path, most: int) -> Replayed:
     folder
         For the files.
     most
-        So many are written.
+        So many encounters have one.
     """
-    first = {*listed.accused.values(), *(one.key for some in listed.of_crossings.values() for one in some)}
-    rows = sorted(listed.rows, key=lambda one: one.key not in first)
-    read = read_recording if listed.table is OF_EGOS else read_traffic_recording
     for old in folder.glob("*.js") if folder.is_dir() else ():
         old.unlink()
+    first = {*listed.accused.values(), *(one.key for some in listed.of_crossings.values() for one in some)}
+    rows = sorted(listed.rows, key=lambda one: one.key not in first)
     recorded = {path: has_recording(path) for path in {one.run.folder for one in rows}}
-    chosen = [one for one in rows if recorded[one.run.folder]][:most]
+    chosen: list[Found | Moment] = [*[one for one in rows if recorded[one.run.folder]][:most]]
+    chosen += [one for one in listed.moments.values() if has_recording(one.run.folder)]
+    read = read_recording if listed.table is OF_EGOS else read_traffic_recording
     done: set[str] = set()
     problems: dict[str, str] = {}
     damaged: dict[Path, str] = {}
@@ -122,7 +139,7 @@ def replay(listed: Listed, folder: Path, most: int) -> Replayed:
     ):
         mine = list(group)
         try:
-            write_replays(read(place), [(one.number, one.key) for one in mine], folder)
+            _write(mine, read(place), folder)
             done |= {one.key for one in mine}
         except RecordingError as error:
             problems |= {one.key: str(error) for one in mine}
@@ -130,11 +147,19 @@ def replay(listed: Listed, folder: Path, most: int) -> Replayed:
     return Replayed(done, problems, damaged)
 
 
+def _write(chosen: Iterable[Found | Moment], recording: Recording, folder: Path) -> None:
+    for one in chosen:
+        if isinstance(one, Moment):
+            write_replay(one.key, replay_of_ego(recording, one.ego_id, one.moment_s), folder)
+        else:
+            write_replay(one.key, replay_of(recording, one.number), folder)
+
+
 def _accused(
     criteria: Mapping[str, Any] | None, root: Path | None, found: Encounters
 ) -> dict[tuple[str, int], int]:
     """Return the encounters that failed criteria are about: run and number of criteria.csv, to row."""
-    rows = [] if criteria is None else [one for one in criteria["rows"] if one["status"] == "fail"]
+    rows = _failed(criteria)
     wanted = {(one["run"], one["encounter_id"]) for one in rows if one["run"] and one["encounter_id"]}
     if root is None or not wanted:
         return {}
@@ -145,6 +170,30 @@ def _accused(
     }
     known = {one: places.get(((root / one[0]).resolve(), one[1])) for one in sorted(wanted)}
     return {one: row for one, row in known.items() if row is not None}
+
+
+def _moments(
+    criteria: Mapping[str, Any] | None, root: Path | None, study: Study
+) -> dict[tuple[str, str, float], Moment]:
+    """Return the moments of egos that failed criteria are about."""
+    if root is None:
+        return {}
+    runs = {run.folder.resolve(): run for run in study.runs if run.valid}
+    found: dict[tuple[str, str, float], Moment] = {}
+    for row in _failed(criteria):
+        where = row["run"], row["ego_id"], row["moment_s"]
+        if None in where or row["encounter_id"] is not None or where in found:
+            continue
+        run = runs.get((root / row["run"]).resolve())
+        if run is not None:
+            found[where] = Moment(
+                run, f"{run.run_id}-moment-{len(found) + 1}", row["ego_id"], row["moment_s"]
+            )
+    return found
+
+
+def _failed(criteria: Mapping[str, Any] | None) -> list[Mapping[str, Any]]:
+    return [] if criteria is None else [one for one in criteria["rows"] if one["status"] == "fail"]
 
 
 def line(one: Found, study: Study, out: Path, replayed: Replayed) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
 from analysis.files import read_csv
-from analysis.page.replay import has_recording
+from analysis.page.recorded import has_recording
 from analysis.page.tables import read_rows
 from analysis.study.design import Study
 from analysis.study.runs import STUDY_FILE, StudyRun

@@ -55,11 +55,15 @@ function begin(key) {
   moment = Number(row.dataset.moment);
   heading = data.ego.heading_rad[frameAt(moment)];
   zoom = 1;
+  const met = data.encounter_id !== null; // a moment of an ego is no encounter
   part("replay-title").textContent =
-    `${row.dataset.controller} · ${data.scenario_id} · seed ${data.seed} · encounter ${data.encounter_id}`;
+    `${row.dataset.controller} · ${data.scenario_id} · seed ${data.seed} · ` +
+    (met ? `encounter ${data.encounter_id}` : `ego ${data.ego_id} at ${moment.toFixed(1)} s`);
   part("replay-source").textContent =
     `Rows of ${row.dataset.folder}: ` +
-    (EGOS
+    (!met
+      ? `egos.parquet (ego_id ${data.ego_id}), neighbours.parquet, plans.parquet.`
+      : EGOS
       ? `egos.parquet (ego_id ${data.ego_id}), neighbours.parquet (pedestrian with object_id ${data.ped_id}), ` +
         `plans.parquet; encounters.csv, encounter_id ${data.encounter_id}.`
       : `traffic.parquet (vehicle with object_id ${data.ego_id}, pedestrian with object_id ${data.ped_id}); ` +
@@ -68,8 +72,9 @@ function begin(key) {
   const names = new Set(data.plans.flatMap((plan) => plan.overlay.map((one) => one.name)));
   part("overlay-names").textContent = names.size ? ": " + [...names].join(", ") : ": nothing";
   const rows = replayableRows();
-  part("replay-previous").disabled = rows[0] === row;
-  part("replay-next").disabled = rows[rows.length - 1] === row;
+  const at = rows.indexOf(row);
+  part("replay-previous").disabled = at <= 0;
+  part("replay-next").disabled = at < 0 || at === rows.length - 1;
   if (quiet.matches) {
     show(frameAt(moment));
   } else {
@@ -197,7 +202,7 @@ function writeReadout(frame) {
     ["distance", fixed(data.distance_m[index], "m")],
     ["TTC", fixed(data.ttc_s[index], "s")],
     ["light ahead", data.signal_ahead ? data.signal_ahead.state[index] || "–" : "–"],
-    ["pedestrian", frame.met ? frame.met.phase || "on the road" : "not there"],
+    ["pedestrian", data.ped_id === null ? "–" : frame.met ? frame.met.phase || "on the road" : "not there"],
     ["decision", decisionText(data, index)],
     ["because of", textAt(data.ego.because, index) || "–"],
     ["solver", solverText(data, index)],
@@ -307,7 +312,7 @@ traces.addEventListener("pointermove", (event) => {
 dialog.addEventListener("close", () => {
   pause();
   history.replaceState(null, "", location.pathname + location.search);
-  const button = row && row.querySelector("button.open");
+  const button = row && (row.matches("a") ? row : row.querySelector("button.open"));
   if (button) button.focus();
 });
 dialog.addEventListener("keydown", (event) => {

@@ -1,35 +1,30 @@
-"""The data of one encounter's replay: the recorded rows around it, in one script file."""
+"""The data of a replay: the recorded rows around an encounter or a moment of an ego, in one script file."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 from scipy.spatial import ConvexHull
 
 from analysis.arrays import FloatArray, IntArray
-from analysis.encounters.case import Case, prepare, prepare_traffic
-from analysis.errors import DamageError, RecordingError
-from analysis.files import read_csv, read_json, write_text
-from analysis.manifest import read_manifest, read_verified
+from analysis.encounters.case import Case
+from analysis.errors import RecordingError
+from analysis.files import write_text
 from analysis.page.overlay import drawings
+from analysis.page.recorded import Recording
 from analysis.page.signals import crossing_signals, signal_ahead
-from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
-from analysis.recording.reading import Area, read_run
-from analysis.recording.traffic import read_traffic
-from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
-from analysis.thresholds import Thresholds, names
+from analysis.recording.reading import Area
 
 BEFORE_S, AFTER_S = 2.0, 2.0
 """Shown before and after the encounter [s]."""
+LEADING_S, FOLLOWING_S = 10.0, 30.0
+"""Shown before and after a moment of an ego [s]."""
 NEAR_M = 90.0
 """Others and the map are kept this near to the ego's way [m]."""
 DECIMALS = 4
@@ -46,104 +41,6 @@ _EGO_TEXTS = ("rule", "manoeuvre", "because", "plan_status", "passing")
 _EGO_FLAGS = ("planned", "solved", "intervention", "handed_back")
 _MOVING_VEHICLE = ("x_m", "y_m", "heading_rad")
 _MOVING_PERSON = ("x_m", "y_m", "x_speed_mps", "y_speed_mps")
-RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timing.parquet", "map.json")
-
-
-def has_recording(folder: Path) -> bool:
-    """Return whether a run folder is to have what a replay needs."""
-    try:
-        known = read_manifest(folder) or {}
-    except DamageError:
-        return True  # what is wrong with it is told when it is read
-    return all((folder / name).is_file() or name in known for name in RECORDING_FILES)
-
-
-@dataclass(frozen=True, slots=True)
-class Recording:
-    """One recorded run, as its replays need it."""
-
-    case: Case
-    egos: pd.DataFrame
-    neighbours: pd.DataFrame
-    plans: pd.DataFrame
-    listed: Mapping[int, int]
-    """From the number of an encounter in its table to its index in the case."""
-
-
-def read_recording(folder: Path) -> Recording:
-    """Read a run, analysed with the thresholds that its tables were made with.
-
-    Raises
-    ------
-    RecordingError
-        When the recording cannot be read.
-    """
-    case = prepare(read_run(folder), _thresholds(folder))
-    egos, neighbours, plans = (_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS))
-    return Recording(case, egos, neighbours, plans, {index + 1: index for index in range(len(case))})
-
-
-def read_traffic_recording(folder: Path) -> Recording:
-    """Read a run that recorded everybody as one in which every vehicle but the egos is an ego without plans.
-
-    Raises
-    ------
-    RecordingError
-        When the recording cannot be read.
-    """
-    case = prepare_traffic(read_traffic(read_run(folder)).run, _thresholds(folder))
-    rows = _rows(folder, TRAFFIC)
-    vehicles = rows[rows["object_kind"] == "vehicle"]
-    driven = vehicles.rename(columns={"object_id": "ego_id", "x_m": "front_x_m", "y_m": "front_y_m"}).assign(
-        speed_mps=np.hypot(vehicles["x_speed_mps"], vehicles["y_speed_mps"])
-    )
-    columns = [column.name for column in EGOS.columns]
-    return Recording(
-        case,
-        driven.reindex(columns=columns).reset_index(drop=True),
-        rows,
-        pd.DataFrame({column.name: [] for column in PLANS.columns}),
-        _listed(case, folder / TRAFFIC_ENCOUNTERS.file),
-    )
-
-
-def _listed(case: Case, path: Path) -> dict[int, int]:
-    """Return the index of each encounter in a table, found by who met and when it began."""
-    start = case.grid.time
-    index = {
-        (one.ego.name, one.person.name, round(float(start[one.first]), 3)): number
-        for number, one in enumerate(case.encounters)
-    }
-    found = {}
-    for cells in read_csv(path):
-        key = cells["vehicle_id"], cells["ped_id"], round(float(cells["t_start_s"]), 3)
-        if key in index:
-            found[int(cells["traffic_encounter_id"])] = index[key]
-    return found
-
-
-def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
-    path = folder / table.file
-    try:
-        content = pa.BufferReader(read_verified(path))
-        read = pq.read_table(content, schema=table.schema, page_checksum_verification=True)
-        return pd.DataFrame(read.to_pandas())
-    except (OSError, pa.ArrowException) as error:
-        raise RecordingError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
-
-
-def _thresholds(folder: Path) -> Thresholds:
-    path = folder / "config.json"
-    try:
-        stored = read_json(path).get("thresholds") or {}
-    except FileNotFoundError:
-        stored = {}
-    except DamageError:
-        raise
-    except (OSError, ValueError) as error:
-        raise RecordingError(f"{path}: cannot be read ({error})") from None
-    known = set(names())
-    return Thresholds(**{name: float(value) for name, value in stored.items() if name in known})
 
 
 def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
@@ -163,32 +60,67 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
     index = recording.listed[encounter_id]
     one = case.encounters[index]
     start, end = (float(case.grid.time[i]) for i in (one.first, one.last))
+    mine = _between(recording, one.ego.name, start - BEFORE_S, end + AFTER_S)
+    ttc, distance = _measured(case, index, _times(mine))
+    return {
+        "encounter_id": encounter_id,
+        "ped_id": one.person.name,
+        "t_start_s": _number(start),
+        "t_end_s": _number(end),
+        "ttc_s": ttc,
+        "distance_m": distance,
+        **_shown_of(recording, mine, one.ego.name, one.person.name),
+    }
+
+
+def replay_of_ego(recording: Recording, ego_id: str, moment_s: float) -> dict[str, Any]:
+    """Return what is shown of an ego around a moment, as :func:`replay_of` with nobody met.
+
+    Raises
+    ------
+    RecordingError
+        When the recording does not hold the ego at that time.
+    """
+    mine = _between(recording, ego_id, moment_s - LEADING_S, moment_s + FOLLOWING_S)
+    if mine.empty:
+        raise RecordingError(f"{recording.case.run.folder}: no row of ego {ego_id} near {moment_s:.1f} s")
+    nothing: list[float | None] = [None] * len(mine)
+    return {
+        "encounter_id": None,
+        "ped_id": None,
+        "ttc_s": nothing,
+        "distance_m": nothing,
+        **_shown_of(recording, mine, ego_id, None),
+    }
+
+
+def _between(recording: Recording, ego_id: str, start: float, end: float) -> pd.DataFrame:
+    """Return the rows of an ego in an interval of time [s]."""
     time = recording.egos["time_s"]
-    own = recording.egos["ego_id"] == one.ego.name
-    mine = recording.egos[
-        own & (time >= start - BEFORE_S - 1e-6) & (time <= end + AFTER_S + 1e-6)
-    ].reset_index(drop=True)
-    times = np.round(mine["time_s"].to_numpy(dtype=np.float64), 6)
-    ttc, distance = _measured(case, index, times)
+    own = recording.egos["ego_id"] == ego_id
+    return recording.egos[own & (time >= start - 1e-6) & (time <= end + 1e-6)].reset_index(drop=True)
+
+
+def _times(rows: pd.DataFrame) -> FloatArray:
+    return np.round(rows["time_s"].to_numpy(dtype=np.float64), 6)
+
+
+def _shown_of(recording: Recording, mine: pd.DataFrame, ego_id: str, ped_id: str | None) -> dict[str, Any]:
+    """Return what replays of encounters and of moments have in common."""
+    case, times = recording.case, _times(mine)
     front = mine[["front_x_m", "front_y_m"]].to_numpy(dtype=np.float64)
     meta = case.run.meta
     return {
         "run": case.run.folder.name,
-        "encounter_id": encounter_id,
         "scenario_id": meta["scenario_id"],
         "controller": meta["controller"],
         "seed": meta["seed"],
-        "ego_id": one.ego.name,
-        "ped_id": one.person.name,
-        "t_start_s": _number(start),
-        "t_end_s": _number(end),
+        "ego_id": ego_id,
         "step_s": case.run.step_s,
         "time_s": _numbers(times),
         "ego": _ego(mine),
-        "ttc_s": ttc,
-        "distance_m": distance,
-        "objects": _objects(recording.neighbours, times, front, one.ego.name, one.person.name),
-        "plans": _plans(recording.plans, one.ego.name, times),
+        "objects": _objects(recording.neighbours, times, front, ego_id, ped_id),
+        "plans": _plans(recording.plans, ego_id, times),
         "map": _map(case, front),
         "crossing_signals": crossing_signals(recording.neighbours, times),
         "signal_ahead": signal_ahead(mine),
@@ -229,7 +161,7 @@ def _measured(
 
 
 def _objects(
-    rows: pd.DataFrame, times: FloatArray, front: FloatArray, ego: str, person: str
+    rows: pd.DataFrame, times: FloatArray, front: FloatArray, ego: str, person: str | None
 ) -> list[dict[str, Any]]:
     """Return the others near the ego: per object its first frame and one value for each frame from there.
 
@@ -372,10 +304,7 @@ def script(key: str, content: dict[str, Any]) -> str:
     return f"cosimReplayData({json.dumps(key)},{text});\n"
 
 
-def write_replays(recording: Recording, encounters: Sequence[tuple[int, str]], folder: Path) -> list[Path]:
-    """Write one file for each encounter, given by number and key; return them."""
+def write_replay(key: str, content: dict[str, Any], folder: Path) -> Path:
+    """Write the file of a replay and return it."""
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for encounter_id, key in encounters:
-        paths.append(write_text(folder / f"{key}.js", script(key, replay_of(recording, encounter_id))))
-    return paths
+    return write_text(folder / f"{key}.js", script(key, content))

@@ -19,7 +19,7 @@ from analysis.page.encounters import OF_EGOS, SEVERITIES, Encounters
 from analysis.page.facts import rows_of_tiles
 from analysis.page.listed import Listed, Replayed, choose, line, replay
 from analysis.page.names import DATA, PAGE, REPLAYS
-from analysis.page.replay import has_recording
+from analysis.page.recorded import has_recording
 from analysis.page.terms import definitions, known_measures, linked, terms
 from analysis.results.measures import Measure, run_measures
 from analysis.study.design import Study, read_study
@@ -29,6 +29,9 @@ from analysis.validation.statement import SENTENCE
 
 REAL = "tracks"
 """Controller of recordings of real traffic."""
+
+PRINTED = {"criteria": 40, "encounters": 30, "crossings": 10}
+"""Rows of long tables that are printed; below each, the page says how many are not, and where they are."""
 
 Say = Callable[[Sequence[Mapping[str, Any]], Mapping[str, Measure]], str]
 """Makes a sentence of the rows of one comparison."""
@@ -111,6 +114,7 @@ def write_report(
             tables_folder=_prefix(origin.relative(made.folder, out)),
             distributions=distributions(study, found) if screened is None else [],
             replays=f"{DATA}/{REPLAYS}",
+            print=PRINTED,
             **_encounters(listed, replayed, study, out),
             **_measures(made, criteria, of_town=screened is not None),
             **_origin(study, root, out),
@@ -131,6 +135,7 @@ def _encounters(listed: Listed, replayed: Replayed, study: Study, out: Path) -> 
         "total": len(listed.found),
         "worst": listed.of_crossings,
         "accused": listed.accused,
+        "moments": listed.moments,
         "replayed": replayed.keys,
         "severities": SEVERITIES,
     }

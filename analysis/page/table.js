@@ -74,9 +74,22 @@ function openLinked() {
   const key = decodeURIComponent(location.hash.slice("#replay=".length));
   const row = Array.from(body.rows).find((one) => one.dataset.key === key);
   if (row && row.querySelector("button.open")) openReplay(row);
+  // A verdict on an ego that met nobody has its replay without a row of the table.
+  const moment = Array.from(document.querySelectorAll("a.open-moment")).find((one) => one.dataset.key === key);
+  if (moment) openReplay(moment);
 }
 openLinked();
 window.addEventListener("hashchange", openLinked);
+
+// Printed are the first rows as they are sorted and filtered now; the line below the table counts the others.
+window.addEventListener("beforeprint", () => {
+  const shown = Array.from(body.rows).filter((row) => !row.hidden);
+  shown.forEach((row, i) => row.classList.toggle("unprinted", i >= PRINTED));
+  const leftOut = document.getElementById("encounters-left-out");
+  const count = TOTAL - Math.min(shown.length, PRINTED);
+  leftOut.firstElementChild.textContent = String(count);
+  leftOut.classList.toggle("unprinted", count === 0);
+});
 
 // What is folded up is printed, but for the appendix; afterwards it is as it was.
 const folded = document.querySelectorAll("#configurations details:not([open]), #comparisons details:not([open])");

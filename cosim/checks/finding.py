@@ -86,7 +86,8 @@ class Finding:
         """Who, when and where, of what failed; empty where that is not known."""
         if self.ego_id is None or self.moment_s is None:
             return self.place or ""
-        return f"ego {self.ego_id} and pedestrian {self.ped_id}, {self.moment_s:.1f} s, {self.place}"
+        person = "" if self.ped_id is None else f" and pedestrian {self.ped_id}"
+        return f"ego {self.ego_id}{person}, {self.moment_s:.1f} s, {self.place}"
 
     def row(self) -> dict[str, Any]:
         """Return the row."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
 from analysis.criteria.culprit import culprit, of_row
+from analysis.criteria.culprit_alone import ALONE, of_ego
 from analysis.files import read_csv
+from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from cosim.checks.finding import Finding
 
@@ -136,8 +138,9 @@ def with_culprit(judged: Finding, folder: Path, run: Cells) -> Finding:
     """
     if judged.status != "fail":
         return judged
-    if judged.metric.startswith("deadlock"):
-        return replace(judged, place=run.get("deadlock_where") or None)
+    if judged.metric in ALONE:
+        alone = of_ego(judged.metric, run, read_csv(folder / VEHICLE_OVERLAPS.file))
+        return judged if alone is None else replace(judged, **asdict(alone))
     rows = read_csv(folder / ENCOUNTERS.file)
     worst = culprit(judged.metric, rows)
     if worst is None:

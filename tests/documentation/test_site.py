@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Error, Page, sync_playwright
+from playwright.sync_api import Page
 
+from tests.browsers import started
 from tests.documentation.command_blocks import ROOT
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 LOADED = re.compile(
     r"<(?:script|img|iframe|source)\b[^>]*\bsrc=[\"']?([^\"'> ]+)"
     r"|<link\b(?=[^>]*\brel=[\"']?(?:stylesheet|icon|preconnect|preload))[^>]*\bhref=[\"']?([^\"'> ]+)"
@@ -99,16 +99,8 @@ def test_each_kind_of_mistake_fails_the_build(tmp_path: Path) -> None:
 
 @pytest.fixture
 def page() -> Iterator[Page]:
-    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip(f"no browser installed (looked for {', '.join(BROWSERS)}); Debian: apt install chromium")
-    with sync_playwright() as playwright:
-        try:
-            browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        except Error as error:
-            pytest.skip(f"{found} does not start: {str(error).splitlines()[0]}")
+    with started() as browser:
         yield browser.new_page()
-        browser.close()
 
 
 @pytest.mark.browser

@@ -12,7 +12,8 @@ import pytest
 
 from analysis.encounters.case import prepare
 from analysis.errors import RecordingError
-from analysis.page.replay import read_recording, replay_of
+from analysis.page.recorded import read_recording
+from analysis.page.replay import replay_of
 from analysis.plots.scene import choose
 from analysis.recording.columns import SENSING
 from analysis.recording.reading import read_run

@@ -13,6 +13,7 @@ import pytest
 
 from analysis.encounters.moments import stopping_distance
 from analysis.metrics import injury_risk_mm2025, injury_risk_rosen2009
+from analysis.metrics.deadlock import Stand, first_stand
 from analysis.recording.columns import INTERVENTIONS
 from analysis.results.analyse import analyse_run
 from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
@@ -162,6 +163,16 @@ def test_a_deadlock_says_who_when_and_where(tmp_path: Path) -> None:
     assert re.fullmatch(
         rf"ego ego, \d+\.\d to 69\.\d s, at crossing {ZEBRA['name']}", found["deadlock_where"]
     ), found["deadlock_where"]
+    stand = first_stand(found["deadlock_where"])
+    assert stand is not None
+    assert (stand.ego_id, stand.end_s, stand.place) == ("ego", 69.5, f"at crossing {ZEBRA['name']}")
+    assert str(stand) == found["deadlock_where"]
+
+
+def test_the_first_of_several_stands_is_read_whatever_egos_are_called() -> None:
+    first = Stand("a, 1 to 2 s, on lane x", 5.0, 70.5, "on lane in, 0")
+    assert first_stand(f"{first}; {Stand('b', 6.0, 80.0, 'at crossing c')}") == first
+    assert first_stand("") is None
 
 
 def test_control_time_percentiles_come_from_the_timing_file(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,12 +12,13 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Error, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page
 
 from analysis.sealing import seal
 from cosim.cli import main
+from tests.analysis.page.criteria_files import write_criteria
+from tests.browsers import started
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 CONTROLLERS = ("sumo", "vo_mpc")
 SECONDS = ["--set", "warmup_s=30", "--set", "duration_s=70"]
 
@@ -38,22 +38,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for path in recordings:
         path.unlink()
     seal(place / "lost", [], removed=recordings)  # as a batch does that keeps none
+    stuck = {"metric": "deadlock", "run": "sumo", "ego_id": ego_of(place / "sumo"), "moment_s": 50.0}
+    write_criteria(place, [stuck])
     assert main(["report", str(place)]) == 0
     return place
 
 
+def ego_of(run: Path) -> str:
+    """Return the ego that is on the road at 50 s."""
+    rows = pq.read_table(run / "egos.parquet").to_pandas()
+    return str(rows.loc[rows["time_s"].round(3) == 50.0, "ego_id"].iloc[0])
+
+
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip(f"no browser installed (looked for {', '.join(BROWSERS)}); Debian: apt install chromium")
-    with sync_playwright() as playwright:
-        try:
-            started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        except Error as error:
-            pytest.skip(f"{found} does not start: {str(error).splitlines()[0]}")
-        yield started
-        started.close()
+    with started() as one:
+        yield one
 
 
 def opened(context: BrowserContext, folder: Path, said: list[str]) -> Page:
@@ -282,6 +282,19 @@ def test_a_link_opens_the_replay_and_next_goes_down_the_table(page: Page, folder
     page.wait_for_function("key => window.cosimReplay.state().key === key", arg=following)
 
 
+def test_a_verdict_on_an_ego_that_met_nobody_opens_its_moment(page: Page) -> None:
+    link = page.locator("#criteria a.open-moment")
+    key = link.get_attribute("data-key")
+    link.click()
+    page.wait_for_function("key => window.cosimReplay.state()?.key === key", arg=key)
+    assert state(page)["time_s"] == pytest.approx(50.0)
+    assert state(page)["pedestrian"] is None
+    assert page.locator("#replay-title").inner_text().endswith("at 50.0 s")
+    assert page.locator("#replay-next").is_disabled()
+    page.keyboard.press("Escape")
+    assert page.evaluate("document.activeElement.className") == "open-moment"
+
+
 def test_no_recording_leads_to_the_command_that_records_it(page: Page) -> None:
     page.fill("#filter-text", "lost")
     row = page.locator("tr:not([hidden])", has=page.locator("button.how")).first
@@ -341,26 +354,6 @@ CONTRASTS = """() => {
   }
   return found;
 }"""
-
-
-OVERFLOWING = """() => [...document.querySelectorAll('main *, header *')].filter((one) => {
-  const box = one.getBoundingClientRect();
-  return box.width > 0 && !one.closest('svg') && box.right > document.documentElement.clientWidth + 1;
-}).map((one) => one.tagName + '.' + one.className)"""
-
-
-def test_on_paper_nothing_is_cut_off_and_every_section_begins_a_page(page: Page) -> None:
-    page.set_viewport_size({"width": 703, "height": 1000})  # A4 without margins, at 96 pixels an inch
-    page.emulate_media(media="print")
-    assert page.evaluate(OVERFLOWING) == []
-    assert page.locator("nav").is_hidden()
-    assert page.locator("#distributions svg").count() >= 6  # figures are lines, not pixels
-    breaks = page.evaluate(
-        "[...document.querySelectorAll('main > section')].map((one) => getComputedStyle(one).breakBefore)"
-    )
-    assert breaks.count("page") >= len(breaks) - 2
-    printed = page.pdf(prefer_css_page_size=True, print_background=True)
-    assert 4 <= len(re.findall(rb"/Type /Page\b(?!s)", printed)) <= 20
 
 
 def test_on_a_telephone_tables_scroll_inside_and_their_first_column_stays(page: Page) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from analysis.errors import RecordingError
-from analysis.page.replay import has_recording, read_recording, replay_of, write_replays
+from analysis.page.recorded import has_recording, read_recording
+from analysis.page.replay import replay_of, write_replay
 from tests.analysis.recorded import Ego, Person, Vehicle, line, write_run
 
 ZEBRA = {
@@ -76,14 +77,14 @@ def test_the_ground_of_a_junction_is_the_outline_of_its_lanes(tmp_path: Path) ->
 def test_the_file_is_a_call_with_the_data_and_the_same_each_time(tmp_path: Path) -> None:
     found = head_on(tmp_path / "run")
     recording = read_recording(tmp_path / "run")
-    (path,) = write_replays(recording, [(1, "abc-1")], tmp_path / "replays")
+    path = write_replay("abc-1", replay_of(recording, 1), tmp_path / "replays")
     text = path.read_text("ascii")
     assert text.startswith('cosimReplayData("abc-1",{')
     assert json.loads(text.removeprefix('cosimReplayData("abc-1",').removesuffix(");\n")) == json.loads(
         json.dumps(found)
     )
     before = path.read_bytes()
-    write_replays(recording, [(1, "abc-1")], tmp_path / "replays")
+    write_replay("abc-1", replay_of(recording, 1), tmp_path / "replays")
     assert path.read_bytes() == before
     assert list((tmp_path / "replays").iterdir()) == [path]
 

@@ -11,15 +11,14 @@ from typing import Any
 
 import pytest
 
-from analysis.criteria.table import CRITERIA
 from analysis.errors import StudyError
 from analysis.page.report import Written, write_report
 from analysis.page.terms import terms
 from analysis.results.measures import Measure
-from analysis.tables.cells import cells
 from analysis.validation.statement import SENTENCE
 from cosim.cli import main
 from cosim.presentation.wording import sentence
+from tests.analysis.page.criteria_files import write_criteria
 from tests.analysis.page.markup import Markup
 from tests.analysis.study.study_folders import write_study_run
 
@@ -153,25 +152,12 @@ def test_invalid_and_failed_runs_are_named_with_their_reason(tmp_path: Path) -> 
 
 def test_criteria_show_what_decides_first(tmp_path: Path) -> None:
     folder = write_study(tmp_path / "study")
-    row = {
-        "target": "road",
-        "scenario_id": "road",
-        "controller": "sumo",
-        "configuration": "sumo",
-        "scope": "run",
-        "metric": "min_dist_m",
-        "operator": ">=",
-        "threshold": 1.0,
-        "unit": "m",
-        "counts": True,
-    }
     rows = [
-        row | {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
-        row | {"criterion_id": "told only", "value": 0.6, "margin": -0.4, "status": "fail", "counts": False},
-        row | {"criterion_id": "too near", "value": 0.41, "margin": -0.59, "status": "fail"},
+        {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
+        {"criterion_id": "told only", "value": 0.6, "margin": -0.4, "counts": False},
+        {"criterion_id": "too near", "value": 0.41, "margin": -0.59},
     ]
-    with (folder / "criteria.csv").open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows([CRITERIA.names(), *cells(CRITERIA, rows)])
+    write_criteria(folder, [{"operator": ">=", "threshold": 1.0, "unit": "m", **row} for row in rows])
     _, page, _ = written(folder)
     order = [page.texts.index(name) for name in ("too near", "told only", "kept away")]
     assert order == sorted(order)
