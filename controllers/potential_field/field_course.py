@@ -9,15 +9,12 @@ from numpy.typing import NDArray
 
 from controllers.arrays import BoolArray, FloatArray
 from controllers.driving import lane_keeping
-from controllers.driving.following import limit_now
-from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.geometry.path_clearance import beyond_edges, disc_clearances, vehicles_met
-from controllers.interface import Decision, Pedestrians, Perception
+from controllers.interface import Decision, Perception
 from controllers.potential_field.field import Field
 from controllers.potential_field.field_guidance import Drives, Guidance, drive
 from controllers.potential_field.road_field import (
     FORECAST_TIMES,
-    LONG_BEHIND,
     SLOWEST,
     FieldSettings,
     Meetings,
@@ -25,26 +22,26 @@ from controllers.potential_field.road_field import (
     meetings,
     obstacles_on,
 )
+from controllers.potential_field.surroundings import (
+    STEP,
+    bends,
+    centre_lines,
+    centre_lines_beside,
+    expected_speeds,
+    instants,
+    near_the_way,
+    with_only,
+)
 from controllers.prediction.forecast import Forecast, Predictor
 
 WALKING = 0.2
 """A slower pedestrian stands [m/s]."""
-STEP = 0.1
-"""Of the simulated drives [s]."""
-SHORTEST = 1.5
-"""So far the simulated drives go at least [s] …"""
-LONGEST = 4.5
-"""… and at most [s]."""
 NEAR = 3.0
 """Vehicles are expected to keep their velocities for so long [s]."""
-STRAIGHT = 0.02
-"""In a tighter bend the field, which knows straight roads, does not steer [1/m]."""
+KEPT = 0.1
+"""So much less than the clearance wanted is enough to go on with braking that has begun [m]."""
 TOLERANCE = 0.05
 """How much more than now the body may jut out beyond an edge, or near a pedestrian who is too near [m]."""
-GAINS_FOR = 1.0
-"""An ego that speeds up is expected to do so for this time [s]."""
-BESIDE = 8.0
-"""Pedestrians who never come so near to the ego's lane in the time looked at do not matter [m]."""
 WIDE = 0.5
 """More than the clearance wanted that a straight drive has to leave for no other to be simulated [m]."""
 STOP_GAP = 1.0
@@ -65,6 +62,9 @@ class CourseSettings:
     """What the gain of obstacles is multiplied by, one after the other, until a way is free."""
     vehicle_clearance: float = 0.3
     """What has to be left beside a vehicle [m]."""
+    brakings: tuple[float, ...] = ()
+    """Steady decelerations that the drives are repeated with, one after the other, while no way is free at
+    the speed that traffic allows [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +89,9 @@ class Course:
     met: Meetings
     ellipses: FloatArray
     """Outlines of the obstacles' ellipses at one half-axis, shape (k, 2) [m]."""
+    braking: float = 0.0
+    """Deceleration with which the chosen way is free; 0 where it is free at the speed that traffic allows
+    [m/s^2]."""
 
     @property
     def free(self) -> bool:
@@ -102,6 +105,7 @@ class CourseFinder:
     def __init__(self, predictor: Predictor, settings: CourseSettings) -> None:
         self._predictor = predictor
         self.settings = settings
+        self._braking = 0.0
 
     def find(self, perception: Perception, decision: Decision, acceleration: float) -> Course | None:
         """Return the course past the pedestrians in the way; ``None`` where there are none, or in a bend.
@@ -113,20 +117,54 @@ class CourseFinder:
         met without pedestrians too.
         """
         forecast = self._predictor.predict(perception, FORECAST_TIMES)
-        near = _near(perception, forecast)
-        if len(near) == 0 or _bends(perception):
+        near = near_the_way(perception, forecast)
+        if len(near) == 0 or bends(perception):
             return None
         perception, forecast = with_only(perception, near), forecast.only(near)
-        settings, count = self.settings, len(near)
-        met = meetings(perception, forecast)
-        centres = _centres(perception, decision)
-        lanes = np.array([*centres, *_lanes_beside(perception, centres)])
+        course = self._past(perception, decision, forecast, acceleration)
+        if course is not None and not course.free:
+            course = self._braked(perception, decision, forecast, acceleration, course)
+        self._braking = course.braking if course is not None else 0.0
+        return course
+
+    def _braked(
+        self,
+        perception: Perception,
+        decision: Decision,
+        forecast: Forecast,
+        acceleration: float,
+        course: Course,
+    ) -> Course:
+        """Return the ways past with the least steady braking that makes one free, else that course."""
+        for braking in self.settings.brakings if perception.ego.speed > SLOWEST else ():
+            slower = self._past(perception, decision, forecast, min(acceleration, -braking), braking)
+            if slower is not None and slower.free:
+                told = course.because, course.stop_within, course.pushed
+                return replace(slower, because=told[0], stop_within=told[1], pushed=told[2])
+        return course
+
+    def _past(
+        self,
+        perception: Perception,
+        decision: Decision,
+        forecast: Forecast,
+        acceleration: float,
+        braking: float = 0.0,
+    ) -> Course | None:
+        """Return the ways past those people at a speed that changes by an acceleration.
+
+        An ego that brakes for it may find that nobody has to be gone round any more.
+        """
+        settings, count = self.settings, len(perception.pedestrians)
+        met = meetings(perception, forecast, braking)
+        centres = centre_lines(perception, decision)
+        lanes = np.array([*centres, *centre_lines_beside(perception, centres)])
         strengths = np.concatenate([[0.0], np.tile(settings.strengths, len(lanes))])
         centres = np.concatenate([lanes[:1], np.repeat(lanes, len(settings.strengths))])
         obstacles = obstacles_on(perception, met, centres, settings.road)
         pushes = obstacles.share[1, :count] * obstacles.long_axis[1, :count]
-        speeds = _speeds(perception, acceleration, _instants(perception))
-        if not pushes.any() and self._wide_of_all(perception, forecast, speeds, centres[0]):
+        speeds = expected_speeds(perception, acceleration, instants(perception, braking), braking)
+        if not braking and not pushes.any() and self._wide_of_all(perception, forecast, speeds, centres[0]):
             return None
         obstacles = replace(obstacles, share=obstacles.share * strengths[:, None])
         shape = field_of(perception, centres, obstacles, settings.road)
@@ -139,11 +177,14 @@ class CourseFinder:
             STEP,
             settings.guidance,
         )
-        hits, stoppers = self._hits(perception, forecast, drives)
-        if not pushes.any() and not hits[:, 0].any():
+        kept = KEPT if 0.0 < braking <= self._braking else 0.0
+        hits, stoppers = self._hits(perception, forecast, drives, -kept)
+        if not braking and not pushes.any() and not hits[:, 0].any():
             return None
-        free = np.flatnonzero(~hits[:, 1:].any(axis=(0, 2)) & self._on_road(perception, drives)[1:])
-        chosen = 1 + int(free[0]) if len(free) and pushes.any() else 0
+        free = ~hits[:, 1:].any(axis=(0, 2)) & self._on_road(perception, drives)[1:]
+        if braking:
+            free &= self._settled(perception, forecast, drives)[1:]
+        chosen = 1 + int(np.argmax(free)) if free.any() and (braking or pushes.any()) else 0
         stop_within, first = _stop(perception, forecast.at(drives.times), stoppers)
         return Course(
             drives,
@@ -155,7 +196,20 @@ class CourseFinder:
             bool(pushes.any()),
             met,
             _ellipses(shape, max(chosen, 1), count),
+            braking,
         )
+
+    def _settled(self, perception: Perception, forecast: Forecast, drives: Drives) -> NDArray[np.bool_]:
+        """Say at the end of which drives nobody ahead is in the way any more, shape (m,).
+
+        Otherwise braking would count as a way past whoever it only puts off.
+        """
+        people, body, end = perception.pedestrians, perception.ego.body, drives.times[-1:]
+        then = forecast.at(end)
+        wanted = 0.5 * body.width + people.radius + (self.settings.clearance or 0.0)
+        apart = np.abs(then.across[:, 0] - drives.across[-1][:, None])
+        passed = then.along[:, 0] < drives.along[-1][:, None] + body.front
+        return np.asarray((passed | (apart >= wanted)).all(axis=1))
 
     def _wide_of_all(
         self, perception: Perception, forecast: Forecast, speeds: FloatArray, centre: float
@@ -233,81 +287,6 @@ def follow(
     shape = course.shape.row(course.chosen)
     driven = drive(shape, 1, ego, perception.road, np.array(speeds), lane_keeping.STEP, guidance)
     return driven.angle[:, 0]
-
-
-def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
-    """Return the perception with some of its pedestrians, by index."""
-    people = perception.pedestrians
-    some = Pedestrians(
-        tuple(people.names[i] for i in chosen),
-        people.along[chosen],
-        people.across[chosen],
-        people.along_speed[chosen],
-        people.across_speed[chosen],
-        people.radius[chosen],
-        people.crossing[chosen],
-        people.on_crossing[chosen],
-        people.waiting[chosen],
-        people.uncertainty[chosen],
-        people.position[chosen],
-        people.velocity[chosen],
-    )
-    return replace(perception, pedestrians=some)
-
-
-def _near(perception: Perception, forecast: Forecast) -> NDArray[np.int64]:
-    """Return who may come near the lanes that the ego drives on within the time looked at, by index."""
-    people, ego = perception.pedestrians, perception.ego
-    speed = max(ego.speed, SLOWEST)
-    furthest = ego.body.front + speed * LONGEST + BESIDE
-    along = (people.along > -ego.body.length - speed * LONG_BEHIND) & (people.along < furthest)
-    across = np.abs(forecast.across - ego.across).min(axis=1) < BESIDE
-    return np.flatnonzero(along & across)
-
-
-def _instants(perception: Perception) -> FloatArray:
-    """Return the instants to look at, until the ego is past everybody [s]."""
-    ego = perception.ego
-    furthest = float(perception.pedestrians.along.max()) + ego.body.length
-    needed = min(max(furthest / max(ego.speed, SLOWEST), SHORTEST), LONGEST)
-    return STEP * np.arange(round(needed / STEP) + 1, dtype=np.float64)
-
-
-def _bends(perception: Perception) -> bool:
-    """Say whether the road that matters is a bend."""
-    road, ego = perception.road, perception.ego
-    places = np.arange(len(road.curvature)) * road.curvature_step
-    near = places < max(2.0 * ego.speed, 10.0)
-    return bool((np.abs(road.curvature[near]) > STRAIGHT).any())
-
-
-def _centres(perception: Perception, decision: Decision) -> FloatArray:
-    """Return the centre lines of the target lane and, if it is another one, of the ego's lane."""
-    road = perception.road
-    lanes = [road.lane(decision.target_lane), road.lane(road.reference)]
-    offsets = [lane.offset for lane in lanes if lane is not None] or [0.0]
-    return np.array(offsets if offsets[0] != offsets[-1] else offsets[:1])
-
-
-def _lanes_beside(perception: Perception, centres: FloatArray) -> list[float]:
-    """Return the centre lines of further lanes beside the ego's that it could go to."""
-    road = perception.road
-    return [
-        lane.offset
-        for lane in road.lanes
-        if abs(lane.number - road.reference) == 1
-        and lane.offset not in centres
-        and blocker(perception, lane.number) is None
-    ]
-
-
-def _speeds(perception: Perception, acceleration: float, instants: FloatArray) -> FloatArray:
-    """Return the expected speeds [m/s]."""
-    ego = perception.ego
-    speed = max(ego.speed, 0.0)
-    lasting = np.minimum(instants, GAINS_FOR) if acceleration > 0.0 else instants
-    highest = max(speed, limit_now(perception.road, ego.body.front))
-    return np.clip(speed + acceleration * lasting, 0.0, highest)
 
 
 def _stop(perception: Perception, forecast: Forecast, hits: BoolArray) -> tuple[float | None, int]:

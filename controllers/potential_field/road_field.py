@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
-from controllers.interface import Perception
+from controllers.interface import EgoState, Perception
 from controllers.potential_field.field import (
     Field,
     Gains,
@@ -72,7 +72,18 @@ class Meetings:
     """Whether that is neither too far ahead nor long ago."""
 
 
-def meetings(perception: Perception, forecast: Forecast) -> Meetings:
+def braked_speeds(ego: EgoState, braking: float, times: FloatArray) -> FloatArray:
+    """Return the speeds of an ego that brakes from now on, no slower than it counts as driving [m/s].
+
+    Its drive follows the command with a lag: a(t) = −b + (a + b) exp(−t / T).
+    """
+    lag = max(ego.drive.drive_lag, 1e-3)
+    late = (ego.acceleration + braking) * lag * -np.expm1(-times / lag)
+    speed = max(ego.speed, 0.0)
+    return np.asarray(np.maximum(speed - braking * times + late, min(speed, SLOWEST)))
+
+
+def meetings(perception: Perception, forecast: Forecast, braking: float = 0.0) -> Meetings:
     """Return the predicted conflict points.
 
     A conflict point already passed is extrapolated backwards at the pedestrian's present velocity.
@@ -81,10 +92,16 @@ def meetings(perception: Perception, forecast: Forecast) -> Meetings:
     ----------
     perception : what the ego knows
     forecast : where the pedestrians will be, at ``FORECAST_TIMES``
+    braking : of the ego; the paper keeps its speed constant [m/s^2]
     """
     people, ego = perception.pedestrians, perception.ego
     speed, middle = max(ego.speed, SLOWEST), _middle(perception)
-    ahead = forecast.along - speed * forecast.times - middle
+    way = speed * forecast.times
+    if braking > 0.0:
+        speeds = braked_speeds(ego, braking, forecast.times)
+        steps = 0.5 * np.diff(forecast.times) * (speeds[:-1] + speeds[1:])
+        way = np.concatenate([[0.0], np.cumsum(steps)])
+    ahead = forecast.along - way - middle
     passed = ahead <= 0.0
     each, first = np.arange(len(people)), np.argmax(passed, axis=1)
     last = np.maximum(first - 1, 0)

@@ -3,8 +3,10 @@
 Across: the field of the road, with pedestrians where the ego will be level with them and vehicles beside
 it; away from pedestrians, in tight bends and where no way past is free, lane keeping, and lane changes that
 the route asks for. Along: car-following that obeys leaders, signals, right of way, speed limits and bends.
-It yields to no pedestrian that it can steer round. The method has no brake, and at its constant speed it
-cannot let anybody pass: where no way past is free, braking is added, with emergency braking behind it.
+It yields to no pedestrian that it can steer round. The paper's method has no brake, and at its constant
+speed it cannot let anybody pass. Where no way past is free at the speed that traffic allows, steady braking
+is combined with the steering, the way down the field being looked for at each deceleration; where none is
+free then, the ego stops, with emergency braking behind it.
 """
 
 from __future__ import annotations
@@ -23,8 +25,9 @@ from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.own_part import ANGLE, OwnPart, differ
 from controllers.potential_field.field import Gains
-from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow, with_only
-from controllers.potential_field.road_field import FieldSettings
+from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow
+from controllers.potential_field.road_field import SLOWEST, FieldSettings
+from controllers.potential_field.surroundings import with_only
 from controllers.prediction import by_name
 from controllers.prediction.by_name import PredictorName
 from controllers.safety.emergency_braking import EmergencyBraking
@@ -36,6 +39,8 @@ WAITING_ENDS = 2.0
 """Deceleration at which an ego without a free way begins to brake [m/s^2]."""
 CREEPING = 2.0
 """A slower ego also stops for pedestrians who would walk into its side [m/s]."""
+SHARES = (0.25, 0.5, 0.75, 1.0)
+"""Of the largest steady deceleration that are tried, one after the other."""
 FREE_FOR = 0.3
 """A way past must have been free for this time before it is trusted more than the brake [s]."""
 
@@ -64,6 +69,10 @@ class PotentialFieldDriver:
         """Steer down the field where it leads past somebody, else along the lane."""
         times, course = lane_keeping.instants(perception.ego), self._course
         acceleration = self._allowed
+        if course is not None and course.free and course.braking > 0.0:
+            slowing = np.where(perception.ego.speed - course.braking * times > SLOWEST, -course.braking, 0.0)
+            acceleration = np.minimum(acceleration, slowing)
+        steady = acceleration
         if self._brakes is not None:
             acceleration = np.minimum(acceleration, self._brakes.accelerations(perception.ego, times))
         if course is not None and course.free:
@@ -71,7 +80,7 @@ class PotentialFieldDriver:
         else:
             steering = self._traffic.steering(perception, decision, acceleration)
         command = Command(times, acceleration, steering)
-        own = self._own(course, acceleration, steering, perception, decision)
+        own = self._own(course, steady, acceleration, steering, perception, decision)
         if course is None:
             return Plan(command, own=own)
         drives, row = course.drives, course.chosen
@@ -97,17 +106,21 @@ class PotentialFieldDriver:
     def _own(
         self,
         course: Course | None,
+        steady: FloatArray,
         acceleration: FloatArray,
         steering: FloatArray,
         perception: Perception,
         decision: Decision,
     ) -> OwnPart:
-        """Return what the field, and not the brakes behind it, does about pedestrians."""
-        braked = differ(acceleration, self._allowed)
+        """Return what the field, and not the brakes behind it, does about pedestrians.
+
+        ``steady`` is what is left of the acceleration by traffic and by the way past, without those brakes.
+        """
+        braked = differ(acceleration, steady)
         if course is None:
             return OwnPart(False, False, braked, braked)
         free = self._traffic.steering(perception, decision, acceleration)
-        deviates = braked or differ(steering, free, ANGLE)
+        deviates = differ(acceleration, self._allowed) or differ(steering, free, ANGLE)
         return OwnPart(course.pushed, course.pushed and course.free and not braked, deviates, braked)
 
 
@@ -195,6 +208,10 @@ class Settings(ControllerSettings):
     braking: Literal["aeb", "none"] = "aeb"
     """Braking where no way past is free; or none for pedestrians, as in the paper: the field is followed then
     as long as it leaves neither the road nor other vehicles alone, whoever is met."""
+    steady_braking_mps2: NotNegative = 3.0
+    """Largest steady deceleration that is combined with steering where the field has no free way at the speed
+    that traffic allows; a quarter, half and three quarters of it are tried before. 0: none, as in the paper.
+    Only with ``braking = aeb``."""
     predictor: PredictorName = "direction_model"
     """How pedestrians are expected to walk."""
     headway_s: NotNegative = 1.0
@@ -217,6 +234,11 @@ def build(settings: Settings) -> Controller:
         gains,
     )
     brakes = Brakes() if settings.braking == "aeb" else None
-    course = CourseSettings(settings.clearance_m if brakes is not None else None, field)
+    steady = settings.steady_braking_mps2 if brakes is not None else 0.0
+    course = CourseSettings(
+        settings.clearance_m if brakes is not None else None,
+        field,
+        brakings=tuple(share * steady for share in SHARES) if steady else (),
+    )
     finder = CourseFinder(by_name.build(settings.predictor, seed=settings.seed), course)
     return PotentialFieldDriver(finder, DrivingStyle(headway=settings.headway_s), brakes)

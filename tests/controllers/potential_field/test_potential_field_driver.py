@@ -93,6 +93,33 @@ def test_it_stops_for_who_walks_where_no_way_past_is_free() -> None:
     assert not all(plan.solved for plan in record.plans)
 
 
+NARROW = ToyRoad(lanes=1, lane_width=3.25, speed_limit=13.9)
+
+
+def test_on_a_road_too_narrow_to_go_round_it_combines_braking_with_steering() -> None:
+    """The paper's constant speed leaves no free way there, so that it could only stop."""
+    crossing = [walk(55.0, -5.5, 0.0, 1.5)]
+    combined = drive(NARROW, crossing, speed=13.9, duration=9.0)
+    constant = drive(NARROW, crossing, speed=13.9, duration=9.0, steady_braking_mps2=0.0)
+    acted = [
+        sum(plan.own is not None and plan.own.acts for plan in one.plans) for one in (combined, constant)
+    ]
+    applied = [plan.own for plan in combined.plans if plan.own is not None and plan.own.applies]
+    assert acted[0] >= 0.9 * len(applied) > 10
+    assert acted[1] == 0
+    assert combined.clearance() > 0.3
+    assert combined.track[3].min() > -3.1, "no more than the steady braking"
+    assert combined.track[2].min() > 5.0, "it does not stop"
+    assert_on_the_road(combined, NARROW)
+
+
+def test_steady_braking_is_no_way_past_somebody_who_stays() -> None:
+    record = drive(NARROW, [walk(60.0, 0.2, 0.0, 0.0)], speed=12.0, duration=12.0)
+    assert record.track[2, -1] < 0.1
+    assert record.clearance() > 0.5
+    assert not any(plan.own is not None and plan.own.acts for plan in record.plans)
+
+
 def test_a_vehicle_beside_keeps_it_in_its_lane() -> None:
     """On the free road it goes into the other lane; with a car there it waits for the pedestrian."""
     blocker = [walk(52.0, 0.3, 0.0, 0.0)]

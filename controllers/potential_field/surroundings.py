@@ -1,0 +1,112 @@
+"""What of an ego's surroundings matters to its way down a field: who, how far, in which lanes, how fast."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.arrays import FloatArray
+from controllers.driving.following import limit_now
+from controllers.driving.lanes.gap_acceptance import blocker
+from controllers.interface import Decision, Pedestrians, Perception
+from controllers.potential_field.road_field import LONG_BEHIND, SLOWEST, braked_speeds
+from controllers.prediction.forecast import Forecast
+
+STEP = 0.1
+"""Of the simulated drives [s]."""
+SHORTEST = 1.5
+"""So far the simulated drives go at least [s] …"""
+LONGEST = 4.5
+"""… and at most [s]."""
+STRAIGHT = 0.02
+"""In a tighter bend the field, which knows straight roads, does not steer [1/m]."""
+GAINS_FOR = 1.0
+"""An ego that speeds up is expected to do so for this time [s]."""
+BESIDE = 8.0
+"""Pedestrians who never come so near to the ego's lane in the time looked at do not matter [m]."""
+
+
+def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
+    """Return the perception with some of its pedestrians, by index."""
+    people = perception.pedestrians
+    some = Pedestrians(
+        tuple(people.names[i] for i in chosen),
+        people.along[chosen],
+        people.across[chosen],
+        people.along_speed[chosen],
+        people.across_speed[chosen],
+        people.radius[chosen],
+        people.crossing[chosen],
+        people.on_crossing[chosen],
+        people.waiting[chosen],
+        people.uncertainty[chosen],
+        people.position[chosen],
+        people.velocity[chosen],
+    )
+    return replace(perception, pedestrians=some)
+
+
+def near_the_way(perception: Perception, forecast: Forecast) -> NDArray[np.int64]:
+    """Return who may come near the lanes that the ego drives on within the time looked at, by index."""
+    people, ego = perception.pedestrians, perception.ego
+    speed = max(ego.speed, SLOWEST)
+    furthest = ego.body.front + speed * LONGEST + BESIDE
+    along = (people.along > -ego.body.length - speed * LONG_BEHIND) & (people.along < furthest)
+    across = np.abs(forecast.across - ego.across).min(axis=1) < BESIDE
+    return np.flatnonzero(along & across)
+
+
+def instants(perception: Perception, braking: float) -> FloatArray:
+    """Return the instants to look at, until the ego is past everybody; all of them if it brakes [s]."""
+    ego = perception.ego
+    furthest = float(perception.pedestrians.along.max()) + ego.body.length
+    if braking:
+        return STEP * np.arange(round(LONGEST / STEP) + 1, dtype=np.float64)
+    needed = min(max(furthest / max(ego.speed, SLOWEST), SHORTEST), LONGEST)
+    return STEP * np.arange(round(needed / STEP) + 1, dtype=np.float64)
+
+
+def bends(perception: Perception) -> bool:
+    """Say whether the road that matters is a bend."""
+    road, ego = perception.road, perception.ego
+    places = np.arange(len(road.curvature)) * road.curvature_step
+    near = places < max(2.0 * ego.speed, 10.0)
+    return bool((np.abs(road.curvature[near]) > STRAIGHT).any())
+
+
+def centre_lines(perception: Perception, decision: Decision) -> FloatArray:
+    """Return the centre lines of the target lane and, if it is another one, of the ego's lane."""
+    road = perception.road
+    lanes = [road.lane(decision.target_lane), road.lane(road.reference)]
+    offsets = [lane.offset for lane in lanes if lane is not None] or [0.0]
+    return np.array(offsets if offsets[0] != offsets[-1] else offsets[:1])
+
+
+def centre_lines_beside(perception: Perception, centres: FloatArray) -> list[float]:
+    """Return the centre lines of further lanes beside the ego's that it could go to."""
+    road = perception.road
+    return [
+        lane.offset
+        for lane in road.lanes
+        if abs(lane.number - road.reference) == 1
+        and lane.offset not in centres
+        and blocker(perception, lane.number) is None
+    ]
+
+
+def expected_speeds(
+    perception: Perception, acceleration: float, instants: FloatArray, braking: float = 0.0
+) -> FloatArray:
+    """Return the expected speeds [m/s].
+
+    An ego that brakes for a way past does so until it is past; one that speeds up does so for a while.
+    """
+    ego = perception.ego
+    if acceleration == -braking < 0.0:
+        return braked_speeds(ego, braking, instants)
+    speed = max(ego.speed, 0.0)
+    lasting = np.minimum(instants, GAINS_FOR) if acceleration > 0.0 else instants
+    highest = max(speed, limit_now(perception.road, ego.body.front))
+    return np.clip(speed + acceleration * lasting, 0.0, highest)
