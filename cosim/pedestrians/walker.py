@@ -62,17 +62,20 @@ class Walker:
             legs = self.manner.legs(self.pace, self.length)
             state = replace(state, started=instant, legs=legs)
         started = scene.time if state.started is None else state.started
-        legs = state.legs
+        legs, stands = state.legs, False
         if started < scene.time:
             changed = self.manner.react(
                 legs, scene.time - started, self.length, soonest_arrival(self.line, scene.ego(self.ego))
             )
             legs = legs if changed is None else changed
-            legs = self._paused(legs, scene, scene.time - started, until - scene.time)
+            paused = self._paused(legs, scene, scene.time - started, until - scene.time)
+            legs, stands = paused, paused is not legs
         elapsed = until - started
         if elapsed > duration_of(legs) + self.stay:
             return None
         way, speed = travelled(legs, elapsed)
+        if stands:
+            speed = 0.0  # at the end of the pause the next part of the walk has its speed already
         (x, y), (east, north) = self.line.point(way), self.line.direction
         return State(x, y, speed * east, speed * north, started, legs)
 

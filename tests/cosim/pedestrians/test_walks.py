@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -207,6 +208,19 @@ def test_who_runs_from_an_ego_is_over_sooner_and_who_turns_comes_back() -> None:
     assert max(state.y for state in turns) < 0.0
     assert turns[-1].y == pytest.approx(-4.0, abs=0.11)
     assert min(state.y_speed for state in turns) == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("step", [0.05, 0.1, 0.37])
+def test_a_watchful_pedestrian_who_waits_before_a_standing_vehicle_says_so(step: float) -> None:
+    """While they do not move, their velocity is 0 too: whoever believes it would wait for them for ever."""
+    who = replace(walker(Running(3.0, ego_within=4.0), AtTime(0.0)), watches=1.5)
+    found = list(states(who, step, 20.0, speed=0.0, x=50.5))
+    places = [state.y for _, state in found]
+    stands = [now for before, now in zip(places, places[1:], strict=False) if now == before]
+    assert len(stands) > 10.0 / step, "it waits to the end"
+    assert max(stands) < -0.9 - RADIUS
+    waiting = [state.y_speed for _, state in found[-len(stands) :]]
+    assert waiting == [0.0] * len(stands)
 
 
 def test_who_hesitates_stands_where_and_as_long_as_he_is_said_to() -> None:
