@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -216,7 +217,7 @@ def test_a_watchful_pedestrian_who_waits_before_a_standing_vehicle_says_so(step:
     who = replace(walker(Running(3.0, ego_within=4.0), AtTime(0.0)), watches=1.5)
     found = list(states(who, step, 20.0, speed=0.0, x=50.5))
     places = [state.y for _, state in found]
-    stands = [now for before, now in zip(places, places[1:], strict=False) if now == before]
+    stands = [now for before, now in itertools.pairwise(places) if now == before]
     assert len(stands) > 10.0 / step, "it waits to the end"
     assert max(stands) < -0.9 - RADIUS
     waiting = [state.y_speed for _, state in found[-len(stands) :]]
