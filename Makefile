@@ -138,7 +138,7 @@ study-validation: $(VENV)/installed-tracks
 
 METHODS := studies/methods/midblock_zebra.toml studies/methods/midblock_unmarked.toml \
 	studies/methods/jaywalk_arterial.toml studies/methods/bus_stop_occlusion.toml \
-	studies/methods/signalised_junction.toml studies/methods/rules_as_printed.toml
+	studies/methods/signalised_junction.toml studies/methods/rules_as_printed.toml untuned_network
 
 study-papers: $(VENV)/installed-papers
 	$(BIN)/python -m studies.methods runs/study-papers $(METHODS) --jobs $(JOBS)

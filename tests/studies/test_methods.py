@@ -9,6 +9,8 @@ import pytest
 from analysis.errors import StudyError
 from analysis.recording.reading import read_run
 from analysis.study.design import read_study
+from cosim.batches.study import study_of
+from studies.methods.__main__ import FILES, batches, studies
 from studies.methods.answer import front, sentences
 from studies.methods.page import write_page
 from studies.methods.rows import Row, people_at_once, pooled, rows
@@ -110,4 +112,46 @@ def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
     assert "`aeb` -4.8 s" in fronts
     assert "at least 40 % of the plans (`aeb`); below 50 %: aeb" in acting
     sure = Row("", 1, 1, None, 1000, 0, None, None, 0, 1.0, None, 0, None)
-    assert "0.30 per 100, so that it is shown" in sentences(study, {"vo_mpc": sure}, 6)[2]
+    told = sentences(study, {"vo_mpc": sure}, 6)[2]
+    assert "0.30 per 100, so that it is shown" in told
+    assert "from 598 encounters on" in told
+    for count, shown in ((597, "not shown"), (598, "is shown")):
+        row = Row("", 1, 1, None, count, 0, None, None, 0, 1.0, None, 0, None)
+        assert shown in sentences(study, {"vo_mpc": row}, 6)[2]
+
+
+def test_all_studies_are_run_with_one_seed_before_the_next(tmp_path: Path) -> None:
+    content = {"scenarios": ["a"], "controllers": ["aeb"], "seeds": "1-2"}
+    tables = {
+        "first": study_of(content, "first"),
+        "second": study_of({**content, "seeds": "2-3"}, "second"),
+    }
+    found = [
+        (folder.relative_to(tmp_path).as_posix(), table.seeds) for folder, table in batches(tmp_path, tables)
+    ]
+    assert found == [
+        ("seed_1/first", [1]),
+        ("seed_2/first", [2]),
+        ("seed_2/second", [2]),
+        ("seed_3/second", [3]),
+    ]
+
+
+def test_busy_is_the_middle_level_of_every_study_file() -> None:
+    files = [file for file in FILES if file.suffix == ".toml"]
+    assert len(files) == 6
+    for table in studies(Path(), files, busy=True, seeds="7").values():
+        assert [len(values) for values in table.vary.values()] == [1]
+        assert table.seeds == "7"
+
+
+@pytest.mark.sumo
+def test_the_network_that_nobody_tuned_for_is_the_same_at_every_level(tmp_path: Path) -> None:
+    made = studies(tmp_path, [Path("untuned_network")], busy=False, seeds=None)
+    towns = [Path(table.scenarios[0]).parent for table in made.values()]
+    networks = {(town / "town.net.xml").read_bytes() for town in towns}
+    people = [(town / "people.rou.xml").read_text().count("<person ") for town in towns]
+    assert list(made) == ["untuned_network_light", "untuned_network_busy", "untuned_network_crowded"]
+    assert len(networks) == 1
+    assert people == sorted(set(people))
+    assert all(len(table.controllers) == 15 and table.seeds == "9301-9305" for table in made.values())

@@ -1,0 +1,60 @@
+"""A network that nobody tuned for: ``netgenerate`` makes it from a seed, with three levels of demand.
+
+It is one of the zoo's kinds, made with a seed that the zoo never used; nobody looked at it before the study
+drove it.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from pathlib import Path
+
+from cosim.batches.study import StudyTable, study_of
+from studies.zoo import generated, town
+from studies.zoo.recipe import Demand, Recipe
+
+NAME = "untuned_network"
+KIND, SEED = "random-priority", 220_022
+LEVELS = {"light": 2.8, "busy": 1.4, "crowded": 0.7}
+"""Mean time between two pedestrians who set out, for each level [s]."""
+DURATION_S = 240.0
+EGO_SHARE = 0.1
+
+
+def tables(
+    out: Path, controllers: Sequence[str], seeds: str | list[int], levels: Sequence[str]
+) -> dict[str, StudyTable]:
+    """Make what is missing of the towns, and return a study of each level of demand, by its name.
+
+    Parameters
+    ----------
+    out : where the towns lie
+    controllers : who drives
+    seeds : of the runs
+    levels : of ``LEVELS``
+
+    Raises
+    ------
+    ZooError
+        If one of SUMO's programs does not make its part.
+    """
+    made = {}
+    for level in levels:
+        name = f"{NAME}_{level}"
+        recipe = Recipe(name, KIND, _network, Demand(person_period_s=LEVELS[level]))
+        configuration = town.make(recipe, SEED, DURATION_S, out.resolve() / "towns" / name)
+        content = {
+            "scenarios": [str(configuration)],
+            "controllers": list(controllers),
+            "seeds": seeds,
+            "set": {"duration_s": DURATION_S, "ego_share": EGO_SHARE},
+        }
+        made[name] = study_of(content, name)
+    return made
+
+
+def _network(folder: Path, rng: random.Random) -> None:
+    """Make the same network at every level; the generator of the level is for its demand alone."""
+    kinds = {recipe.name: recipe for recipe in generated.recipes()}
+    kinds[KIND].make(folder, random.Random(f"{SEED}-{KIND}"))
