@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from measuring.one_pedestrian import SPACE
 from measuring.planted import AXES, TOY_AXES, Faults, toy_margin
 from scipy.stats import norm
 
@@ -132,27 +133,6 @@ def _limit(shape: str, probability: float) -> Callable[[Any], Any]:
         return lambda inputs: far - inputs.sum(axis=1) / np.sqrt(inputs.shape[1])
     far = -norm.ppf(0.5 * probability)
     return lambda inputs: far - np.abs(inputs[:, 0])
-
-
-SPACE = """
-warmup_s = 1.0
-duration_s = 16.0
-egos = { count = 1, depart_lane = "1", routes = [{ edges = "east" }] }
-[[pedestrians]]
-name = "met"
-kind = "line"
-lane = "east_1"
-from_m = [120.0, -2.5]
-to_m = [120.0, 6.0]
-speed_mps = "$speed_mps"
-start = { ego_arrival_s = "$gap_s" }
-[parameters.gap_s]
-minimum = 1.0
-maximum = 6.0
-[parameters.speed_mps]
-minimum = 1.0
-maximum = 2.0
-"""
 
 
 def time_of_search(budget: int = 200) -> None:

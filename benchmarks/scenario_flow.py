@@ -12,10 +12,9 @@ from collections import Counter
 from pathlib import Path
 
 import libsumo
+from measuring.chosen_scenario import arguments, chosen
 
-from cosim.errors import InputError
-from cosim.running.request import parse_settings
-from sumo_scenarios.library import ScenarioError, load, prepare, with_parameters
+from sumo_scenarios.library import prepare
 
 HARD_BRAKING_MPS2 = 5.0
 
@@ -23,28 +22,22 @@ HARD_BRAKING_MPS2 = 5.0
 def main() -> int:
     """Run one scenario and print what flowed."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scenario")
+    arguments(parser)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--duration-s", type=float, default=600.0)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    arguments = parser.parse_args()
-    try:
-        texts = parse_settings(arguments.set)
-        scenario, leftover = with_parameters(load(arguments.scenario), texts)
-        if leftover:
-            raise ScenarioError(f"unknown parameter: {', '.join(leftover)}")
-    except (InputError, ScenarioError) as error:
-        print(error, file=sys.stderr)
+    given = parser.parse_args()
+    scenario = chosen(given)
+    if scenario is None:
         return 2
     speed_sum, vehicle_steps, hard, pedestrian_steps, steps = 0.0, 0, 0, 0, 0
     entered: Counter[str] = Counter()
     collisions: Counter[tuple[str, str]] = Counter()
     before: set[tuple[str, str]] = set()
     with tempfile.TemporaryDirectory() as work:
-        prepared = prepare(scenario, arguments.seed, Path(work))
+        prepared = prepare(scenario, given.seed, Path(work))
         libsumo.start(["sumo", *prepared.options])
         try:
-            while libsumo.simulation.getTime() < prepared.begin_s + arguments.duration_s:
+            while libsumo.simulation.getTime() < prepared.begin_s + given.duration_s:
                 libsumo.simulationStep()
                 steps += 1
                 vehicles = libsumo.vehicle.getIDList()
@@ -61,7 +54,7 @@ def main() -> int:
             waiting = len(libsumo.simulation.getPendingVehicles())
         finally:
             libsumo.close()
-    minutes = arguments.duration_s / 60.0
+    minutes = given.duration_s / 60.0
     print(f"vehicles: {vehicle_steps / steps:.1f} on average, {waiting} waiting to come in at the end")
     print(f"mean speed: {speed_sum / max(vehicle_steps, 1):.2f} m/s")
     print(f"vehicle steps with more than {HARD_BRAKING_MPS2:g} m/s^2 of braking: {hard}")

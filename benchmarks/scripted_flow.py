@@ -14,14 +14,13 @@ from pathlib import Path
 from time import process_time
 
 import libsumo
+from measuring.chosen_scenario import arguments, chosen
 
 from cosim.conformance.stage import rectangle, separation
-from cosim.errors import InputError
 from cosim.pedestrians.behaviour import RADIUS
-from cosim.running.request import parse_settings
 from cosim.sumo.network_file import read_network
 from cosim.sumo.scripted_persons import ScriptedPersons
-from sumo_scenarios.library import Scenario, ScenarioError, load, prepare, with_parameters
+from sumo_scenarios.library import Scenario, prepare
 
 HARD_BRAKING_MPS2 = 5.0
 NEAR_M = 20.0
@@ -90,22 +89,16 @@ def touched(people: tuple[str, ...], vehicles: list[str]) -> set[tuple[str, str]
 def main() -> int:
     """Run the seeds and print the sums."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scenario")
+    arguments(parser)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--unseen", action="store_true", help="SUMO's drivers do not see the pedestrians")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
-    arguments = parser.parse_args()
-    try:
-        texts = parse_settings(arguments.set)
-        scenario, leftover = with_parameters(load(arguments.scenario), texts)
-        if leftover:
-            raise ScenarioError(f"unknown parameter: {', '.join(leftover)}")
-    except (InputError, ScenarioError) as error:
-        print(error, file=sys.stderr)
+    given = parser.parse_args()
+    scenario = chosen(given)
+    if scenario is None:
         return 2
     flow = Flow()
-    for seed in range(1, arguments.seeds + 1):
-        count(scenario, seed, arguments.unseen, flow)
+    for seed in range(1, given.seeds + 1):
+        count(scenario, seed, given.unseen, flow)
     print(f"pedestrians: {flow.pedestrians}; contacts with SUMO's vehicles: {flow.contacts}")
     print(f"mean speed: {flow.speed_sum / max(flow.vehicle_steps, 1):.2f} m/s")
     print(f"seconds with more than {HARD_BRAKING_MPS2:g} m/s^2 of braking: {flow.hard_s:.1f}")

@@ -10,11 +10,12 @@ from analysis.errors import MetricError
 from analysis.results import encounter_description, run_description
 from analysis.results.encounter_description import ListedEncounter
 from analysis.results.metric_catalog import Metric, find_metrics
+from analysis.results.numbered_rows import numbered_rows
 from analysis.results.origin import Origin
-from analysis.results.overlap_rows import VEHICLE_OVERLAPS, ListedOverlap
+from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.run_description import ListedRun
 from analysis.results.run_tables import ENCOUNTERS, RUNS
-from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS, ListedConflict
+from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, row_of
 
@@ -82,17 +83,9 @@ def _declared(metric: Metric, where: str, columns: Sequence[Column], values: Val
 
 def overlap_rows(case: Case) -> Sequence[Row]:
     """Return the rows of vehicle_overlaps.csv."""
-    origin = Origin(case.run.meta)
-    return [
-        plain(VEHICLE_OVERLAPS, row_of(VEHICLE_OVERLAPS.columns, ListedOverlap(origin, number, one)))
-        for number, one in enumerate(case.overlaps, start=1)
-    ]
+    return numbered_rows(VEHICLE_OVERLAPS, case, case.overlaps)
 
 
 def conflict_rows(case: Case) -> Sequence[Row]:
     """Return the rows of vehicle_conflicts.csv."""
-    origin = Origin(case.run.meta)
-    return [
-        plain(VEHICLE_CONFLICTS, row_of(VEHICLE_CONFLICTS.columns, ListedConflict(origin, number, one)))
-        for number, one in enumerate(case.vehicle_conflicts, start=1)
-    ]
+    return numbered_rows(VEHICLE_CONFLICTS, case, case.vehicle_conflicts)

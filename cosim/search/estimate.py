@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from cosim.arrays import FloatArray
 from cosim.batches.study import DEFAULT_TIMEOUT_S
 from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError
+from cosim.processes import cores
 from cosim.recording import folders
 from cosim.search.folder import begin, check_folder, described
 from cosim.search.proposals import missing
@@ -69,7 +69,7 @@ class EstimateRequest:
     @property
     def processes(self) -> int:
         """Runs at a time."""
-        return self.jobs or len(os.sched_getaffinity(0))
+        return self.jobs or cores()
 
     def command(self) -> str:
         """Return the command that goes on where an estimate has ended."""

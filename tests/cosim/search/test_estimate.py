@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from analysis.files import read_csv
+from benchmarks.measuring.one_pedestrian import SPACE
 from cosim.cli import main
-from tests.cosim.search.test_falsify import SPACE
 
 pytestmark = pytest.mark.sumo
 
