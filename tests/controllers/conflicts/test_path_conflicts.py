@@ -1,92 +1,57 @@
-"""Who is in conflict with the ego's path, when, and what passing behind or ahead asks of the position."""
+"""Who is in conflict with the ego's path, and when."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from controllers.arrays import FloatArray
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
-from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts, find
-from controllers.interface import CrossingKind, Perception
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
+from controllers.interface import CrossingKind
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
-from controllers.velocity_obstacle.mpc.arithmetic.passing_bounds import shortfalls
-from controllers.velocity_obstacle.mpc.passing_classes import class_bounds, class_name, stops
+from tests.controllers.conflicts.found import (
+    HORIZON,
+    REACH,
+    REAR,
+    TIMES,
+    found_among,
+    on_zebra,
+    position_bounds,
+)
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road, zebra
-
-BAND = (-0.9, 0.9)
-MARGIN = 0.6
-# Half the band, the disc and the margin: the overlap lasts while |across| <= 1.75.
-REACH = 0.9 + 0.25 + MARGIN
-HORIZON = 6.0
-TIMES = np.arange(0.5, 6.01, 0.5)
-REAR = 0.95
-
-
-def position_bounds(
-    found: Conflicts, behind: int, *arguments: Any
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the bounds of one passing class."""
-    bounds = class_bounds(found, *arguments)
-    return bounds.upper[behind], bounds.lower[behind], bounds.freeze[behind]
-
-
-def _find(
-    walkers: Sequence[Walker],
-    scene: Perception | None = None,
-    watch: Watch | None = None,
-    assume: PedestrianAssumptions | None = None,
-    forecast: Forecast | None = None,
-) -> Conflicts:
-    scene = scene or perception(walkers=walkers)
-    return find(
-        scene,
-        watch or Watch(),
-        BAND,
-        MARGIN,
-        HORIZON,
-        assume or PedestrianAssumptions(),
-        forecast,
-    )
-
-
-def _on_zebra(walkers: Sequence[Walker], kind: CrossingKind = CrossingKind.ZEBRA) -> Perception:
-    return perception(road=straight_road(3, 1), walkers=walkers, crossings=[zebra(28.0, kind)])
 
 
 def test_the_overlap_begins_and_ends_where_the_grown_disc_meets_the_band() -> None:
-    found = _find([Walker(30.0, -1.75 - 2.6, 0.0, 1.3)])
+    found = found_among([Walker(30.0, -1.75 - 2.6, 0.0, 1.3)])
     assert found.enter[0] == pytest.approx(2.0)
     assert found.leave[0] == pytest.approx(2.0 + 2 * REACH / 1.3)
     assert found.across_speed[0] == 1.3
 
 
 def test_the_overlap_is_the_same_from_the_other_side() -> None:
-    right, left = _find([Walker(30.0, -4.0, 0.0, 1.1)]), _find([Walker(30.0, 4.0, 0.0, -1.1)])
+    right, left = found_among([Walker(30.0, -4.0, 0.0, 1.1)]), found_among([Walker(30.0, 4.0, 0.0, -1.1)])
     assert right.enter[0] == pytest.approx(left.enter[0])
     assert right.leave[0] == pytest.approx(left.leave[0])
 
 
 def test_somebody_in_the_band_has_entered_already_and_leaves_ahead() -> None:
-    found = _find([Walker(30.0, 0.0, 0.0, 1.0)])
+    found = found_among([Walker(30.0, 0.0, 0.0, 1.0)])
     assert found.enter[0] == 0.0
     assert found.leave[0] == pytest.approx(REACH)
 
 
 def test_whoever_walks_away_or_comes_later_than_the_horizon_is_no_conflict() -> None:
-    assert len(_find([Walker(30.0, -2.0, 0.0, -1.3)])) == 0
-    assert len(_find([Walker(30.0, -REACH - 1.3 * HORIZON - 0.1, 0.0, 1.3)])) == 0
-    assert len(_find([Walker(30.0, -REACH - 1.3 * HORIZON + 0.1, 0.0, 1.3)])) == 1
+    assert len(found_among([Walker(30.0, -2.0, 0.0, -1.3)])) == 0
+    assert len(found_among([Walker(30.0, -REACH - 1.3 * HORIZON - 0.1, 0.0, 1.3)])) == 0
+    assert len(found_among([Walker(30.0, -REACH - 1.3 * HORIZON + 0.1, 0.0, 1.3)])) == 1
 
 
 def test_conflicts_are_sorted_by_entry_and_ties_keep_their_order() -> None:
     walkers = [Walker(30.0, -8.0, 0.0, 1.3), Walker(40.0, 3.0, 0.0, -1.3), Walker(35.0, -3.0, 0.0, 1.3)]
-    found = _find(walkers)
+    found = found_among(walkers)
     assert found.names == ("person1", "person2", "person0")
     assert found.index.tolist() == [1, 2, 0]
     assert (np.diff(found.enter) >= 0.0).all()
@@ -95,46 +60,53 @@ def test_conflicts_are_sorted_by_entry_and_ties_keep_their_order() -> None:
 def test_somebody_behind_the_car_is_no_conflict_and_does_not_hide_who_is_ahead() -> None:
     behind = Walker(-3.0, 0.0, 3.0, 0.0)
     ahead = Walker(8.0, -3.0, 0.0, 1.3)
-    found = _find([], perception(ego(speed=0.0), walkers=[behind, ahead]))
+    found = found_among([], perception(ego(speed=0.0), walkers=[behind, ahead]))
     assert found.names == ("person1",)
-    assert len(_find([], perception(ego(speed=0.0), walkers=[replace(behind, along=8.0)]))) == 1
+    assert len(found_among([], perception(ego(speed=0.0), walkers=[replace(behind, along=8.0)]))) == 1
 
 
 def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_he_moves() -> None:
     waiting = Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)
-    assert len(_find([], _on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=False))) == 0
-    assert len(_find([], _on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=True))) == 1
+    assert (
+        len(found_among([], on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=False))) == 0
+    )
+    assert (
+        len(found_among([], on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=True))) == 1
+    )
     # Walking along the kerb counts as being about to turn, at no less than the assumed speed.
-    found = _find([], _on_zebra([replace(waiting, along_speed=0.9)]))
+    found = found_among([], on_zebra([replace(waiting, along_speed=0.9)]))
     assert found.across_speed[0] == pytest.approx(1.2)
-    from_left = _find([], _on_zebra([replace(waiting, across=5.0, along_speed=-1.5)]))
+    from_left = found_among([], on_zebra([replace(waiting, across=5.0, along_speed=-1.5)]))
     assert from_left.across_speed[0] == pytest.approx(-1.5)
 
 
 def test_somebody_who_waits_where_vehicles_have_priority_is_expected_to_wait() -> None:
     waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)
-    assert len(_find([], _on_zebra([waiting], CrossingKind.UNMARKED))) == 0
+    assert len(found_among([], on_zebra([waiting], CrossingKind.UNMARKED))) == 0
 
 
 def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_expected_there() -> None:
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.1)
     walks, stands = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True), Walker(30.0, -5.0, 0, 0, 0, waiting=True)
     scene = perception(road=straight_road(3, 1), walkers=[walks, stands], crossings=[crossing])
-    found = _find([], scene)
+    found = found_among([], scene)
     assert found.names == ("person0",)
     assert found.across_speed[0] == pytest.approx(1.2)
     # Once there, they keep their velocity until they stand.
     there = perception(road=straight_road(3, 1), walkers=[replace(walks, across=-1.3)], crossings=[crossing])
-    assert _find([], there).across_speed[0] == pytest.approx(1.2)
+    assert found_among([], there).across_speed[0] == pytest.approx(1.2)
 
 
 def test_somebody_who_walks_through_the_lane_to_where_his_crossing_begins_is_expected_to() -> None:
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.9, left=9.0)
     walks = Walker(30.0, 2.5, -1.0, -0.8, 0, waiting=True)
-    found = _find([], perception(road=straight_road(3, 1), walkers=[walks], crossings=[crossing]))
+    found = found_among([], perception(road=straight_road(3, 1), walkers=[walks], crossings=[crossing]))
     assert found.across_speed[0] < -1.0
     outside = replace(walks, across=-4.0, across_speed=0.8)
-    assert len(_find([], perception(road=straight_road(3, 1), walkers=[outside], crossings=[crossing]))) == 0
+    assert (
+        len(found_among([], perception(road=straight_road(3, 1), walkers=[outside], crossings=[crossing])))
+        == 0
+    )
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -145,7 +117,7 @@ def test_somebody_who_walks_past_the_waiting_place_without_stopping_crosses_whoe
 
     def found(across: float, across_speed: float) -> Conflicts:
         walker = Walker(30.0, -side * across, 0.0, side * across_speed, 0, waiting=True)
-        return _find([], perception(walkers=[walker], crossings=[crossing]))
+        return found_among([], perception(walkers=[walker], crossings=[crossing]))
 
     assert len(found(2.7, 1.1)) == 1
     assert len(found(3.3, 1.1)) == 0
@@ -158,116 +130,43 @@ def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: boo
     waiting = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True)
     crossing = replace(zebra(28.0, CrossingKind.SIGNAL), pedestrians_have_green=green)
     scene = perception(road=straight_road(3, 1), walkers=[waiting], crossings=[crossing])
-    assert len(_find([], scene)) == int(green)
+    assert len(found_among([], scene)) == int(green)
 
 
 def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_came() -> None:
     watch = Watch()
-    _find([], _on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), watch)
+    found_among([], on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), watch)
     assert watch.heading == {"person0": 1.0}
-    standing = _find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), watch)
+    standing = found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), watch)
     assert standing.across_speed[0] == pytest.approx(1.2)
     # Nothing is known of a new pedestrian, who is assumed to stay.
-    assert len(_find([], _on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
+    assert len(found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
 @pytest.mark.parametrize(("inwards", "expected"), [(1.3, 1), (-1.3, 0)])
 def test_somebody_who_stops_in_the_road_may_walk_on(inwards: float, expected: int) -> None:
     """Towards the path they are in conflict while they stand beside it, away from it they are not."""
     watch, road = Watch(), straight_road(3, 1)
-    _find([], perception(road=road, walkers=[Walker(30.0, -3.0, 0.0, inwards)]), watch)
+    found_among([], perception(road=road, walkers=[Walker(30.0, -3.0, 0.0, inwards)]), watch)
     stands = [Walker(30.0, -2.5, 0.0, 0.0)]
-    found = _find([], perception(road=road, walkers=stands), watch)
+    found = found_among([], perception(road=road, walkers=stands), watch)
     assert len(found) == expected
     assert all(found.across_speed == 1.2)
     # Somebody who has not been seen to walk, or stands beside the road, stays there.
-    assert len(_find([], perception(road=road, walkers=stands))) == 0
+    assert len(found_among([], perception(road=road, walkers=stands))) == 0
     beside = [Walker(30.0, road.right_edge - 0.3, 0.0, 0.0)]
-    assert len(_find([], perception(road=road, walkers=beside), watch)) == 0
+    assert len(found_among([], perception(road=road, walkers=beside), watch)) == 0
 
 
 def test_somebody_who_stands_in_the_path_stays_there() -> None:
-    found = _find([Walker(25.0, 0.5)])
+    found = found_among([Walker(25.0, 0.5)])
     assert found.enter[0] == 0.0
     assert found.leave[0] == np.inf
 
 
 def test_somebody_who_strolls_off_the_road_is_not_considered() -> None:
-    assert len(_find([Walker(30.0, -3.0, 1.0, 0.4)])) == 0
-    assert len(_find([Walker(30.0, -3.0, 1.0, 0.6)])) == 1
-
-
-def test_a_class_is_named_after_who_is_let_pass() -> None:
-    found = _find([Walker(30.0, -3.0, 0.0, 1.3), Walker(40.0, -4.0, 0.0, 1.3)])
-    assert class_name(found, 0) == "behind= ahead=person0|person1"
-    assert class_name(found, 1) == "behind=person0 ahead=person1"
-    assert class_name(_find([]), 0) == ""
-
-
-def test_passing_behind_bounds_the_front_until_the_pedestrian_has_left() -> None:
-    # Enters at 1 s, leaves at 1 + 3.5 / 1.4 = 3.5 s.
-    found = _find([Walker(30.0, -REACH - 1.4, 0.0, 1.4)])
-    assert found.enter[0] == pytest.approx(1.0)
-    assert found.leave[0] == pytest.approx(3.5)
-    upper, lower, freeze = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
-    limit = 30.0 - 0.25 - 1.0 - FRONT
-    # Before the entry as well: the ego must not have passed when the pedestrian comes.
-    assert np.allclose(upper[TIMES <= 3.5], limit)
-    assert np.isinf(upper[TIMES > 4.0]).all()
-    assert np.isinf(-lower).all()
-    # Only while the pedestrian is expected in the band, from the last grid time before the entry.
-    assert np.allclose(freeze[(TIMES >= 1.0) & (TIMES <= 3.5)], limit - 0.25)
-    assert np.isinf(freeze[TIMES < 1.0 - 1e-9][:1]).all()
-
-
-def test_a_bound_that_ends_between_two_times_moves_on_with_the_expected_speed() -> None:
-    found = _find([Walker(30.0, -REACH - 1.4, 0.0, 1.4)])
-    times = np.array([1.0, 3.0, 4.0])
-    upper, *_ = position_bounds(found, 1, times, FRONT, REAR, 1.0, np.full(3, 8.0))
-    limit = 30.0 - 1.25 - FRONT
-    assert upper == pytest.approx([limit, limit, limit + 8.0 * 0.5])
-
-
-def test_passing_ahead_asks_to_have_passed_when_the_pedestrian_enters() -> None:
-    found = _find([Walker(30.0, -REACH - 1.4 * 2.2, 0.0, 1.4)])
-    upper, lower, freeze = position_bounds(found, 0, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
-    past = 30.0 + 0.25 + 1.0 + REAR
-    assert np.isinf(-lower[TIMES < 2.2]).all()
-    # 2.5 s is the first grid time after entry: the bound is carried on at the expected speed.
-    assert lower[TIMES == 2.5] == pytest.approx(past + 10.0 * 0.3)
-    assert np.allclose(lower[(TIMES >= 3.0) & (TIMES <= 2.2 + 2.5)], past)
-    assert np.isinf(upper).all()
-    assert np.isinf(freeze).all()
-
-
-def test_of_several_pedestrians_the_tightest_bound_counts() -> None:
-    found = _find([Walker(30.0, 0.0, 0.0, 1.0), Walker(20.0, -3.0, 0.0, 1.0), Walker(40.0, -5.0, 0.0, 1.0)])
-    assert found.names == ("person0", "person1", "person2")
-    upper, lower, _ = position_bounds(found, 2, TIMES, FRONT, REAR, 1.0, np.full(len(TIMES), 10.0))
-    assert upper.min() == pytest.approx(20.0 - 1.25 - FRONT)
-    assert lower.max() >= 40.0 + 1.25 + REAR
-
-
-def test_who_yields_stops_at_the_stop_line_unless_the_bumper_is_past_it() -> None:
-    walker = Walker(30.0, -2.0, 0.0, 1.3, 0, True)
-    before = _find([], _on_zebra([walker]))
-    assert before.stop_line[0] == 27.0
-    speed = np.full(len(TIMES), 5.0)
-    upper, *_ = position_bounds(before, 1, TIMES, FRONT, REAR, 1.0, speed)
-    assert upper.min() == pytest.approx(27.0 - FRONT)
-    near = perception(road=straight_road(3, 1), walkers=[replace(walker, along=6.0)], crossings=[zebra(4.0)])
-    past = _find([], near)
-    assert past.stop_line[0] == 3.0
-    upper, *_ = position_bounds(past, 1, TIMES, FRONT, REAR, 1.0, speed)
-    assert upper.min() == pytest.approx(6.0 - 1.25 - FRONT)
-
-
-def test_a_pedestrian_who_walks_along_the_road_moves_the_bound_for_three_seconds() -> None:
-    found = _find([Walker(30.0, 0.0, -1.0, 0.3)])
-    upper, *_ = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
-    active = np.isfinite(upper)
-    wanted = 30.0 - np.minimum(TIMES, 3.0) - 1.25 - FRONT
-    assert np.allclose(upper[active], wanted[active])
+    assert len(found_among([Walker(30.0, -3.0, 1.0, 0.4)])) == 0
+    assert len(found_among([Walker(30.0, -3.0, 1.0, 0.6)])) == 1
 
 
 SAMPLES = np.linspace(0.0, HORIZON, 61)
@@ -297,8 +196,8 @@ def test_constant_velocities_give_the_same_conflicts_as_their_forecast() -> None
         )
     ]
     scene = perception(road=straight_road(3, 1), walkers=walkers)
-    closed = _find([], scene)
-    sampled = _find([], scene, forecast=ConstantVelocity().predict(scene, SAMPLES))
+    closed = found_among([], scene)
+    sampled = found_among([], scene, forecast=ConstantVelocity().predict(scene, SAMPLES))
     assert len(closed) > 100
     assert sampled.names == closed.names
     np.testing.assert_allclose(sampled.enter, closed.enter, atol=1e-9)
@@ -315,8 +214,8 @@ def test_somebody_on_the_sidewalk_is_considered_when_the_forecast_leads_onto_the
     walker = Walker(30.0, -4.0, 1.2, 0.0)
     stays = _bent((0.0, 30.0, -4.0), (6.0, 37.2, -4.0))
     turns = _bent((0.0, 30.0, -4.0), (2.0, 32.4, -4.0), (6.0, 32.4, 1.2))
-    assert len(_find([walker], forecast=stays)) == 0
-    found = _find([walker], forecast=turns)
+    assert len(found_among([walker], forecast=stays)) == 0
+    found = found_among([walker], forecast=turns)
     assert found.enter[0] == pytest.approx(2.0 + (4.0 - REACH) / 1.3)
     assert found.across_speed[0] == pytest.approx(1.3)
     upper, *_ = position_bounds(found, 1, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))
@@ -327,7 +226,7 @@ def test_somebody_who_comes_back_is_let_pass_until_he_has_left_for_good() -> Non
     there_and_back = _bent(
         (0.0, 30.0, -2.4), (1.0, 30.0, -1.4), (2.0, 30.0, -2.4), (3.0, 30.0, -1.4), (4.0, 30.0, -2.4)
     )
-    found = _find([Walker(30.0, -2.4, 0.0, 1.0)], forecast=there_and_back)
+    found = found_among([Walker(30.0, -2.4, 0.0, 1.0)], forecast=there_and_back)
     assert found.enter[0] == pytest.approx(0.65)
     assert found.leave[0] == pytest.approx(3.35)
 
@@ -335,7 +234,10 @@ def test_somebody_who_comes_back_is_let_pass_until_he_has_left_for_good() -> Non
 def test_somebody_who_may_be_elsewhere_is_met_earlier_longer_and_wider() -> None:
     way = (0.0, 30.0, -4.35), (6.0, 30.0, 3.45)
     walker = Walker(30.0, -4.35, 0.0, 1.3)
-    exact, vague = _find([walker], forecast=_bent(*way)), _find([walker], forecast=_bent(*way, reach=0.2))
+    exact, vague = (
+        found_among([walker], forecast=_bent(*way)),
+        found_among([walker], forecast=_bent(*way, reach=0.2)),
+    )
     assert exact.enter[0] == pytest.approx(2.0)
     assert vague.enter[0] == pytest.approx(2.6 / 1.5)
     assert vague.leave[0] > exact.leave[0]
@@ -348,9 +250,9 @@ def test_what_is_assumed_of_somebody_who_waits_goes_before_the_forecast() -> Non
     waiting = Walker(30.0, -5.0, 0.0, 0.3, 0, waiting=True)
     goes_away = _bent((0.0, 30.0, -5.0), (6.0, 30.0, -9.0))
     comes = _bent((0.0, 30.0, -5.0), (6.0, 30.0, 5.0))
-    assert len(_find([], _on_zebra([waiting]), forecast=goes_away)) == 1
-    unmarked = _on_zebra([waiting], CrossingKind.UNMARKED)
-    assert len(_find([], unmarked, forecast=comes)) == 0
+    assert len(found_among([], on_zebra([waiting]), forecast=goes_away)) == 1
+    unmarked = on_zebra([waiting], CrossingKind.UNMARKED)
+    assert len(found_among([], unmarked, forecast=comes)) == 0
 
 
 def test_a_forecast_between_and_beyond_its_samples() -> None:
@@ -367,41 +269,4 @@ def test_who_comes_to_a_crossing_from_the_far_side_waits_there() -> None:
     """The crossing reaches 1.75 m to the right and 5.25 m to the left; its middle is at 1.75 m."""
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.75, left=5.25)
     far = perception(walkers=[Walker(30.0, 7.0, 0.0, -1.2, 0, waiting=True)], crossings=[crossing])
-    assert len(_find([], far)) == 0
-
-
-def test_who_is_let_pass_sets_no_bound_for_passing_the_others_ahead() -> None:
-    """Whoever enters first is farthest away; a speed of 0 carries no bound on."""
-    found = _find([Walker(60.0, -2.0, 0.0, 1.0), Walker(20.0, -3.0, 0.0, 1.0), Walker(40.0, -4.0, 0.0, 1.0)])
-    largest = [
-        position_bounds(found, behind, TIMES, FRONT, REAR, 1.0, np.zeros(len(TIMES)))[1].max()
-        for behind in range(4)
-    ]
-    past = 0.25 + 1.0 + REAR
-    assert largest == pytest.approx([60.0 + past, 40.0 + past, 40.0 + past, -np.inf])
-
-
-def test_who_is_let_pass_is_stopped_for_at_the_line_or_before_them_once_it_is_past() -> None:
-    """The stop line is at 27 m; the disc and the margin are 1.25 m. The overlap ends at 1.75 m."""
-    found = _find([], _on_zebra([Walker(30.0, -2.0, 0.0, 1.25, 0, True)]))
-    at, line, until = stops(found, 1, FRONT, 1.0)
-    assert (at.tolist(), line.tolist(), until.tolist()) == ([30.0], [27.0], [pytest.approx(3.0)])
-    assert stops(found, 1, 27.2, 1.0)[1].tolist() == [27.2]
-    assert stops(found, 1, 27.4, 1.0)[1].tolist() == [28.75]
-    assert [len(part) for part in stops(found, 0, FRONT, 1.0)] == [0, 0, 0]
-
-
-@pytest.mark.parametrize(
-    ("largest", "late"),
-    [(np.inf, 1.0), (10.5, 1.5)],
-)
-def test_a_class_falls_short_by_what_driving_on_and_braking_cannot_reach(largest: float, late: float) -> None:
-    """From 10 m/s to 12 m/s at 2 m/s²: 11 m in 1 s, 35 m in 3 s. Braking with 4 m/s²: 8 m, 12.5 m."""
-    free = np.inf
-    lower = np.array([[12.0, 30.0], [-free, -free], [11.5, 36.0], [8.0, 20.0]])
-    upper = np.array([[free, free], [free, 12.0], [7.5, free], [11.0, 35.0]])
-    found = shortfalls(
-        lower, upper, np.array([largest, free]), np.array([1.0, 3.0]), 10.0, np.array([9.0, 12.0]), 2.0, 4.0
-    )
-    # Too late, too soon, both, and reachable.
-    assert found == pytest.approx([late + 0.0, 0.5, 1.0 + 0.5, 0.0])
+    assert len(found_among([], far)) == 0
