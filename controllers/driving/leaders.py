@@ -88,11 +88,19 @@ def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, 
 
 
 def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle) -> float:
-    """Return where across the road the front is after swinging out to one side over a distance [m]."""
-    curvature = min(style.swing_curvature, style.lateral_acceleration / max(ego.speed, 1.0) ** 2)
-    begin = ego.heading_error
-    end = side * min(side * begin + curvature * distance, max(style.swing_angle, side * begin))
-    return ego.across + ego.body.front * math.sin(end) + distance * math.sin(0.5 * (begin + end))
+    """Return where across the road the front is after swinging out to one side over a distance [m].
+
+    The wheels turn first: until they have, the ego gets on in the direction it has.
+    """
+    fastest = max(ego.speed + style.acceleration * ego.plan_interval, 1.0)
+    curvature = min(style.swing_curvature, style.lateral_acceleration / fastest**2)
+    missing = max(math.atan(ego.body.wheelbase * curvature) - side * ego.steering, 0.0)
+    turning = ego.drive.steering_lag + 0.5 * missing / ego.drive.max_steering_rate
+    straight = min(max(ego.speed, 0.0) * turning, distance)
+    begin, rest = ego.heading_error, distance - straight
+    end = side * min(side * begin + curvature * rest, max(style.swing_angle, side * begin))
+    out = straight * math.sin(begin) + rest * math.sin(0.5 * (begin + end))
+    return ego.across + ego.body.front * math.sin(end) + out
 
 
 def standing_places(

@@ -73,6 +73,10 @@ class Settings(ControllerSettings):
     """Length of a change of lane."""
     change_cost: NotNegative = 15.0
     """What a change costs in the objective."""
+    change_cost_near_crossing: PositiveOrInfinite = float("inf")
+    """What a change costs that begins near a crossing because of people on it. It has to end before the
+    crossing, and no vehicle may be in either lane up to 15 m beyond it, so that nobody is masked; inf: none
+    begins there."""
     change_pause_s: NotNegative = 6.0
     """Time between two changes that the route does not ask for."""
     clear_before_crossing_m: NotNegative = 35.0
@@ -192,6 +196,7 @@ def _change(settings: Settings) -> ChangeSettings:
         standstill_gap=gap,
         headway=headway,
         gaps=GapRule(minimum=gap, headway=headway, duration=settings.change_duration_s),
+        cost_near_crossing=settings.change_cost_near_crossing,
     )
 
 

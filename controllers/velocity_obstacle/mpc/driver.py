@@ -130,6 +130,8 @@ class VelocityObstacleMpc:
         perception = self._seen(perception)
         planner = self._planner(perception)
         self._kept = None
+        if self.settings.change.for_pedestrians:
+            planner.settled_from = self._lanes.settled_from(perception)
 
         def cost(lane: Lane) -> float:
             chosen = planner.cheapest(perception, lane, leaving_for=0.0)
@@ -171,6 +173,8 @@ class VelocityObstacleMpc:
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
+        if self.settings.change.for_pedestrians:
+            planner.settled_from = self._lanes.settled_from(perception)
         if self._kept is not None and decision.manoeuvre is Manoeuvre.KEEP:
             chosen = self._kept  # the decision has already found out what keeping the lane costs
         else:

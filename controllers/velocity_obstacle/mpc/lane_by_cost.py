@@ -12,10 +12,11 @@ import numpy as np
 
 from controllers.driving.lanes.gap_acceptance import GapRule, blocker
 from controllers.driving.lanes.lane_for_route import lane_for_route
+from controllers.driving.lanes.pedestrian_change import open_for_pedestrians
 from controllers.interface import Decision, Lane, Manoeuvre, Perception
 from controllers.velocity_obstacle import decision_rules
 from controllers.velocity_obstacle.decision_rules import Rule
-from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
+from controllers.velocity_obstacle.mpc.lane_manoeuvre import SETTLING, LaneManoeuvre
 
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""
@@ -44,6 +45,13 @@ class ChangeSettings:
     standstill_gap: float
     headway: float
     gaps: GapRule
+    cost_near_crossing: float = np.inf
+    """What a change costs near a crossing, where people on it are its reason; inf for no such change."""
+
+    @property
+    def for_pedestrians(self) -> bool:
+        """Whether a change may begin near a crossing because of people on it, where that masks nobody."""
+        return bool(np.isfinite(self.cost_near_crossing))
 
 
 class LaneByCost:
@@ -94,6 +102,7 @@ class LaneByCost:
         rules = [Rule.STRAIGHT]
         due = perception.ego.time - self._looked >= s.reconsider - 1e-9
         keeping: float | None = None
+        full = s.cost_near_crossing if self._near_crossing(perception) else s.cost
         for lane in self._open_lanes(perception):
             side = lane.number - road.reference
             rule = decision_rules.rule(decision_rules.towards(gaps, side), g_min)
@@ -102,7 +111,7 @@ class LaneByCost:
                 continue
             self._looked = perception.ego.time
             # The rule LANE CHANGE finds the own lane too tight already: half the reason is enough.
-            price = s.cost if rule is Rule.AUTONOMOUS else 0.5 * s.cost
+            price = (1.0 if rule is Rule.AUTONOMOUS else 0.5) * full
             keeping = cost(here) if keeping is None else keeping
             # Staying that costs less than the change itself needs no second look.
             if keeping < price or blocker(perception, lane.number, s.gaps) is not None:
@@ -147,7 +156,10 @@ class LaneByCost:
         """Return the adjacent lanes that a change may go to here and now, gaps not considered."""
         s, ego, road = self.settings, perception.ego, perception.road
         pausing = ego.time - self.manoeuvre.finished < s.pause
-        if not s.allowed or pausing or ego.speed < s.least_speed or self._near_crossing(perception):
+        if not s.allowed or pausing or ego.speed < s.least_speed:
+            return []
+        near = self._near_crossing(perception)
+        if near and not s.for_pedestrians:
             return []
         here = road.lane(road.reference)
         needed = self._length_of_change(perception)
@@ -157,11 +169,13 @@ class LaneByCost:
         return [
             lane
             for side in (1, -1)
-            if (lane := road.lane(road.reference + side)) is not None and lane.follows_route_for >= worth
+            if (lane := road.lane(road.reference + side)) is not None
+            and lane.follows_route_for >= worth
+            and (not near or open_for_pedestrians(perception, lane.number, needed))
         ]
 
     def _length_of_change(self, perception: Perception) -> float:
-        return perception.ego.speed * (self.manoeuvre.duration + 0.5)
+        return perception.ego.speed * (self.manoeuvre.duration + SETTLING)
 
     def waiting_place(self, perception: Perception) -> float:
         """Return where the front bumper has to wait for a change that the route asks for; inf for none.

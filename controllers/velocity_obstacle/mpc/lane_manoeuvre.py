@@ -11,6 +11,9 @@ from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.driving.standing import STANDING
 from controllers.interface import Lane, Perception
 
+SETTLING = 0.5
+"""What is added to the planned length of a change until the body has settled in the lane [s]."""
+
 
 @dataclass(slots=True)
 class LaneManoeuvre:
@@ -69,6 +72,12 @@ class LaneManoeuvre:
         self.target = target
         self.started = perception.ego.time
         self._from = perception.ego.across - (lane.offset if lane else 0.0)
+
+    def settled_from(self, perception: Perception) -> float:
+        """Return how far ahead the body has settled in the target lane, if it changes from now on [m]."""
+        passed = perception.ego.time - self.started if self.running else 0.0
+        left = max(self.duration - passed, 0.0) + SETTLING
+        return perception.ego.body.front + max(perception.ego.speed, 0.0) * left
 
     def lane(self, perception: Perception) -> Lane | None:
         """Return the target lane as perceived now."""

@@ -74,6 +74,8 @@ class SpeedPlanner:
     """Of the speed programs."""
     forecast: Forecast | None = None
     """Of the present instant; ``None`` without a predictor."""
+    settled_from: float = np.inf
+    """Who is further ahead is met in the lane driven to alone, the change being over by then [m]."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: Watch = field(default_factory=Watch)
@@ -112,6 +114,16 @@ class SpeedPlanner:
         """What is known better of movements than velocities; see ``Expectation``."""
         return self._expectation.comes
 
+    def _band(
+        self, perception: Perception, lane: Lane | None
+    ) -> tuple[float | FloatArray, float | FloatArray]:
+        """Return right and left end of what the body sweeps where it meets each pedestrian [m]."""
+        right, left = swept(perception, lane)
+        if lane is None or np.isinf(self.settled_from):
+            return right, left
+        half, settled = 0.5 * perception.ego.body.width, perception.pedestrians.along > self.settled_from
+        return np.where(settled, lane.offset - half, right), np.where(settled, lane.offset + half, left)
+
     def nearest_stop(self) -> str:
         """Return the name of the nearest signal or vehicle that the ego has to stop for; empty for none."""
         stops = self._tasks.stops
@@ -139,7 +151,7 @@ class SpeedPlanner:
         offset = lane.offset if lane is not None else 0.0
         beside = bystanders.bystanders(perception, offset, self.may_enter)
         right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
-        band = swept(perception, lane)
+        band = self._band(perception, lane)
         conflicts = path_conflicts.find(
             perception,
             self._watch,

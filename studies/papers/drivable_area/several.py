@@ -88,8 +88,12 @@ def draw_several(path: Path, found: Mapping[str, Chosen | None]) -> None:
         if chosen is not None:
             _, verdict, best = chosen
             paths = verdict.paths.at(x[None, :])[0]
-            axes.plot(x, paths.T, color="#999999", linewidth=0.5)
+            for i, each in enumerate(paths):
+                label = "on the front" if i == 0 else None
+                axes.plot(x, each, color="#999999", linewidth=0.5, label=label)
             axes.plot(x, paths[best], color="#0072B2", linewidth=2.5, label="chosen")
+        else:
+            axes.text(1.0, 1.5, "no candidate is possible", va="center", fontsize=9)
         people, times = walkers(one), np.arange(0.0, 2.6, 0.5)
         for i in range(len(people.x)):
             axes.plot(
@@ -102,7 +106,9 @@ def draw_several(path: Path, found: Mapping[str, Chosen | None]) -> None:
             )
         axes.set_title(f"{one.name}: {one.speed_kmh:g} km/h, {one.distance:g} m", loc="left", fontsize=9)
         axes.set_ylabel("across [m]")
+        axes.set_xlim(0.0, 26.0)
         axes.set_ylim(-2.0, 5.0)
     axes.set_xlabel("along [m]")
-    axes.legend(frameon=False)
+    handles = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False)
     figure.savefig(path, dpi=110, metadata={"Software": None})

@@ -48,7 +48,8 @@ def draw_cases(path: Path, limits: PlanningLimits) -> None:
         )
         axes.set_xlabel("time [s]")
         axes.set_ylim(0.0, None)
-    axes.legend(frameon=False, fontsize=8)
+    handles = axes.get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=4, frameon=False)
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 

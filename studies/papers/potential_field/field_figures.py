@@ -74,7 +74,8 @@ def draw_parts(path: Path) -> None:
         )
         grid[1, 2].plot(at, u, label=name)
     grid[1, 2].set_xlabel("distance from the pedestrian [m]")
-    grid[1, 2].legend(frameon=False, fontsize=8)
+    grid[1, 2].set_ylim(0.0, 0.42)
+    grid[1, 2].legend(frameon=False, fontsize=8, loc="upper center")
     for axes in grid.flat:
         if axes is not grid[1, 1]:
             axes.set_ylabel("potential")

@@ -234,6 +234,25 @@ def test_a_standing_car_is_driven_round_where_there_is_another_lane() -> None:
     assert record.distance_to_vehicles() > 0.2
 
 
+@BOTH
+@pytest.mark.parametrize("step", [0.05, 0.1, 0.2, 0.5, 1.0])
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
+    name: str, step: float, lanes: int
+) -> None:
+    """It has reached the end of its way and stays there; the ego comes up to it slowly, or begins near it.
+
+    The least gap is what full braking takes after one step and the drive's lag; with less, any driver touches.
+    """
+    road = ToyRoad(lanes=lanes, lane_width=3.5, speed_limit=13.9)
+    for speed in (0.3, 0.9, 2.0):
+        least = speed * (step + CAR_DRIVE.drive_lag) + speed**2 / (2.0 * CAR_DRIVE.max_deceleration)
+        for gap in (least + 0.1, least + 1.0, 6.0):
+            car = walk(FRONT + gap + 4.5, 0.0, 0.0, 0.0)
+            record = _ride(name, road, vehicles=[car], speed=speed, duration=8.0, step=step)
+            assert record.distance_to_vehicles() > 0.05, f"{speed} m/s, {gap} m"
+
+
 def test_with_prediction_a_pedestrian_who_leaves_need_not_be_stopped_for() -> None:
     road = ToyRoad(crossings=(ToyCrossing(60.0),))
     walker = [walk(62.0, -6.0, 0.0, 1.0)]
