@@ -149,29 +149,30 @@ def _p_worse(own: Counted, by: str) -> FloatArray:
     if by == BY_RISK and own.risks.defined.any():
         tables += [own.risks.total, own.risks.defined]
     sums = [table.sum(axis=0) for table in tables]
-    found = np.array(
+    differences = np.array(
         [
-            _p_of(
+            _difference(
                 [table[i] for table in tables],
                 [all_ - table[i] for all_, table in zip(sums, tables, strict=True)],
             )
             for i in range(len(own.conflicts))
         ]
     )
+    found = np.full(len(differences), np.nan)
+    varied = np.ptp(differences, axis=1) >= 1e-12  # false where they are undefined
+    if varied.any():
+        found[varied] = ttest_1samp(differences[varied], 0.0, axis=1, alternative="greater").pvalue
     defined = np.isfinite(found)
     if defined.any():
         found[defined] = false_discovery_control(found[defined])
     return found
 
 
-def _p_of(own: list[FloatArray], others: list[FloatArray]) -> float:
-    """Return the p of one crossing against all others together, by what each run contributes."""
+def _difference(own: list[FloatArray], others: list[FloatArray]) -> FloatArray:
+    """Return what each run contributes to the difference between one crossing and all others together."""
     if len(own[0]) < 2 or any(below.sum() <= 0.0 for side in (own, others) for below in side[1::2]):
-        return np.nan
-    differences = _product(own) - _product(others)
-    if np.ptp(differences) < 1e-12:
-        return np.nan
-    return float(ttest_1samp(differences, 0.0, alternative="greater").pvalue)
+        return np.full(len(own[0]), np.nan)
+    return np.asarray(_product(own) - _product(others))
 
 
 def _product(tables: list[FloatArray]) -> FloatArray:
