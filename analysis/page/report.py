@@ -43,6 +43,7 @@ class Written:
 
     page: Path
     replays: int
+    """Listed encounters with one."""
     listed: int
     not_recorded: int
     """Listed encounters without a recording."""
@@ -123,7 +124,8 @@ def write_report(
     path = write_text(out / PAGE, content)
     missing = sum(not has_recording(one.run.folder) for one in listed.rows)
     damaged = {**study.unreadable, **replayed.damaged}
-    return Written(path, len(replayed.keys), len(listed.rows), missing, study.runs, damaged)
+    shown = sum(one.key in replayed.keys for one in listed.rows)
+    return Written(path, shown, len(listed.rows), missing, study.runs, damaged)
 
 
 def _encounters(listed: Listed, replayed: Replayed, study: Study, out: Path) -> dict[str, Any]:
@@ -226,7 +228,8 @@ def _answers(study: Study, made: tables.Tables, say: Say, found: Encounters) -> 
     runs = len(found.runs)
     ttc, distance = _smallest(found, "min_ttc_s"), _smallest(found, "min_dist_m")
     return [
-        f"{len(found)} encounters in {runs} valid run{'s' * (runs != 1)}, {entered} of them entered: "
+        f"{len(found)} encounter{'s' * (len(found) != 1)} in {runs} valid run{'s' * (runs != 1)}, "
+        f"{entered} of them entered: "
         f"{collisions or 'no'} collision{'s' * (collisions != 1)}, "
         f"smallest time to collision (TTC) {'undefined' if ttc is None else f'{ttc:.2f} s'}, "
         f"smallest distance {'undefined' if distance is None else f'{distance:.2f} m'}."

@@ -40,7 +40,9 @@ def write_page(
         raise InputError(str(error)) from error
     except OSError as error:
         raise InputError(f"{out}: the report cannot be written: {error.strerror}") from error
-    notes = [f"{written.listed} encounters listed, {written.replays} with a replay"]
+    notes = [
+        f"{written.listed} encounter{'s' * (written.listed != 1)} listed, {written.replays} with a replay"
+    ]
     if written.not_recorded:
         notes.append(
             f"{written.not_recorded} of them have no recording to replay; "
