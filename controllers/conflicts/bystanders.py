@@ -2,7 +2,8 @@
 
 The body is laid along the way into a lane, with all four corners on the true curve of the road. Pedestrians
 not expected to enter that way are discs where they are. The nearer the body comes to them, the slower it
-passes; those who wait at a crossing may set off while it does, so that it has to stop before they reach it.
+passes. Those who wait at a crossing or stand in the road may set off while it does, so that it has to stop
+before they reach it.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ FREE, FAST = 0.8, 14.0
 """Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
 SETTING_OFF, STOPPING, REACTING = 1.5, 8.0, 0.25
 """Speed of who sets off from a crossing's end, and how the ego stops for them [m/s, m/s^2, s]."""
+HASTE = 2.5
+"""Who stands in the road may set off as fast as they came, at most with this [m/s]."""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
@@ -44,6 +47,8 @@ class Bystanders(NamedTuple):
     """Index into ``Perception.pedestrians``, shape (n,)."""
     wait: NDArray[np.bool_]
     """Whose next step is onto a crossing, shape (n,)."""
+    sets_off: FloatArray
+    """How fast those who stand in the road may set off; nan for others, shape (n,) [m/s]."""
     clearance: FloatArray
     """Shape (k, n) [m]."""
 
@@ -62,10 +67,13 @@ class Bystanders(NamedTuple):
         """
         passed = ~np.isin(self.who, waited_for)
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
-        if not nearest.min() < FREE:
-            return None
         at_crossing = self.clearance[:, passed & self.wait].min(axis=1, initial=np.inf)
-        return self.places, np.minimum(passing_speed(nearest), speed_to_stop(at_crossing))
+        limit = np.minimum(
+            passing_speed(nearest), np.where(at_crossing < FREE, speed_to_stop(at_crossing), UNBOUNDED)
+        )
+        for i in np.flatnonzero(passed & ~np.isnan(self.sets_off)):
+            limit = np.minimum(limit, speed_to_stop(self.clearance[:, i], float(self.sets_off[i])))
+        return (self.places, limit) if limit.min() < UNBOUNDED else None
 
 
 def passing_speed(clearance: FloatArray) -> FloatArray:
@@ -79,17 +87,18 @@ def passing_speed(clearance: FloatArray) -> FloatArray:
     return np.where(clearance < FREE, bounded, UNBOUNDED).round(9)
 
 
-def speed_to_stop(clearance: FloatArray) -> FloatArray:
+def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArray:
     """Return from which speed the ego stops before somebody at a distance has walked up to it [m/s].
 
-    >>> speed_to_stop(np.array([0.2, 0.6, 0.75, 0.8])).tolist()
-    [1.0, 1.2, 2.0, 100.0]
+    >>> speed_to_stop(np.array([0.2, 0.6, 0.75])).tolist()
+    [1.0, 1.2, 2.0]
     """
-    stops = np.maximum(STOPPING * (clearance / SETTING_OFF - REACTING), CREEPING)
-    return np.where(clearance < FREE, stops, UNBOUNDED).round(9)
+    return np.maximum(STOPPING * (clearance / pace - REACTING), CREEPING).round(9)
 
 
-def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_]) -> Bystanders | None:
+def bystanders(
+    perception: Perception, offset: float, enters: NDArray[np.bool_], sets_off: FloatArray
+) -> Bystanders | None:
     """Return how near the body comes to the people beside its way into a lane; ``None`` without any.
 
     Parameters
@@ -100,10 +109,12 @@ def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_])
         Across coordinate of the lane's centre line [m].
     enters
         Who of the pedestrians may enter the way. Those are waited for, or passed with the margins of their
-        class; of them only who is beside the body already counts.
+        class; of them only who is beside the body already counts, or who has stopped and may turn back.
+    sets_off
+        See ``Expectation`` [m/s].
     """
     ego, people = perception.ego, perception.pedestrians
-    counts = ~enters | (people.along < ego.body.front)
+    counts = ~enters | (people.along < ego.body.front) | ~np.isnan(sets_off)
     if not counts.any():
         return None
     places, way = way_into_lane.poses(perception, offset, max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed))
@@ -115,8 +126,8 @@ def bystanders(perception: Perception, offset: float, enters: NDArray[np.bool_])
     still = (
         np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
     )
-    wait = people.waiting[who]
-    return Bystanders(places, who, wait, disc_clearances(x, y, heading, ego.body, *still)[:, 0, :])
+    clearance = disc_clearances(x, y, heading, ego.body, *still)[:, 0, :]
+    return Bystanders(places, who, people.waiting[who], np.minimum(sets_off[who], HASTE), clearance)
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:

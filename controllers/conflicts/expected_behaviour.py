@@ -51,6 +51,8 @@ class Watch:
 
     heading: dict[str, float] = field(default_factory=dict)
     """Sign of the last clear movement across the path."""
+    pace: dict[str, float] = field(default_factory=dict)
+    """How fast those walked who were seen walking across the road [m/s]."""
     waited: dict[str, float] = field(default_factory=dict)
     """How long both have stood [s]."""
     seen: float = -np.inf
@@ -64,16 +66,20 @@ class Watch:
         passed = min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
+        road = perception.road
         movements = zip(
             people.names,
+            people.across.tolist(),
             people.along.tolist(),
             people.along_speed.tolist(),
             people.across_speed.tolist(),
             strict=True,
         )
-        for name, at, along, across in movements:
+        for name, where, at, along, across in movements:
             if abs(across) > assume.standing_below:
                 self.heading[name] = math.copysign(1.0, across)
+                if road.right_edge < where < road.left_edge:
+                    self.pace[name] = abs(across)
             if math.hypot(along, across) <= assume.standing_below:
                 before = ego.speed < assume.waiting_below and at < assume.waiting_within
                 waits = passed if before else 0.0
@@ -113,6 +119,9 @@ class Expectation(NamedTuple):
     """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
     who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
     too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
+    sets_off: FloatArray
+    """How fast those walked who were crossing the road and have stopped, as they may turn back; nan for others
+    [m/s]."""
 
 
 def expected(
@@ -123,17 +132,19 @@ def expected(
     people, road = perception.pedestrians, perception.road
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
     half = 0.5 * perception.ego.body.width + OCCUPIED
-    persons = map(
-        _Person,
-        people.names,
-        people.across.tolist(),
-        people.along_speed.tolist(),
-        people.across_speed.tolist(),
-        (people.radius + half).tolist(),
-        people.on_crossing.tolist(),
-        people.waiting.tolist(),
-        [road.crossings[at] if at >= 0 else None for at in people.crossing.tolist()],
-    )
+    persons = [
+        *map(
+            _Person,
+            people.names,
+            people.across.tolist(),
+            people.along_speed.tolist(),
+            people.across_speed.tolist(),
+            (people.radius + half).tolist(),
+            people.on_crossing.tolist(),
+            people.waiting.tolist(),
+            [road.crossings[at] if at >= 0 else None for at in people.crossing.tolist()],
+        )
+    ]
     movements = [
         _movement(person, road, go, watch, assume) for person, go in zip(persons, lets_go, strict=True)
     ]
@@ -147,6 +158,10 @@ def expected(
         known.add(_Why.TURNS)
     if any(why in known for _, why in movements):
         comes = np.array([speed if why in known else math.nan for speed, why in movements])
+    sets_off = [
+        watch.pace.get(person.name, math.nan) if person.has_stopped(assume) and not go else math.nan
+        for person, go in zip(persons, lets_go, strict=True)
+    ]
     if forecast is not None:
         enters |= _enters(forecast, road, assume) & (people.crossing < 0)
     return Expectation(
@@ -155,6 +170,7 @@ def expected(
         assumed,
         np.array(lets_go, dtype=np.bool_),
         comes,
+        np.array(sets_off, dtype=np.float64),
     )
 
 
@@ -181,6 +197,10 @@ class _Person(NamedTuple):
     on_crossing: bool
     waiting: bool
     crossing: Crossing | None
+
+    def has_stopped(self, assume: PedestrianAssumptions) -> bool:
+        """Return whether they stand on their way across, and not at a waiting place."""
+        return not self.waiting and math.hypot(self.along_speed, self.across_speed) < assume.standing_below
 
 
 def _movement(

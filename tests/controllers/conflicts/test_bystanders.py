@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from controllers.conflicts.bystanders import FREE, NEAR, SLOW, Bystanders, bystanders, swing_out
+from controllers.conflicts.expected_behaviour import Expectation, PedestrianAssumptions, Watch, expected
 from controllers.interface import Body, Perception
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, perception, straight_road
@@ -17,7 +18,8 @@ BODY = Body()
 
 
 def _beside(seen: Perception, enters: bool = False) -> Bystanders:
-    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters))
+    nobody = np.full(len(seen.pedestrians), np.nan)
+    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters), nobody)
     assert found is not None
     return found
 
@@ -39,7 +41,8 @@ def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
 
 def test_nobody_near_is_nobody() -> None:
     for walkers in ([], [Walker(20.0, -8.0)], [Walker(-20.0, -1.5)]):
-        assert bystanders(perception(ego(), walkers=walkers), 0.0, np.zeros(len(walkers), bool)) is None
+        seen, nobody = perception(ego(), walkers=walkers), np.full(len(walkers), np.nan)
+        assert bystanders(seen, 0.0, np.zeros(len(walkers), bool), nobody) is None
 
 
 def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
@@ -77,6 +80,37 @@ def test_beyond_a_distance_the_speed_is_free() -> None:
 def test_of_those_who_enter_only_who_is_beside_the_body_counts() -> None:
     seen = perception(ego(), walkers=[_stands(0.3), _stands(0.4, along=2.0)])
     assert _beside(seen, enters=True).least(2) == pytest.approx([np.inf, 0.4])
+
+
+def _seen_to_stop(gap: float, pace: float, **standing: float) -> tuple[Perception, Expectation]:
+    """Return what an ego sees of somebody who walked across the road away from it, and stopped beside its way."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    stands = _stands(gap, side=1.0)
+    scenes = (replace(stands, across=stands.across - pace, across_speed=pace), replace(stands, **standing))
+    for time, walker in enumerate(scenes):
+        seen = perception(ego(time=float(time)), walkers=[walker])
+        known = expected(seen, watch, assume, None)
+    return seen, known
+
+
+@pytest.mark.parametrize(("gap", "pace"), [(0.9, 1.6), (1.2, 1.9), (0.6, 1.2)])
+def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
+    gap: float, pace: float
+) -> None:
+    seen, known = _seen_to_stop(gap, pace)
+    found = bystanders(seen, 0.0, known.enters, known.sets_off)
+    assert found is not None
+    limit = found.speed_limit(np.zeros(0, dtype=np.int64))
+    assert limit is not None
+    allowed = limit[1].min()
+    assert 0.25 + allowed / 8.0 == pytest.approx(gap / pace)
+
+
+def test_nothing_is_feared_of_those_who_walk_on_or_have_always_stood() -> None:
+    _, known = _seen_to_stop(0.9, 1.6, across_speed=1.0)
+    assert np.isnan(known.sets_off).all()
+    stood = perception(ego(), walkers=[_stands(0.9)])
+    assert np.isnan(expected(stood, Watch(), PedestrianAssumptions(), None).sets_off).all()
 
 
 def test_the_front_swings_out_of_a_bend() -> None:
