@@ -120,7 +120,7 @@ class Expectation(NamedTuple):
     who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
     too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
     sets_off: FloatArray
-    """How fast those walked who were crossing the road and have stopped, as they may turn back; nan for others
+    """How fast those walked who stopped on their way across the road: they may turn back; nan for others
     [m/s]."""
 
 
