@@ -21,8 +21,8 @@ from controllers.interface import EgoState, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
 """Length of an arc, and of the way that is looked for [m]."""
-SHORTEST = 6.0
-"""A way that ends earlier leads nowhere [m]."""
+SHORTEST, SHORTEST_OFF = 6.0, 2.0
+"""A way that ends earlier leads nowhere; one that leads the car away from those who lean on it [m]."""
 ANGLES = 13
 """Steering angles of an arc, evenly from right to left."""
 ASIDE = 1.8
@@ -91,7 +91,11 @@ class _Poses(NamedTuple):
 
 
 def find(
-    perception: Perception, obstacles: Obstacles, farthest: float, beyond: float = 0.0
+    perception: Perception,
+    obstacles: Obstacles,
+    farthest: float,
+    beyond: float = 0.0,
+    off: Obstacles | None = None,
 ) -> FloatArray | None:
     """Return the steering angles of the cheapest way, one an arc, shape (k,); ``None`` for no way [rad].
 
@@ -105,6 +109,8 @@ def find(
         The front bumper is to come no farther than this from where it is [m].
     beyond
         How much farther beside its lane the ego may get than SUMO has a place for it [m].
+    off
+        Where given, a shorter way will do that ends with the body clear of these.
     """
     ego = perception.ego
     space = _space(perception, obstacles, beyond)
@@ -116,9 +122,15 @@ def find(
         if not len(onward.x):
             break
         tree.append(onward)
+    ends = tree[-1].cost
     if (len(tree) - 1) * ARC < SHORTEST:
-        return None
-    at, way = int(np.argmin(tree[-1].cost)), []
+        if off is None or (len(tree) - 1) * ARC < SHORTEST_OFF:
+            return None
+        last = tree[-1]
+        ends = np.where(_away(ego, last.x, last.y, last.heading, off) >= 0.0, ends, np.inf)
+        if not np.isfinite(ends).any():
+            return None
+    at, way = int(np.argmin(ends)), []
     for poses in reversed(tree[1:]):
         way.append(poses.steering[at])
         at = int(poses.before[at])

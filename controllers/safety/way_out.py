@@ -111,7 +111,7 @@ class WayOut:
             return None
         now = _distances(perception, people)
         wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
-        self._look(perception, people, wide, kept, farthest)
+        self._look(perception, people, wide, kept, farthest, bool((now <= APART).any()))
         self.taken = self._way is not None
         if self._way is None:
             return None
@@ -126,8 +126,12 @@ class WayOut:
         wide: FloatArray,
         kept: FloatArray,
         farthest: float,
+        leant_on: bool,
     ) -> None:
-        """Keep the way as long as it is free, else look for another: the wider distances first."""
+        """Keep the way as long as it is free, else look for another: the wider distances first.
+
+        An ego on which somebody leans is content with one that leads away from them.
+        """
         vehicles, time = _vehicles(perception), perception.ego.time
         near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
@@ -141,6 +145,9 @@ class WayOut:
                 self._way = free_way.find(perception, obstacles, farthest, self._beyond)
                 if self._way is not None:
                     return
+            if leant_on:
+                apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
+                self._way = free_way.find(perception, near, farthest, self._beyond, apart)
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:

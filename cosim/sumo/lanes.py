@@ -50,7 +50,7 @@ class Lanes:
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._inside: dict[tuple[str, str], frozenset[str]] = {}
-        self._returning: dict[tuple[str, ...], bool] = {}
+        self._returning: dict[tuple[int, tuple[str, ...]], bool] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -126,35 +126,48 @@ class Lanes:
         return found
 
     def found_on_route(
-        self, lane: LaneShape, route: tuple[str, ...], width: float, x: float, y: float
+        self,
+        lane: LaneShape,
+        driven: tuple[str, ...],
+        route: tuple[str, ...],
+        width: float,
+        x: float,
+        y: float,
     ) -> bool:
         """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
         In a junction and between two lanes others are often nearer than the one that it is told, where a
-        front bumper swings out of a bend. But a later passage of the same junction might be nearer too.
+        front bumper swings out of a bend. But another passage of the same junction, later or earlier, might be
+        nearer too.
 
         Parameters
         ----------
         lane : that the vehicle is to be on
+        driven : edges of the route before the present one
         route : edges from the present one on
         width : of the vehicle [m]
         x, y : centre of the front bumper [m]
         """
-        if lane.no_direction or self._returns(route):
+        if lane.no_direction or self._returns(driven, route):
             return False
         place = lane.place(x, y)
         past = max(-place.along, place.along - lane.shape_length, 0.0)
         aside = 0.5 * (lane.width + width) - TOUCH
         return (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
 
-    def _returns(self, route: tuple[str, ...]) -> bool:
-        """Return whether a route passes its next junction more than once."""
-        found = self._returning.get(route)
+    def _returns(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
+        """Return whether a route passes its next junction more than once, or has passed it already."""
+        key = (len(driven), driven + route)
+        found = self._returning.get(key)
         if found is None:
-            junctions = [{_junction(edge) for edge in self.inside(*pair)} for pair in pairwise(route)]
-            found = any(junctions[0] & later for later in junctions[1:])
-            self._returning[route] = found
+            earlier, later = pairwise(driven + route[:1]), pairwise(route)
+            here = self._junctions(*next(later, ("", "")))
+            found = any(here & self._junctions(*pair) for pair in (*earlier, *later))
+            self._returning[key] = found
         return found
+
+    def _junctions(self, edge: str, onward: str) -> set[str]:
+        return {_junction(inside) for inside in self.inside(edge, onward)} if edge else set()
 
     def placeable(
         self, lane: LaneShape, width: float, x: float, y: float, heading: float, astray: bool = False

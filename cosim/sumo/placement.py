@@ -78,6 +78,8 @@ class _Ego:
     """Edges still to drive, as they were when SUMO's route was last seen to be the ego's own."""
     route_id: str
     """SUMO's name of that route; a changed route has another one."""
+    driven: tuple[str, ...] = ()
+    """Edges of it before them."""
     moved: bool = False
     """The last step was a move."""
     moves_on: str = ""
@@ -142,6 +144,7 @@ class Placement:
         if not lane:
             raise SimulationError(f"vehicle {name} cannot be taken over: it is not on a lane")
         hybrid = self._method is Method.HYBRID
+        driven, route = self._route(name)
         self._egos[name] = _Ego(
             vehicle_class=vehicle.getVehicleClass(name),
             width=vehicle.getWidth(name),
@@ -153,8 +156,9 @@ class Placement:
             else (),
             lane=lane,
             speed=vehicle.getSpeed(name),
-            route=tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :]),
+            route=route,
             route_id=vehicle.getRouteID(name),
+            driven=driven,
         )
         vehicle.setSpeedMode(name, OBEY_SPEED)
         vehicle.setLaneChangeMode(name, OBEY_LANE)
@@ -312,7 +316,7 @@ class Placement:
         """Put the vehicle there, with the lane that the route says as the hint."""
         vehicle = self._connection.vehicle
         if not ego.moved and not ego.astray:
-            ego.route = self._rest(name)
+            ego.driven, ego.route = self._route(name)
         ego.asked_speed = speed
         if there is None:
             there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
@@ -322,7 +326,7 @@ class Placement:
                 ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
         x, y, angle, keep = *aim, heading, ON_ROUTE
-        if ego.off_route or not self._lanes.found_on_route(there, ego.route, ego.width, *aim):
+        if ego.off_route or not self._lanes.found_on_route(there, ego.driven, ego.route, ego.width, *aim):
             x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, ego.astray)
             keep = EXACT_POSITION
         ego.strayed = math.dist((x, y), aim)
@@ -331,10 +335,11 @@ class Placement:
         ego.moved = True
         ego.moves += 1
 
-    def _rest(self, name: str) -> tuple[str, ...]:
-        """Return the edges that SUMO has the vehicle still drive, its present one included."""
+    def _route(self, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Return the edges of SUMO's route that are driven, and those from the present one on."""
         vehicle = self._connection.vehicle
-        return tuple(vehicle.getRoute(name)[max(vehicle.getRouteIndex(name), 0) :])
+        edges, present = tuple(vehicle.getRoute(name)), max(vehicle.getRouteIndex(name), 0)
+        return edges[:present], edges[present:]
 
     def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
         """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
@@ -343,13 +348,13 @@ class Placement:
         back on its way first.
         """
         vehicle = self._connection.vehicle
-        rest = self._rest(name)
+        driven, rest = self._route(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
         ego.off_route = not kept
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:
             if not ego.astray:
-                ego.route, ego.route_id = rest, vehicle.getRouteID(name)
+                ego.driven, ego.route, ego.route_id = driven, rest, vehicle.getRouteID(name)
             return
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))

@@ -82,11 +82,14 @@ def test_of_those_who_enter_only_who_is_beside_the_body_counts() -> None:
     assert _beside(seen, enters=True).least(2) == pytest.approx([np.inf, 0.4])
 
 
-def _seen_to_stop(gap: float, pace: float, **standing: float) -> tuple[Perception, Expectation]:
+def _seen_to_stop(gap: float, pace: float, then: float = 0.0) -> tuple[Perception, Expectation]:
     """Return what an ego sees of somebody who walked across the road away from it, and stopped beside its way."""
     watch, assume = Watch(), PedestrianAssumptions()
     stands = _stands(gap, side=1.0)
-    scenes = (replace(stands, across=stands.across - pace, across_speed=pace), replace(stands, **standing))
+    scenes = (
+        replace(stands, across=stands.across - pace, across_speed=pace),
+        replace(stands, across_speed=then),
+    )
     for time, walker in enumerate(scenes):
         seen = perception(ego(time=float(time)), walkers=[walker])
         known = expected(seen, watch, assume, None)
@@ -107,7 +110,7 @@ def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
 
 
 def test_nothing_is_feared_of_those_who_walk_on_or_have_always_stood() -> None:
-    _, known = _seen_to_stop(0.9, 1.6, across_speed=1.0)
+    _, known = _seen_to_stop(0.9, 1.6, then=1.0)
     assert np.isnan(known.sets_off).all()
     stood = perception(ego(), walkers=[_stands(0.9)])
     assert np.isnan(expected(stood, Watch(), PedestrianAssumptions(), None).sets_off).all()

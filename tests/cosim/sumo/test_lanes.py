@@ -170,11 +170,16 @@ def test_lanes_of_the_route_decide_in_junctions_that_it_passes_once(tmp_path: Pa
         (name,) = (link.via for link in lanes.links("A1B1_0") if link.lane == "B1C1_0")
         inside, road = lanes.shape(name), lanes.shape("B1C1_0")
         beside = inside.point(0.5 * inside.shape_length, 2.0)
-        assert lanes.found_on_route(inside, once, 1.8, *beside)
+        assert lanes.found_on_route(inside, (), once, 1.8, *beside)
         # On the way back from the north it passes the place beside its way.
-        assert not lanes.found_on_route(inside, twice, 1.8, *beside)
-        assert not lanes.found_on_route(inside, once, 1.8, *inside.point(0.5 * inside.shape_length, 3.0))
-        assert lanes.found_on_route(road, once, 1.8, *road.point(-0.5, 1.0))
-        assert not lanes.found_on_route(road, once, 1.8, *road.point(20.0, 1.0))
+        assert not lanes.found_on_route(inside, (), twice, 1.8, *beside)
+        # It came by from the north before.
+        back = ("C2B2", "B2B1", "B1B0", "B0A0", "A0A1")
+        assert not lanes.found_on_route(inside, back, once, 1.8, *beside)
+        assert lanes.found_on_route(inside, ("A2A1",), once, 1.8, *beside)
+        assert not lanes.found_on_route(inside, (), once[-1:], 1.8, *inside.point(0.0, 3.0))
+        assert not lanes.found_on_route(inside, (), once, 1.8, *inside.point(0.5 * inside.shape_length, 3.0))
+        assert lanes.found_on_route(road, (), once, 1.8, *road.point(-0.5, 1.0))
+        assert not lanes.found_on_route(road, (), once, 1.8, *road.point(20.0, 1.0))
     finally:
         libsumo.close()
