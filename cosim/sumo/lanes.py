@@ -137,8 +137,8 @@ class Lanes:
         """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
         In a junction and between two lanes others are often nearer than the one that it is told, where a
-        front bumper swings out of a bend. But another passage of the same junction, later or earlier, might be
-        nearer too.
+        front bumper swings out of a bend. But another passage of the same junction, before or after this one,
+        might be nearer too.
 
         Parameters
         ----------
