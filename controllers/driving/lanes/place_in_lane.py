@@ -25,7 +25,7 @@ TO_THE_LINE = 0.2
 BEYOND = 0.5
 """And goes so much further where somebody could not be passed otherwise [m]."""
 SHORT = 0.05
-"""The steering plan may fall short of that by so much [m]."""
+"""The steering plan may miss that by so much [m]."""
 OVER, OVER_S = 3.0, 2.0
 """And gets there within this distance or this time, whatever is longer [m, s]."""
 TO_VEHICLES = 0.3
@@ -60,11 +60,12 @@ def kept(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the corridor of a steering plan without the places nearer to those who are kept away from.
 
-    Without that, a plan trades the last centimetres for less steering.
+    Without that, a plan trades the last centimetres for less steering. On the other side it ends where the
+    body would leave the lane, or with the place itself: there may be vehicles beside.
 
     Parameters
     ----------
-    corridor : its right and left end for the rear axle, shape (N,) each [m]
+    corridor : its right and left end for the rear axle about that place, shape (N,) each [m]
     shift : of the lane's centre line for their sake, left positive [m]
     ego : where it is
     along : planned positions from now, shape (N,) [m]
@@ -76,7 +77,9 @@ def kept(
     wanted = shift - side * SHORT
     missing = side * min(side * (ego.across - wanted), 0.0)
     bound = wanted + missing * np.clip(1.0 - along / max(OVER, OVER_S * ego.speed), 0.0, 1.0)
-    return (np.maximum(right, bound), left) if shift > 0.0 else (right, np.minimum(left, bound))
+    if shift > 0.0:
+        return np.maximum(right, bound), np.maximum(left - shift, shift + SHORT)
+    return np.minimum(right - shift, shift - SHORT), np.minimum(left, bound)
 
 
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:

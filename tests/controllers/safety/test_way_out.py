@@ -113,6 +113,21 @@ def test_beyond_the_lane_it_leads_only_where_it_may() -> None:
     assert _nearest(way, row) >= 0.0
 
 
+def test_off_those_who_lean_on_the_car_a_short_way_will_do_and_one_that_stays_beside_them_will_not() -> None:
+    """A wall 4 m ahead of the bumper leaves no way as long as is asked for otherwise."""
+    seen, wall = perception(ego(speed=0.0)), [(BODY.front + 4.0, y) for y in np.arange(-3.0, 3.1, 0.5)]
+    leans = (0.5, -0.5 * BODY.width + 0.02 - KEPT)
+    assert free_way.find(seen, _people(*wall), np.inf) is None
+    way = free_way.find(seen, _people(*wall), np.inf, off=_people(leans))
+    assert way is not None
+    assert 2.0 <= len(way) * ARC <= 4.0
+    clear = (values[:, None] for values in _people(leans)[:3])
+    end = (values[-1:] for values in _driven(way))
+    assert disc_clearances(*end, BODY, *clear).min() >= 0.0
+    rows = _people(*((x, side * 0.5 * BODY.width) for x in np.arange(-1.0, 8.0, 0.5) for side in (-1.0, 1.0)))
+    assert free_way.find(seen, _people(*wall), np.inf, off=rows) is None
+
+
 def test_a_way_that_somebody_has_stepped_into_does_not_lead_on() -> None:
     seen, free = perception(ego(speed=0.0)), _people()
     way = free_way.find(seen, free, np.inf)

@@ -73,8 +73,8 @@ def test_a_steering_plan_keeps_to_it_from_three_metres_on() -> None:
     corridor = np.full(4, -0.7), np.full(4, 1.6)
     right, left = place_in_lane.kept(corridor, 0.5, ego(speed=1.0, across=0.15), along)
     assert right == pytest.approx([0.15, 0.3, 0.45, 0.45])
-    assert left == pytest.approx(corridor[1])
+    assert left == pytest.approx(corridor[1] - 0.5), "where the body would leave the lane"
     right, left = place_in_lane.kept(corridor, -0.5, ego(speed=1.0), along)
-    assert right == pytest.approx(corridor[0])
+    assert right == pytest.approx([-0.55] * 4), "the place itself"
     assert left == pytest.approx([0.0, -0.225, -0.45, -0.45])
     assert place_in_lane.kept(corridor, 0.0, ego(), along) is corridor
