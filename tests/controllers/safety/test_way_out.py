@@ -41,8 +41,13 @@ def _driven(way: FloatArray, across: float = 0.0) -> tuple[FloatArray, FloatArra
 
 
 def _nearest(way: FloatArray, people: Obstacles) -> float:
-    still = (np.repeat(values[:, None], len(way), axis=1) for values in (people.x, people.y, people.kept))
-    return float(disc_clearances(*_driven(way), BODY, *still).min())
+    return _nearest_of(_driven(way), people)
+
+
+def _nearest_of(poses: tuple[FloatArray, FloatArray, FloatArray], people: Obstacles) -> float:
+    x, y, heading = poses
+    still = (np.repeat(values[:, None], len(x), axis=1) for values in (people.x, people.y, people.kept))
+    return float(disc_clearances(x, y, heading, BODY, *still).min())
 
 
 def test_with_nobody_in_the_way_it_is_straight_and_as_long_as_looked_for() -> None:
@@ -121,9 +126,8 @@ def test_off_those_who_lean_on_the_car_a_short_way_will_do_and_one_that_stays_be
     way = free_way.find(seen, _people(*wall), np.inf, off=_people(leans))
     assert way is not None
     assert 2.0 <= len(way) * ARC <= 4.0
-    clear = (values[:, None] for values in _people(leans)[:3])
-    end = (values[-1:] for values in _driven(way))
-    assert disc_clearances(*end, BODY, *clear).min() >= 0.0
+    x, y, heading = _driven(way)
+    assert _nearest_of((x[-1:], y[-1:], heading[-1:]), _people(leans)) >= 0.0
     rows = _people(*((x, side * 0.5 * BODY.width) for x in np.arange(-1.0, 8.0, 0.5) for side in (-1.0, 1.0)))
     assert free_way.find(seen, _people(*wall), np.inf, off=rows) is None
 
