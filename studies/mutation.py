@@ -54,9 +54,20 @@ PLACES = {
         ),
         tuple(
             f"tests/controllers/**/test_{name}.py"
-            for name in ("path_conflicts", "horizon", "longitudinal", "bystanders", "way_out")
+            for name in (
+                "path_conflicts",
+                "passing_classes",
+                "horizon",
+                "longitudinal",
+                "bystanders",
+                "way_out",
+            )
         ),
     ),
+    "search": Place(("analysis/search/*.py",), ("tests/analysis/search",)),
+    "validation": Place(("analysis/validation/*.py",), ("tests/analysis/validation",)),
+    "yielding": Place(("controllers/yielding/*.py",), ("tests/controllers/yielding",)),
+    "boxes": Place(("controllers/geometry/box_clearances.py",), ("tests/controllers/geometry",)),
     "plant": Place(("cosim/step/plant.py", "cosim/step/frames.py"), ("tests/cosim/step",)),
     "statistics": Place(
         ("analysis/statistics/*.py", "analysis/study/*.py"),

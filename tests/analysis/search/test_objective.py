@@ -80,6 +80,11 @@ def test_a_count_without_a_slope_is_far_from_its_threshold_while_it_is_met() -> 
     assert judge_run([stuck], [], [run(deadlock=1)]).margin == pytest.approx(-0.5)
 
 
+def test_a_metric_is_found_by_its_name_whoever_wrote_it() -> None:
+    read = "".join(["dead", "lock"])  # equal to the declared name, but no literal, as one from a file
+    assert judge_run([Criterion("no deadlock", "run", read, "==", 0.0)], [], [run(deadlock=0)]).margin == 1.0
+
+
 def test_an_encounter_that_nobody_could_have_kept_within_a_limit_is_listed_apart() -> None:
     near = Criterion("distance", "encounter", "min_ttc_s", ">=", 1.5, unit="s")
     verdict = judge_run([near], [encounter(min_ttc_s=0.5, preventable_r157=0)], [run()])

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.stats import norm, t
 
 from analysis.arrays import FloatArray
 from analysis.search.probability import METHODS, estimate, in_words
@@ -49,6 +49,15 @@ def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sa
     found = estimate("importance", plane(1e-5), DIMENSION, variation=0.3, most=30000, seed=7)
     # Crude sampling needs 1 / (p · 0.3²) runs for a coefficient of variation of 0.3.
     assert found.runs < 0.01 / (1e-5 * 0.3**2)
+
+
+def test_an_interval_of_repeated_estimates_is_as_wide_up_as_down_in_factors() -> None:
+    found = estimate("importance", plane(1e-3), DIMENSION, variation=0.3, most=30000, seed=3)
+    assert found.variation is not None
+    # Student's 97.5 % for as many replications, times the deviation of a lognormal variable.
+    wide = t.ppf(0.975, found.replications - 1) * math.sqrt(math.log(1.0 + found.variation**2))
+    assert math.log(found.high / found.estimate) == pytest.approx(wide)
+    assert math.log(found.estimate / found.low) == pytest.approx(wide)
 
 
 def test_crude_sampling_stops_at_its_budget_and_says_so() -> None:
