@@ -117,8 +117,11 @@ def bystanders(
     counts = ~enters | (people.along < ego.body.front) | ~np.isnan(sets_off)
     if not counts.any():
         return None
-    places, way = way_into_lane.poses(perception, offset, max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed))
-    near, at = way_into_lane.people_beside(perception, way, 0.5 * ego.body.width + ASIDE)
+    farthest, aside = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed), 0.5 * ego.body.width + ASIDE
+    if way_into_lane.nobody_near(perception, offset, farthest, aside):
+        return None
+    places, way = way_into_lane.poses(perception, offset, farthest)
+    near, at = way_into_lane.people_beside(perception, way, aside)
     who, at = near[counts[near]], at[counts[near]]
     if not len(who):
         return None
@@ -140,6 +143,6 @@ def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArra
         none = np.zeros(len(along))
         return none, none
     at = ((along - 0.5 * body.front) / road.curvature_step).astype(np.int64)
-    bend = road.curvature[np.clip(at, 0, len(road.curvature) - 1)]
+    bend = road.curvature[np.minimum(np.maximum(at, 0), len(road.curvature) - 1)]
     swing = np.clip(0.5 * body.front**2 * bend, -LARGEST_SWING, LARGEST_SWING)
     return np.maximum(swing, 0.0), np.maximum(-swing, 0.0)

@@ -60,8 +60,8 @@ def reference_speeds(perception: Perception, positions: FloatArray, demands: Flo
         return speeds
     # A bend counts until the instant before has left it behind, or one between two instants would be
     # missed; a limit counts until the next one begins.
-    since = np.minimum(np.append(0.0, positions[:-1]), positions)
-    ends = np.append(limit_along[1:], np.inf)[: len(limit_along)]
+    since = np.minimum(np.concatenate(((0.0,), positions[:-1])), positions)
+    ends = np.concatenate((limit_along[1:], (np.inf,)))[: len(limit_along)]
     left = np.concatenate((along, ends))
     distance = np.maximum(points - positions.reshape(-1, 1), 0.0)
     gone = left < since.reshape(-1, 1)

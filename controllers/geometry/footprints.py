@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
+from controllers.geometry.remembered import remembered
 from controllers.interface import Vehicles
 
 ALONG_THE_LANE = np.deg2rad(60.0)
@@ -24,6 +25,7 @@ class Footprints(NamedTuple):
     same_way: NDArray[np.bool_]
 
 
+@remembered
 def footprints(vehicles: Vehicles) -> Footprints:
     """Return the smallest boxes along the lane that hold the bodies."""
     cos, sin = np.cos(vehicles.heading_error), np.sin(vehicles.heading_error)

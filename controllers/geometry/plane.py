@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from controllers.arrays import FloatArray
+from controllers.geometry.remembered import remembered
 from controllers.interface import EgoState, Pedestrians, RoadAhead, Vehicles
 
 
@@ -15,14 +16,11 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
 
     The plane's origin and axes are those of the route frame at the rear axle; before it the road is straight.
     """
-    if not road.curvature.any():
+    line = _laid_out(road.curvature, road.curvature_step)
+    if line is None:
         return np.column_stack((along, across)), np.zeros(len(along))
-    step = road.curvature_step
-    heading = np.concatenate(([0.0], np.cumsum(road.curvature) * step))
-    middle = heading[:-1] + 0.5 * road.curvature * step
-    x = np.concatenate(([0.0], np.cumsum(np.cos(middle)) * step))
-    y = np.concatenate(([0.0], np.cumsum(np.sin(middle)) * step))
-    at = np.clip((along / step).astype(np.int64), 0, len(x) - 1)
+    step, (heading, x, y) = road.curvature_step, line
+    at = np.minimum(np.maximum((along / step).astype(np.int64), 0), len(x) - 1)
     beyond = along - at * step
     bend = road.curvature[np.minimum(at, len(road.curvature) - 1)]
     turned = heading[at] + np.where((along > 0.0) & (at < len(x) - 1), beyond * bend, 0.0)
@@ -30,6 +28,18 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
     place_x = x[at] + beyond * np.cos(course) - across * np.sin(turned)
     place_y = y[at] + beyond * np.sin(course) + across * np.cos(turned)
     return np.column_stack((place_x, place_y)), turned
+
+
+@remembered
+def _laid_out(curvature: FloatArray, step: float) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Return heading and place of the centre line every ``step``; ``None`` if it is straight."""
+    if not curvature.any():
+        return None
+    heading = np.concatenate(([0.0], np.cumsum(curvature) * step))
+    middle = heading[:-1] + 0.5 * curvature * step
+    x = np.concatenate(([0.0], np.cumsum(np.cos(middle)) * step))
+    y = np.concatenate(([0.0], np.cumsum(np.sin(middle)) * step))
+    return heading, x, y
 
 
 def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tuple[FloatArray, FloatArray]:

@@ -116,9 +116,11 @@ def planned(perception: Perception, plan: Plan, times: FloatArray) -> Motion:
     ego = perception.ego
     if not len(plan.times):
         return braked(perception, -plan.command.acceleration[:1], times)
-    knots = np.append(0.0, plan.times)
-    along = np.interp(times, knots, np.append(0.0, plan.along))
-    return Motion(along[:, None], np.interp(times, knots, np.append(ego.speed, plan.speed))[:, None])
+    knots = np.concatenate(((0.0,), plan.times))
+    along = np.interp(times, knots, np.concatenate(((0.0,), plan.along)))
+    return Motion(
+        along[:, None], np.interp(times, knots, np.concatenate(((ego.speed,), plan.speed)))[:, None]
+    )
 
 
 def braked(perception: Perception, braking: FloatArray, times: FloatArray) -> Motion:

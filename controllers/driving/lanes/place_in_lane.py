@@ -85,6 +85,8 @@ def kept(
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
     """Return how far to move, left positive [m]."""
     half = 0.5 * perception.ego.body.width
+    if way_into_lane.nobody_near(perception, lane.offset, LOOK_AHEAD, half + WANTED + ASIDE):
+        return 0.0
     beside, gap = _passed(perception, lane, stays)
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, half)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from controllers.arrays import FloatArray
 from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.geometry.plane import people_in_plane, to_plane
-from controllers.interface import Perception
+from controllers.geometry.remembered import remembered
+from controllers.interface import EgoState, Pedestrians, Perception, RoadAhead
 
 MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
 """It takes this distance, or this time [m, s]."""
@@ -17,6 +18,8 @@ SPACING = 0.5
 WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
 """Pedestrians who walk along the road this fast are met elsewhere; the least closing speed, and how far ahead
 they are followed [m/s, m/s, s]."""
+ROUNDING = 0.1
+"""[m]"""
 
 
 def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
@@ -53,24 +56,40 @@ def people_beside(
     way : as :func:`poses` returns it, (3, k)
     aside : how far beside the rear axle's way to look [m]
     """
-    places = _meeting_places(perception)
+    places = _meeting_places(perception.ego, perception.road, perception.pedestrians)
     apart = np.hypot(places[:, :1] - way[0], places[:, 1:] - way[1]).min(axis=1)
     who = np.flatnonzero(apart - perception.pedestrians.radius < aside)
     return who, places[who]
 
 
-def _meeting_places(perception: Perception) -> FloatArray:
+def nobody_near(perception: Perception, offset: float, farthest: float, aside: float) -> bool:
+    """Return whether :func:`people_beside` surely finds nobody near the way of :func:`poses`.
+
+    No place of it is farther from the plane's origin than it is long and goes aside.
+
+    Parameters
+    ----------
+    perception, offset, farthest : as for :func:`poses`
+    aside : as for :func:`people_beside`
+    """
+    places = _meeting_places(perception.ego, perception.road, perception.pedestrians)
+    reach = farthest + SPACING + max(abs(perception.ego.across), abs(offset)) + aside + ROUNDING
+    gone = np.hypot(places[:, 0], places[:, 1]) - perception.pedestrians.radius > reach
+    return bool(gone.all())
+
+
+@remembered
+def _meeting_places(ego: EgoState, road: RoadAhead, people: Pedestrians) -> FloatArray:
     """Return where the ego gets to everybody, in the plane, shape (n, 2) [m].
 
     The places in the world, since along the route those at a crossing are told in a frame of that crossing,
     which says little in a bend.
     """
-    ego, people = perception.ego, perception.pedestrians
-    places, _ = people_in_plane(ego, perception.road, people)
+    places, _ = people_in_plane(ego, road, people)
     gap = people.along - ego.body.front
     walk = (people.crossing < 0) & (np.abs(people.along_speed) > WALKING) & (gap > 0.0)
     if walk.any():
         until = np.minimum(gap / np.maximum(ego.speed - people.along_speed, CLOSING), FORESEEN_S)
-        there, _ = to_plane(perception.road, people.along + until * people.along_speed, people.across)
+        there, _ = to_plane(road, people.along + until * people.along_speed, people.across)
         places = np.where(walk[:, None], there, places)
     return places

@@ -147,7 +147,12 @@ class LateralProgram:
         )
         # Views: what is written into them needs no copying.
         self._written = steering_program.Program(
-            p.P[:n, :n], p.q[:n], p.G[: 4 * n, :n], p.h.reshape(6, n), self.horizon.gain.reshape(4 * n, n)
+            p.P[:n, :n],
+            np.einsum("ii->i", p.P[:n, :n]),
+            p.q[:n],
+            p.G[: 4 * n, :n],
+            p.h.reshape(6, n),
+            self.horizon.gain.reshape(4 * n, n),
         )
 
     def build(self, task: SteeringTask) -> Response:

@@ -19,7 +19,7 @@ def moved(
     age : [s]
     """
     at = times + age
-    travelled = np.interp(np.array([age]), np.append(0.0, times), np.append(0.0, position))
+    travelled = np.interp(np.array([age]), _after(0.0, times), _after(0.0, position))
     beyond = np.maximum(at - times[-1], 0.0) * speed[-1]
     return np.interp(at, times, position) + beyond - travelled, np.interp(at, times, speed)
 
@@ -44,9 +44,9 @@ def sampled(
     """
     starts = np.arange(0.0, duration, spacing)
     middle = starts + 0.5 * spacing
-    knots = np.append(0.0, times)
-    accelerations = np.interp(middle, knots, np.append(acceleration_now, acceleration))
-    return starts, accelerations, np.interp(middle, knots, np.append(steering_now, steering))
+    knots = _after(0.0, times)
+    accelerations = np.interp(middle, knots, _after(acceleration_now, acceleration))
+    return starts, accelerations, np.interp(middle, knots, _after(steering_now, steering))
 
 
 def in_intervals(
@@ -60,8 +60,12 @@ def in_intervals(
     speed_now : at the beginning of the first
     curvature, curvature_step : as in ``RoadAhead``; without any the road is straight
     """
-    middle = 0.5 * (position + np.append(0.0, position[:-1]))
-    mean = 0.5 * (speed + np.append(speed_now, speed[:-1]))
+    middle = 0.5 * (position + _after(0.0, position[:-1]))
+    mean = 0.5 * (speed + _after(speed_now, speed[:-1]))
     if len(curvature) == 0:
         return mean, np.zeros(len(middle))
     return mean, np.interp(middle, np.arange(len(curvature)) * curvature_step, curvature)
+
+
+def _after(first: float, others: FloatArray) -> FloatArray:
+    return np.concatenate(((first,), others))

@@ -47,6 +47,8 @@ class Program(NamedTuple):
 
     P: FloatArray
     """Of the inputs, shape (N, N)."""
+    diagonal: FloatArray
+    """Of that, shape (N,)."""
     q: FloatArray
     """Of the inputs, shape (N,)."""
     rows: FloatArray
@@ -114,7 +116,7 @@ def write(
     errors[2] = free[STEERING] - bicycle.wheelbase * curvature
     weighted = gain * (2.0 * weights).reshape(-1, 1)
     program.P[:] = gain.T @ weighted
-    program.P[np.diag_indices(n)] += limits.rate_cost
+    program.diagonal[:] += limits.rate_cost
     program.q[:] = errors.reshape(-1) @ weighted
     rows, h = program.rows, program.bounds
     rows[:n], rows[n : 2 * n] = gain[:n], -gain[:n]
