@@ -53,9 +53,12 @@ def pairs_within(
     other = np.stack([other_x, other_y, np.ones_like(other_x), other_x * other_x + other_y * other_y])
     most = reach * reach + _SLACK
     block = max(1, _BLOCK // max(1, len(other_x)))
-    found = [np.nonzero(own[at : at + block] @ other <= most) for at in range(0, len(own), block)]
-    firsts = [one + block * number for number, (one, _) in enumerate(found)]
-    return np.concatenate(firsts), np.concatenate([two for _, two in found])
+    count = len(other_x)
+    found = [
+        np.flatnonzero(own[at : at + block] @ other <= most) + at * count for at in range(0, len(own), block)
+    ]
+    first, second = np.divmod(np.concatenate(found), count)
+    return first, second
 
 
 def clearance(x: Number, y: Number, half_length: Number, half_width: Number, radius: Number) -> FloatArray:

@@ -41,7 +41,11 @@ class Places(NamedTuple):
 
 
 def met(
-    vehicles: Sequence[Track], persons: Sequence[Track], grid: Grid, within_s: float
+    vehicles: Sequence[Track],
+    persons: Sequence[Track],
+    grid: Grid,
+    within_s: float,
+    largest: tuple[float, float] = (0.0, 0.0),
 ) -> dict[tuple[int, int], Meeting]:
     """Return who came to the same ground within some seconds of each other, by number of vehicle and person.
 
@@ -51,11 +55,14 @@ def met(
     grid : Grid
     within_s : float
         Those with more time between them did not meet [s].
+    largest : tuple
+        Half the diagonal of a vehicle and half the width of a person that are not among these, but whose
+        places were looked up as these are [m].
     """
     if not vehicles or not persons:
         return {}
-    reach = max(0.5 * float(np.hypot(one.length, one.width)) for one in vehicles)
-    reach += max(0.5 * one.width for one in persons) + VEHICLE_SPACING_M + PERSON_SPACING_M
+    reach = max(largest[0], *(0.5 * float(np.hypot(one.length, one.width)) for one in vehicles))
+    reach += max(largest[1], *(0.5 * one.width for one in persons)) + VEHICLE_SPACING_M + PERSON_SPACING_M
     scale = reach / (within_s + STAY_S)
     own = places_on(vehicles, grid, VEHICLE_SPACING_M, scale)
     other = places_on(persons, grid, PERSON_SPACING_M, scale)

@@ -126,7 +126,7 @@ def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> C
     Parameters
     ----------
     run : RecordedRun
-        As :func:`analysis.recording.traffic.read_traffic` returns it.
+        All or a part of what :class:`analysis.recording.traffic.Traffic` gives.
     thresholds : Thresholds
     """
     thresholds = thresholds or Thresholds()

@@ -85,7 +85,7 @@ def find_in_traffic(
     traffic_pairing_s nor their crossing.
     """
     grid, within = around.grid, around.thresholds.traffic_pairing_s
-    meetings = met(vehicles, persons, grid, within)
+    meetings = met(vehicles, persons, grid, within, around.run.largest)
     pairs = meetings.keys() | waited(vehicles, persons, around.traversals, around.run, grid, within)
     found: list[Encounter] = []
     for pair in sorted(pairs):

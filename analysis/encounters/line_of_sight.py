@@ -40,10 +40,9 @@ def is_visible(
         return seen
     low_x, high_x = min(eye_x.min(), x.min()), max(eye_x.max(), x.max())
     low_y, high_y = min(eye_y.min(), y.min()), max(eye_y.max(), y.max())
-    for vehicle in vehicles:
+    there = [one for one in vehicles if one.first <= last and one.first + len(one.x) > first]
+    for vehicle in there:
         begin, end = max(first, vehicle.first), min(last, vehicle.last)
-        if begin > end:
-            continue
         own = slice(begin - vehicle.first, end - vehicle.first + 1)
         half = 0.5 * float(np.hypot(vehicle.length, vehicle.width)) + _MARGIN_M
         there_x, there_y = vehicle.x[own], vehicle.y[own]

@@ -17,7 +17,7 @@ from analysis.files import read_csv, read_json
 from analysis.manifest import read_manifest, read_verified
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
 from analysis.recording.reading import read_run
-from analysis.recording.traffic import read_traffic
+from analysis.recording.traffic import Traffic
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.thresholds import Thresholds, names
 
@@ -66,7 +66,7 @@ def read_traffic_recording(folder: Path) -> Recording:
     RecordingError
         When the recording cannot be read.
     """
-    case = prepare_traffic(read_traffic(read_run(folder)).run, _thresholds(folder))
+    case = prepare_traffic(Traffic(read_run(folder)).whole(), _thresholds(folder))
     rows = _rows(folder, TRAFFIC)
     vehicles = rows[rows["object_kind"] == "vehicle"]
     driven = vehicles.rename(columns={"object_id": "ego_id", "x_m": "front_x_m", "y_m": "front_y_m"}).assign(

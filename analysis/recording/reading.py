@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.errors import DamageError, RecordingError
@@ -97,6 +98,9 @@ class RecordedRun:
     """Which edges of the map lead over or under each other."""
     sensing: Columns | None = None
     """What egos knew of pedestrians; ``None`` where they knew the truth."""
+    largest: tuple[float, float] = (0.0, 0.0)
+    """Of a part of a recording, what is largest in all of it: half the diagonal of a vehicle, half the width
+    of a pedestrian [m]."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""
@@ -170,10 +174,51 @@ def read_table(folder: Path, declared: RecordedTable) -> Columns:
         As `read_run`.
     """
     path = folder / declared.file
-    table = _load(path, declared)
+    with opened_table(path) as file:
+        checked_schema(path, declared, file)
+        table = completed(declared, file.read())
+    return checked_rows(path, declared, table)
+
+
+def checked_schema(path: Path, declared: RecordedTable, file: pq.ParquetFile) -> None:
+    """Refuse a file that lacks a column, or has one of another type.
+
+    Raises
+    ------
+    RecordingError
+        If it does.
+    """
+    present = file.schema_arrow
+    for column in declared.columns:
+        if column.name not in present.names:
+            if column.added:
+                continue
+            raise RecordingError(f"{path}: no column {column.name!r}")
+        found = present.field(column.name).type
+        if found != column.dtype:
+            raise RecordingError(f"{path}: column {column.name!r} is {found}, expected {column.dtype}")
+
+
+def completed(declared: RecordedTable, table: pa.Table) -> pa.Table:
+    """Return rows with the columns that recordings did not have from the beginning."""
+    for column in declared.columns:
+        if column.name not in table.column_names:
+            table = table.append_column(column.name, pa.nulls(len(table), column.dtype))
+    return table
+
+
+def checked_rows(path: Path, declared: RecordedTable, table: pa.Table, before: int = 0) -> Columns:
+    """Return the judged columns of rows that follow after ``before`` others of a file.
+
+    Raises
+    ------
+    RecordingError
+        For an undefined number where one is needed, for no name, time that goes backwards, and a second row
+        of the same key at the same time.
+    """
     judged = [column for column in declared.columns if column.judged]
     numbers = {
-        column.name: _numbers(path, table, column.name, column.required)
+        column.name: _numbers(path, table, column.name, column.required, before)
         for column in judged
         if column.kind in ("number", "integer")
     }
@@ -183,32 +228,14 @@ def read_table(folder: Path, declared: RecordedTable) -> Columns:
         for column in judged
         if column.kind == "boolean"
     }
-    _require_forward_time(path, numbers["time_s"], *(texts[key] for key in declared.key))
+    _require_forward_time(path, before, numbers["time_s"], *(texts[key] for key in declared.key))
     return Columns(numbers, flags, texts)
 
 
-def _load(path: Path, declared: RecordedTable) -> pa.Table:
-    with opened_table(path) as file:
-        present = file.schema_arrow
-        for column in declared.columns:
-            if column.name not in present.names:
-                if column.added:
-                    continue
-                raise RecordingError(f"{path}: no column {column.name!r}")
-            found = present.field(column.name).type
-            if found != column.dtype:
-                raise RecordingError(f"{path}: column {column.name!r} is {found}, expected {column.dtype}")
-        table = file.read()
-    for column in declared.columns:
-        if column.name not in table.column_names:
-            table = table.append_column(column.name, pa.nulls(len(table), column.dtype))
-    return table
-
-
-def _numbers(path: Path, table: pa.Table, name: str, needed: bool) -> FloatArray:
+def _numbers(path: Path, table: pa.Table, name: str, needed: bool, before: int) -> FloatArray:
     values: FloatArray = table[name].cast(pa.float64()).to_numpy().astype(np.float64)
     if needed and not np.isfinite(values).all():
-        row = int(np.argmin(np.isfinite(values)))
+        row = before + int(np.argmin(np.isfinite(values)))
         raise RecordingError(f"{path}: column {name!r}, row {row + 1}: expected a number, found none")
     return values
 
@@ -219,24 +246,24 @@ def _texts(table: pa.Table, name: str) -> Texts:
     return Texts(codes, tuple(encoded.dictionary.to_pylist()))
 
 
-def _require_forward_time(path: Path, time: FloatArray, *keys: Texts) -> None:
+def _require_forward_time(path: Path, before: int, time: FloatArray, *keys: Texts) -> None:
     steps = np.diff(time)
     if (steps < 0.0).any():
         row = int(np.argmax(steps < 0.0)) + 1
         raise RecordingError(
-            f"{path}: column 'time_s', row {row + 1}: time goes backwards "
+            f"{path}: column 'time_s', row {before + row + 1}: time goes backwards "
             f"from {time[row - 1]:g} s to {time[row]:g} s"
         )
     codes = np.array([key.codes for key in keys])
     if (codes < 0).any():
-        raise RecordingError(f"{path}: row {int(np.argmax((codes < 0).any(axis=0))) + 1}: no name")
+        raise RecordingError(f"{path}: row {before + int(np.argmax((codes < 0).any(axis=0))) + 1}: no name")
     order = np.lexsort((np.arange(len(time)), *codes))
     same = (np.diff(codes[:, order]) == 0).all(axis=0) & (np.diff(time[order]) <= 1e-9)
     if same.any():
         row = int(order[int(np.argmax(same)) + 1])
         names = ", ".join(repr(key.at(row)) for key in keys)
         raise RecordingError(
-            f"{path}: column 'time_s', row {row + 1}: {names} has a second row at {time[row]:g} s"
+            f"{path}: column 'time_s', row {before + row + 1}: {names} has a second row at {time[row]:g} s"
         )
 
 

@@ -5,8 +5,9 @@ It is what the numbers of conflicts in traffic_encounters.csv are held against.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
+from operator import itemgetter
 
 import numpy as np
 
@@ -30,13 +31,13 @@ class CrossingUse:
     area: Area
     observed: float
     """[s]."""
-    speeds: list[float] = field(default_factory=list)
-    """Of motor vehicles when they reached it [m/s]."""
+    passed: list[tuple[bool, str, float]] = field(default_factory=list)
+    """Of motor vehicles whether they are no egos, their names, and their speeds on reaching it [m/s]."""
     cyclists: int = 0
     red: int = 0
     pedestrians: int = 0
-    delays: list[float] = field(default_factory=list)
-    """Defined delays of pedestrians [s]."""
+    waits: list[tuple[str, float]] = field(default_factory=list)
+    """Of pedestrians whose delay is defined their names and it [s]."""
 
     @property
     def middle(self) -> FloatArray:
@@ -59,29 +60,34 @@ class CrossingUse:
         return float(arc_lengths(self.area.shape)[-1])
 
     @property
+    def speeds(self) -> list[float]:
+        """Of motor vehicles, egos first and then by name: sums do not depend on the parts of a recording."""
+        return [speed for _, _, speed in sorted(self.passed, key=itemgetter(0, 1))]
+
+    @property
     def vehicles(self) -> int:
         """Motor vehicles over it."""
-        return len(self.speeds)
+        return len(self.passed)
 
     @property
     def mean_speed(self) -> float | None:
         """[m/s]."""
-        return float(np.mean(self.speeds)) if self.speeds else None
+        return float(np.mean(self.speeds)) if self.passed else None
 
     @property
     def high_speed(self) -> float | None:
         """[m/s]."""
-        return float(np.percentile(self.speeds, 85.0)) if self.speeds else None
+        return float(np.percentile(self.speeds, 85.0)) if self.passed else None
 
     @property
     def delayed(self) -> int:
         """Pedestrians whose delay is defined."""
-        return len(self.delays)
+        return len(self.waits)
 
     @property
     def delay(self) -> float:
         """Sum of their delays [s]."""
-        return float(sum(self.delays))
+        return float(sum(lost for _, lost in sorted(self.waits, key=itemgetter(0))))
 
 
 EXPOSURE = Table(
@@ -119,31 +125,51 @@ EXPOSURE = Table(
 )
 
 
-def exposure_rows(egos: Case, others: Case, classes: Mapping[str, str]) -> Sequence[Row]:
-    """Return the rows of crossing_exposure.csv, in the order of the map.
+class Exposures:
+    """The use of a run's crossings, which is added up part by part of its recording.
 
     Parameters
     ----------
     egos : Case
         The run's own, for the vehicles that were egos.
-    others : Case
-        Of the other vehicles, and of all pedestrians.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
-    origin = Origin(others.run.meta)
-    observed = float(others.run.meta.get("duration_s") or 0.0)
-    uses = {area.name: CrossingUse(origin, area, observed) for area in others.run.crossings()}
-    for case in (egos, others):
+
+    def __init__(self, egos: Case, classes: Mapping[str, str]) -> None:
+        origin, self._classes = Origin(egos.run.meta), classes
+        observed = float(egos.run.meta.get("duration_s") or 0.0)
+        self._uses = {area.name: CrossingUse(origin, area, observed) for area in egos.run.crossings()}
+        self._add_vehicles(egos, None)
+
+    def add(self, others: Case, own: Set[str]) -> None:
+        """Add the pedestrians of a part, and those vehicles that belong to it.
+
+        Parameters
+        ----------
+        others : Case
+            Of the part: vehicles, and pedestrians that are in no other part.
+        own : Set
+            Names of the vehicles that belong to this part.
+        """
+        self._add_vehicles(others, own)
+        for walk in _all_walks(others):
+            _add(self._uses[walk.crossing_id], walk, others)
+
+    def rows(self) -> Sequence[Row]:
+        """Return the rows of crossing_exposure.csv, in the order of the map."""
+        return [plain(EXPOSURE, row_of(EXPOSURE.columns, use)) for use in self._uses.values()]
+
+    def _add_vehicles(self, case: Case, own: Set[str] | None) -> None:
         for (vehicle, crossing), passages in case.traversals.items():
+            if own is not None and vehicle not in own:
+                continue
+            use = self._uses[crossing]
             for one in passages:
-                if classes.get(vehicle) == BICYCLE:
-                    uses[crossing].cyclists += 1
+                if self._classes.get(vehicle) == BICYCLE:
+                    use.cyclists += 1
                 else:
-                    uses[crossing].speeds.append(float(one.track.speed[one.visit.first]))
-    for walk in _all_walks(others):
-        _add(uses[walk.crossing_id], walk, others)
-    return [plain(EXPOSURE, row_of(EXPOSURE.columns, use)) for use in uses.values()]
+                    use.passed.append((own is not None, vehicle, float(one.track.speed[one.visit.first])))
 
 
 def _all_walks(case: Case) -> list[CrossingWalk]:
@@ -158,4 +184,4 @@ def _add(use: CrossingUse, walk: CrossingWalk, case: Case) -> None:
     inside = at_crossing(walk.person, case.run.neighbours, walk.crossing_id, "waiting", "crossing")
     lost = delay(walk.person, inside, walk.last, case.grid, case.thresholds)
     if np.isfinite(lost):
-        use.delays.append(lost)
+        use.waits.append((walk.person.name, lost))

@@ -6,8 +6,9 @@ The columns are those of encounters.csv without the ones that need a controller;
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 from analysis.encounters.case import Case
@@ -86,21 +87,35 @@ TRAFFIC_ENCOUNTERS = Table(
 )
 
 
-def traffic_rows(egos: Case, others: Case, classes: Mapping[str, str]) -> Sequence[Row]:
-    """Return the rows of traffic_encounters.csv, by the time at which they begin.
+class Listing:
+    """The rows of traffic_encounters.csv, by the time at which they begin, part by part of a recording.
 
     Parameters
     ----------
     egos : Case
         The run's own. Of its encounters those count that would of other vehicles.
-    others : Case
-        Of the other vehicles.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
-    made = [row for case in (egos, others) for row in _rows(case, case is egos, classes)]
-    made.sort(key=lambda row: (row["t_start_s"], row["vehicle_id"], row["ped_id"]))
-    return [plain(TRAFFIC_ENCOUNTERS, {**row, "traffic_encounter_id": n}) for n, row in enumerate(made, 1)]
+
+    def __init__(self, egos: Case, classes: Mapping[str, str]) -> None:
+        self._classes, self._number = classes, 0
+        self._waiting = list(_rows(egos, True, classes))
+
+    def before(self, time: float) -> Iterator[Row]:
+        """Yield the rows that begin before an instant and have not been yielded yet [s]."""
+        ready = sorted((row for row in self._waiting if row["t_start_s"] < time), key=_PLACE)
+        self._waiting = [row for row in self._waiting if row["t_start_s"] >= time]
+        for row in ready:
+            self._number += 1
+            yield plain(TRAFFIC_ENCOUNTERS, {**row, "traffic_encounter_id": self._number})
+
+    def add(self, others: Case) -> None:
+        """Add the encounters of other vehicles."""
+        self._waiting.extend(_rows(others, False, self._classes))
+
+
+_PLACE = itemgetter("t_start_s", "vehicle_id", "ped_id")
 
 
 def _rows(case: Case, is_ego: bool, classes: Mapping[str, str]) -> Iterator[dict[str, Any]]:

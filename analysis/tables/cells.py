@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,11 @@ Row = Mapping[str, Any]
 
 def plain(table: Table, row: Row) -> dict[str, Any]:
     """Return the row with the table's types, and ``None`` for what is undefined."""
-    found = {name: value.item() if isinstance(value, np.generic) else value for name, value in row.items()}
-    known = {
-        name: None if isinstance(value, float) and not np.isfinite(value) else value
-        for name, value in found.items()
-    }
+    known = {}
+    for name, value in row.items():
+        if isinstance(value, np.generic):
+            value = value.item()
+        known[name] = None if isinstance(value, float) and not isfinite(value) else value
     for column in table.columns:
         if column.kind == "boolean" and known.get(column.name) is not None:
             known[column.name] = bool(known[column.name])
@@ -30,8 +31,15 @@ def decimals(value: float) -> str:
     return f"{value:.6f}".rstrip("0").rstrip(".")
 
 
-def cells(table: Table, rows: Sequence[Row], number: Callable[[float], str] = decimals) -> list[list[str]]:
-    """Return the texts of a CSV file, without its header.
+def cells(table: Table, rows: Iterable[Row], number: Callable[[float], str] = decimals) -> list[list[str]]:
+    """Return the texts of a CSV file, without its header; arguments and errors as for :func:`cell_rows`."""
+    return list(cell_rows(table, rows, number))
+
+
+def cell_rows(
+    table: Table, rows: Iterable[Row], number: Callable[[float], str] = decimals
+) -> Iterator[list[str]]:
+    """Yield the texts of a CSV file row by row, without its header.
 
     Parameters
     ----------
@@ -51,7 +59,7 @@ def cells(table: Table, rows: Sequence[Row], number: Callable[[float], str] = de
     for row in rows:
         if foreign := set(row) - known:
             raise KeyError(f"{table.file} has no column {sorted(foreign)}")
-    return [[_cell(table, column, row.get(column.name), number) for column in table.columns] for row in rows]
+        yield [_cell(table, column, row.get(column.name), number) for column in table.columns]
 
 
 def _cell(table: Table, column: Column, value: Any, number: Callable[[float], str]) -> str:

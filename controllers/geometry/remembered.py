@@ -27,16 +27,14 @@ def remembered(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
     @wraps(function)
     def ask(*given: Given.args, **named: Given.kwargs) -> Result:
-        if named:
-            return function(*given, **named)
-        if kept and len(kept[0][0]) == len(given):
+        if not named and kept and len(kept[0][0]) == len(given):
             for one, other in zip(kept[0][0], given, strict=True):
                 if one is not other:
                     break
             else:
                 return kept[0][1]
-        result = function(*given)
-        kept[:] = [(given, result)]
+        result = function(*given, **named)
+        kept[:] = [] if named else [(given, result)]
         return result
 
     return ask

@@ -11,7 +11,7 @@ from analysis.encounters.case import prepare, prepare_traffic
 from analysis.errors import AnalysisError
 from analysis.plots.scene import Piece, Scene, choose
 from analysis.recording.reading import read_run
-from analysis.recording.traffic import read_traffic
+from analysis.recording.traffic import Traffic
 from controllers.interface import Body
 from cosim.arrays import FloatArray
 from cosim.errors import InputError
@@ -60,7 +60,7 @@ def read_movers(folder: Path, encounter: int, traffic: bool = False) -> list[Mov
     """
     try:
         recorded = read_run(folder)
-        case = prepare_traffic(read_traffic(recorded).run) if traffic else prepare(recorded)
+        case = prepare_traffic(Traffic(recorded).whole()) if traffic else prepare(recorded)
         scene = choose(case, None, encounter)
     except AnalysisError as error:
         raise InputError(str(error)) from error

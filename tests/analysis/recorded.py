@@ -216,7 +216,7 @@ def write_traffic(folder: Path, cars: Sequence[Ego], persons: Sequence[Person]) 
     times = sorted({row["time_s"] for row in egos})
     headings: dict[str, float] = {}
     rows = [(row, True) for row in egos]
-    rows += [(_ego_row(one, t, headings), False) for t in times for one in cars]
+    rows += [(_ego_row(one, t, headings), False) for t in times for one in cars if one.start <= t <= one.end]
     table = [_traffic_row(row, is_ego) for row, is_ego in rows]
     table += [_person_row(one, t) for t in times for one in persons if one.start <= t <= one.end]
     table.sort(key=lambda row: row["time_s"])

@@ -6,9 +6,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import pyarrow.parquet as pq
 import pytest
 
+import analysis.recording.traffic
+from analysis.errors import RecordingError
 from analysis.files import read_csv
+from analysis.recording.columns import TRAFFIC
+from analysis.recording.reading import read_run
+from analysis.recording.traffic import Traffic
 from analysis.results.analyse import analyse_run
 from analysis.results.exposure_rows import EXPOSURE
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
@@ -101,3 +107,52 @@ def test_a_run_without_other_vehicles_has_pedestrians_on_its_crossings(tmp_path:
     (row,) = read_csv(tmp_path / EXPOSURE.file)
     assert (row["n_vehicles"], row["n_pedestrians"]) == ("1", "3")
     assert {one["is_ego"] for one in read_csv(tmp_path / TRAFFIC_ENCOUNTERS.file)} == {"1"}
+
+
+def long_recording(folder: Path) -> None:
+    """Write a run in which cars and pedestrians come and go, in row groups of some ten steps."""
+    ego = Ego(line(0, 0, 1.5, 0))
+    persons = [
+        Person(line(33.0 - 0.5 * n, -4.0 - 1.25 * n, 0, 1.25), name=f"ped.{9 - n}", start=n, end=n + 6.0)
+        for n in range(10)
+    ]
+    cars = [
+        Ego(line(-10.0 * n, 0, 10.0, 0), name=f"car.{9 - n}", start=n, end=n + 5.0, width=1.8 + 0.1 * n)
+        for n in range(10)
+    ]
+    write_run(folder, [ego], persons)
+    write_traffic(folder, [*cars, Ego(line(60.0, 3.0, 0, 0), name="parked")], persons)
+    table = pq.read_table(folder / TRAFFIC.file)
+    pq.write_table(table, folder / TRAFFIC.file, row_group_size=40)
+
+
+def test_a_recording_judged_in_parts_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long_recording(tmp_path)
+    found = []
+    for rows_at_once, least_parts in ((10_000, 1), (200, 3), (1, 10)):
+        monkeypatch.setattr(analysis.recording.traffic, "ROWS_AT_ONCE", rows_at_once)
+        parts = [
+            (len(part.run.egos), len(part.run.neighbours)) for part in Traffic(read_run(tmp_path)).parts()
+        ]
+        assert len(parts) >= least_parts
+        assert min(parts) < max(parts) or least_parts == 1
+        analyse_run(tmp_path)
+        found.append([(tmp_path / table.file).read_bytes() for table in (TRAFFIC_ENCOUNTERS, EXPOSURE)])
+    assert len(read_csv(tmp_path / TRAFFIC_ENCOUNTERS.file)) > 20
+    assert found[0] == found[1] == found[2]
+
+
+def test_a_long_recording_whose_time_goes_backwards_is_refused_with_the_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long_recording(tmp_path)
+    table = pq.read_table(tmp_path / TRAFFIC.file)
+    swapped = [*range(40, 80), *range(40), *range(80, len(table))]
+    pq.write_table(table.take(swapped), tmp_path / TRAFFIC.file, row_group_size=40)
+    monkeypatch.setattr(analysis.recording.traffic, "ROWS_AT_ONCE", 200)
+    with pytest.raises(RecordingError, match="row 41: time goes backwards"):
+        analyse_run(tmp_path)
+    assert not (tmp_path / TRAFFIC_ENCOUNTERS.file).exists()
+    assert not (tmp_path / "encounters.csv").exists()
