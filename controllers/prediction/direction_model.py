@@ -48,7 +48,7 @@ class DirectionPrediction:
         people = perception.pedestrians
         along_speed, across_speed = people.along_speed.copy(), people.across_speed.copy()
         until, spread = np.full(len(people), np.inf), np.zeros(len(people))
-        right, left = _kerbs(perception)
+        right, left = kerbs(perception)
         for i in _about_to_cross(perception, right, left):
             errand = Errand(float(left[i] - right[i]))
             angle = self._model.most_probable(errand)
@@ -66,7 +66,7 @@ class DirectionPrediction:
         )
 
 
-def _kerbs(perception: Perception) -> tuple[FloatArray, FloatArray]:
+def kerbs(perception: Perception) -> tuple[FloatArray, FloatArray]:
     """Return the right and left end of the road that each pedestrian is at [m]."""
     road, people = perception.road, perception.pedestrians
     # The last entry, which index −1 means, is the road away from crossings.
