@@ -22,7 +22,8 @@ class Settings(ControllerSettings):
     -----
     The ego's values are the example values of Intel's library [AdRss]_, except for the response time, which
     there is 1 s for the ego of a driver: a controller that plans every 0.1 s behind a lag of 0.3 s needs
-    less. The library moves pedestrians on arcs; the values of walking to the side are our assumption.
+    less. The library moves pedestrians on arcs; walking to the side has its values for vehicles here, and
+    the response time of pedestrians is that with which CARLA calls it.
     """
 
     response_time_s: Positive = 0.5
