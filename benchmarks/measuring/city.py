@@ -29,11 +29,13 @@ class City:
     duration_s: float = 90.0
     step_s: float = 0.1
     seed: int = 1
+    blocks: int = BLOCKS
+    """Junctions along each side."""
 
     def write(self, folder: Path) -> Path:
         """Write network, demand and configuration; return the configuration."""
         net = folder / "city.net.xml"
-        size = ["--grid", "--grid.number", str(BLOCKS), "--grid.length", str(BLOCK_M), "-L", "2"]
+        size = ["--grid", "--grid.number", str(self.blocks), "--grid.length", str(BLOCK_M), "-L", "2"]
         walks = ["--sidewalks.guess", "--sidewalks.guess.max-speed", "20", "--crossings.guess"]
         rest = ["--default.speed", "13.89", "--no-turnarounds", "--tls.guess", "-o", str(net)]
         netgenerate = Path(sumo.SUMO_HOME) / "bin" / "netgenerate"

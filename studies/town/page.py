@@ -21,13 +21,13 @@ from analysis.recording.columns import TRAFFIC
 from analysis.recording.reading import Area, read_map
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.screening.caution import caution
-from analysis.screening.crossings_table import CROSSINGS
+from analysis.screening.crossings_table import CROSSINGS, VALUES
+from analysis.screening.ranking import BY_CONFLICTS, BY_RISK
 from analysis.study.runs import find_run_folders
 from studies.town.__main__ import SCREENING
 
 RESULTS = "## Results"
 SHOWN = 10
-RATE = "expected_conflicts_per_1000_ped"
 
 Cells = Mapping[str, str]
 
@@ -73,7 +73,7 @@ def _effort(out: Path, runs: Sequence[Path], crossings: Sequence[Cells]) -> str:
         ("conflicts", f"{sum(int(row['n_conflicts']) for row in crossings)}"),
         ("of them collisions", f"{sum(int(row['n_collisions']) for row in crossings)}"),
     )
-    return f"{table(('what', 'how much'), rows)}\n\n{struck}".rstrip()
+    return f"{table(('what', 'how much'), rows)}\n\n{struck + '.' if struck else ''}".rstrip()
 
 
 def _numbers(row: Cells) -> dict[str, float]:
@@ -82,16 +82,22 @@ def _numbers(row: Cells) -> dict[str, float]:
 
 
 def _worst(crossings: Sequence[Cells]) -> str:
-    heads = ("rank", "95 %", "crossing", "conflicts", "expected per 1000 pedestrians", "what is unusual")
+    heads = (
+        *("rank", "95 %", "rank by conflicts", "crossing", "conflicts", "expected per 1000 pedestrians"),
+        *("fatal if struck", "risk per 1000 pedestrians", "what is unusual"),
+    )
     return table(
         heads,
         [
             [
                 f"{float(row['rank']):g}",
                 f"{float(row['rank_lo']):.0f}–{float(row['rank_hi']):.0f}" if row["rank_lo"] else "",
+                f"{float(row['rank_by_conflicts']):g}",
                 f"`{row['crossing_id']}`" + (" (worse)" if row["worse"] == "1" else ""),
                 row["n_conflicts"],
-                f"{float(row[RATE]):.0f}",
+                f"{float(row[VALUES[BY_CONFLICTS]]):.0f}",
+                f"{float(row['p_fatal_expected']):.1%}",
+                f"{float(row[VALUES[BY_RISK]]):.3g}",
                 row["reasons"],
             ]
             for row in [row for row in crossings if row["rank"]][:SHOWN]
@@ -100,7 +106,7 @@ def _worst(crossings: Sequence[Cells]) -> str:
 
 
 def draw(areas: Sequence[Area], crossings: Sequence[Cells], path: Path) -> None:
-    """Draw the crossings on the roads near them, coloured by their rate; hollow ones are not ranked."""
+    """Draw the crossings on the roads near them, coloured by their risk; hollow ones are not ranked."""
     figure = Figure(figsize=(8.0, 8.0), dpi=120, layout="constrained")
     axes = figure.subplots()
     for area in areas:
@@ -110,11 +116,11 @@ def draw(areas: Sequence[Area], crossings: Sequence[Cells], path: Path) -> None:
     others = [row for row in crossings if not row["rank"]]
     x, y = _places(others)
     axes.scatter(x, y, s=8, facecolors="none", edgecolors="#777777", linewidths=0.5, zorder=2)
-    rates = [float(row[RATE]) for row in ranked]
+    risks = [float(row[VALUES[BY_RISK]]) for row in ranked]
     if ranked:
         x, y = _places(ranked)
-        shown = axes.scatter(x, y, s=28, c=rates, cmap="YlOrRd", edgecolors="#333333", zorder=3)
-        figure.colorbar(shown, ax=axes, shrink=0.6, label="conflicts expected per 1000 pedestrians")
+        shown = axes.scatter(x, y, s=28, c=risks, cmap="YlOrRd", edgecolors="#333333", zorder=3)
+        figure.colorbar(shown, ax=axes, shrink=0.6, label="risk per 1000 pedestrians")
     axes.set_aspect("equal")
     axes.set_xlabel("x_m")
     axes.set_ylabel("y_m")

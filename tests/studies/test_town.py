@@ -21,6 +21,9 @@ CELLS = {
     "n_severe": "1",
     "n_collisions": "1",
     "expected_conflicts_per_1000_ped": "42.4",
+    "rank_by_conflicts": "2",
+    "p_fatal_expected": "0.02",
+    "risk_per_1000_ped": "0.848",
     "x_m": "32.5",
     "y_m": "0",
 }
@@ -52,7 +55,7 @@ def test_the_page_says_what_it_took_and_which_crossings_are_worst(tmp_path: Path
         "| ranked | 1 |",
         "| rows of traffic_encounters.csv | 2 |",
         "| conflicts | 3 |",
-        "| 1 | 1–2 | `:a_c0` (worse) | 3 | 42 |",
+        "| 1 | 1–2 | 2 | `:a_c0` (worse) | 3 | 42 | 2.0% | 0.848 |",
     ):
         assert line in told
     assert page.with_suffix(".svg").is_file()
