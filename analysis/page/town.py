@@ -28,6 +28,8 @@ OF_EACH = 3
 """So many of a crossing's worst encounters are listed."""
 SMALLEST, LARGEST = 0.006, 0.018
 """Radii of crossings on the map, as shares of its larger side."""
+LOWEST = 0.15
+"""Least height of the map, as a share of its larger side."""
 MARGIN = 0.03
 """Around the map, the same."""
 LENGTHS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
@@ -102,7 +104,9 @@ def _map(rows: Sequence[Row], lanes: Sequence[Area], value: str) -> dict[str, An
     points = np.concatenate([places, *(lane.shape for lane in lanes)])
     low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max())
-    low, high = low - MARGIN * side, high + MARGIN * side
+    # A single street is a strip, in which the scale bar would hide the road.
+    room = np.maximum(0.5 * (LOWEST * side - (high - low)), 0.0) * (0.0, 1.0) + MARGIN * side
+    low, high = low - room, high + room
     most = max((row[value] for row in rows if row["rank"] is not None), default=0.0) or 1.0
     size = high - low
     return {

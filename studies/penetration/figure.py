@@ -13,6 +13,8 @@ from analysis.statistics.intervals import mean_interval
 from studies.penetration.outcomes import MEASURES, WHO, Outcome
 
 COLOURS = dict(zip(WHO, ("#333333", "#0072B2", "#D55E00"), strict=True))
+ASIDE = 0.015
+"""Intervals of the same share stand beside each other."""
 SHOWN = ("conflicts_per_1000_ped", "conflicts", "severe", "ped_delay", "vehicle_delay", "throughput")
 
 
@@ -24,7 +26,7 @@ def draw(found: Sequence[Outcome], path: Path) -> None:
     measures = {measure.name: measure for measure in MEASURES}
     for axes, name in zip(grid, SHOWN, strict=True):
         measure = measures[name]
-        for who in WHO if measure.split else WHO[:1]:
+        for number, who in enumerate(WHO if measure.split else WHO[:1]):
             places, means, below, above = [], [], [], []
             for share in shares:
                 values = np.array(
@@ -34,7 +36,7 @@ def draw(found: Sequence[Outcome], path: Path) -> None:
                 if not len(values):
                     continue
                 ends = mean_interval(values)
-                places.append(share)
+                places.append(share + ASIDE * number)
                 means.append(float(values.mean()))
                 below.append(means[-1] - ends.low if ends else 0.0)
                 above.append(ends.high - means[-1] if ends else 0.0)

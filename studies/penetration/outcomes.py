@@ -31,9 +31,9 @@ class Measure:
 
 MEASURES = (
     Measure("met", "encounters in which somebody was in the way", "1/h"),
-    Measure("conflicts", "conflicts, serious or worse", "per 100 of them"),
-    Measure("severe", "conflicts, severe or a collision", "per 100 of them"),
-    Measure("collisions", "collisions", "per 100 of them"),
+    Measure("conflicts", "conflicts, serious or worse", "per 100 encounters"),
+    Measure("severe", "conflicts, severe or a collision", "per 100 encounters"),
+    Measure("collisions", "collisions", "per 100 encounters"),
     Measure("conflicts_per_1000_ped", "conflicts", "per 1000 crossing pedestrians", split=False),
     Measure("ped_delay", "delay of pedestrians at crossings", "s", split=False),
     Measure("vehicle_delay", "delay of vehicles near crossings", "s/km"),

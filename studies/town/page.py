@@ -28,6 +28,8 @@ from studies.town.__main__ import SCREENING
 
 RESULTS = "## Results"
 SHOWN = 10
+BESIDE_M = 100.0
+"""So much of the roads is drawn around the crossings."""
 
 Cells = Mapping[str, str]
 
@@ -121,6 +123,9 @@ def draw(areas: Sequence[Area], crossings: Sequence[Cells], path: Path) -> None:
         x, y = _places(ranked)
         shown = axes.scatter(x, y, s=28, c=risks, cmap="YlOrRd", edgecolors="#333333", zorder=3)
         figure.colorbar(shown, ax=axes, shrink=0.6, label="risk per 1000 pedestrians")
+    x, y = _places(crossings)  # railways lead far out of the town
+    axes.set_xlim(min(x) - BESIDE_M, max(x) + BESIDE_M)
+    axes.set_ylim(min(y) - BESIDE_M, max(y) + BESIDE_M)
     axes.set_aspect("equal")
     axes.set_xlabel("x_m")
     axes.set_ylabel("y_m")

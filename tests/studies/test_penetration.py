@@ -43,7 +43,7 @@ def test_the_page_splits_egos_and_others_over_the_share(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     write_page(tmp_path / "out", page)
     told = page.read_text("utf-8")
-    assert "### Conflicts, serious or worse [per 100 of them]" in told
+    assert "### Conflicts, serious or worse [per 100 encounters]" in told
     assert "| 0.5 | 1 |" in told
     assert page.with_suffix(".svg").is_file()
 

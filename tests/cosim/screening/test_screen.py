@@ -15,6 +15,7 @@ from analysis.metrics.injury_risk_rosen2009 import risk
 from cosim.errors import InputError
 from cosim.screening.clock import seconds
 from sumo_scenarios.sumo_installation import netconvert
+from tests.browsers import started
 from tests.cosim.cli.commands import ended
 
 CARS = '<routes><flow id="car" begin="0" end="200" period="4" from="A0B0" to="B1A1"/></routes>'
@@ -140,6 +141,20 @@ def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
     ended("report", out)
     assert (out / "report.html").read_text("utf-8") == page
     ended("verify", out)
+
+
+@pytest.mark.sumo
+@pytest.mark.browser
+def test_the_report_of_a_screening_prints_on_one_sheet(
+    screened: tuple[Path, CompletedProcess[str]], tmp_path: Path
+) -> None:
+    out = shutil.copytree(screened[0] / "out", tmp_path / "out")
+    ended("report", out)
+    with started() as browser:
+        page = browser.new_page()
+        page.goto((out / "report.html").as_uri())
+        printed = page.pdf(prefer_css_page_size=True)
+    assert re.findall(rb"/Count (\d+)", printed) == [b"1"]
 
 
 @pytest.mark.sumo
