@@ -38,7 +38,7 @@ def validate(
             "--types",
             metavar="FILE",
             help="Types of road users, as cosim calibrate writes them.",
-            show_default="SUMO's",
+            show_default="the variant's, else SUMO's",
         ),
     ] = None,
     begin: Annotated[

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -12,7 +12,9 @@ from analysis.files import write_text
 from cosim.errors import InputError
 from cosim.sumo.network import Network
 from cosim.validation.demand import Rebuilt, Types, rebuild
+from cosim.validation.types_file import types_of_classes
 from sumo_scenarios import library
+from sumo_scenarios.replaced_types import types_file
 from sumo_scenarios.sumocfg import read_sumocfg
 
 CONFIGURATION = "rebuilt.sumocfg"
@@ -29,10 +31,12 @@ class Site:
     additional_files: tuple[Path, ...]
     begin_s: float
     options: dict[str, str]
+    types: Types = field(default_factory=dict)
+    """Types that the scenario has in the place of its configuration's, by class of road users."""
 
 
 def read_site(name: str, work: Path) -> Site:
-    """Return the network, signals and options of a scenario.
+    """Return the network, signals, options and replaced types of a scenario.
 
     Parameters
     ----------
@@ -42,14 +46,15 @@ def read_site(name: str, work: Path) -> Site:
     Raises
     ------
     InputError
-        If there is no such scenario, or one of its files is missing.
+        If there is no such scenario, one of its files is missing, or it has several types of one class.
     """
     try:
         scenario = library.load(name)
         if scenario.sumocfg is not None:
             found = read_sumocfg(scenario.sumocfg)
             kept = {key: value for key, value in found.options.items() if key.startswith("pedestrian.")}
-            return Site(scenario.name, found.net_file, found.additional_files, found.begin_s, kept)
+            types = types_of_classes(types_file(scenario))
+            return Site(scenario.name, found.net_file, found.additional_files, found.begin_s, kept, types)
         work.mkdir(parents=True, exist_ok=True)
         prepared = library.prepare(scenario, 1, work)
     except (library.ScenarioError, OSError) as error:

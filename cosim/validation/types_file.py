@@ -1,10 +1,11 @@
-"""Attributes of SUMO's types by class of road users, as a TOML file: what a calibration writes."""
+"""Attributes of SUMO's types by class of road users: what a calibration writes, and what a scenario has."""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
+from xml.etree import ElementTree
 
 from analysis.errors import did_you_mean
 from cosim.errors import InputError
@@ -38,6 +39,30 @@ def read_types(path: Path | None) -> Types:
             hint = did_you_mean(kind, SUMO_CLASS)
             raise InputError(f"{path}: unknown class {kind!r}; {hint}there are {', '.join(SUMO_CLASS)}")
     return {kind: {key: str(value) for key, value in one.items()} for kind, one in tables.items()}
+
+
+def types_of_classes(path: Path | None) -> Types:
+    """Return the attributes of the types in a file of SUMO by their classes; none without a file.
+
+    Raises
+    ------
+    InputError
+        If two types have the same class: it is not known which one a recorded road user has.
+    """
+    if path is None:
+        return {}
+    kinds = {sumo: kind for kind, sumo in SUMO_CLASS.items()}
+    types: dict[str, dict[str, str]] = {}
+    for element in ElementTree.parse(path).getroot().iter("vType"):
+        attributes = {key: value for key, value in element.items() if key not in ("id", "vClass")}
+        kind = kinds.get(element.get("vClass", "passenger"))
+        if kind in types:
+            raise InputError(
+                f"{path}: several types of class {SUMO_CLASS[kind]}; expected one for each class"
+            )
+        if kind is not None:
+            types[kind] = attributes
+    return types
 
 
 def types_text(types: Types, comments: Mapping[str, str]) -> str:

@@ -45,7 +45,7 @@ class ValidationRequest:
     crs: str | None = None
     bodies: str | None = None
     types: Path | None = None
-    """Attributes of types, as a calibration writes them; ``None``: SUMO's own."""
+    """Attributes of types, as a calibration writes them; other classes have the variant's, else SUMO's."""
     span_s: tuple[float, float] | None = None
     """Part of the recording that is simulated; ``None``: all of it."""
     again: str = ""
@@ -88,8 +88,9 @@ def planned(request: ValidationRequest) -> Plan:
     folder = request.folder
     if not (folder / RECORD).is_file():
         folders.check(folder)
-    types = read_types(request.types)
+    given = read_types(request.types)
     site = read_site(request.scenario, folder / WORK)
+    types = {**site.types, **given}
     tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
     found = read_on_network(tracks)
     if not found.network.crossings:
@@ -107,7 +108,7 @@ def planned(request: ValidationRequest) -> Plan:
     real.mkdir()
     write_judged(real, tracks, found, near_crossings(frame, found.network), scenario=site.name)
     path, demand = write_site(folder / SCENARIO, site, found.network, frame, types, duration)
-    _write_record(folder, request, found, demand, duration)
+    _write_record(folder, request, found, demand, duration, sorted({*site.types} - {*given}))
     content = {
         "scenarios": [str(path.resolve())],
         "controllers": ["sumo"],
@@ -127,7 +128,12 @@ def planned(request: ValidationRequest) -> Plan:
 
 
 def _write_record(
-    folder: Path, request: ValidationRequest, found: OnNetwork, demand: Rebuilt, duration_s: float
+    folder: Path,
+    request: ValidationRequest,
+    found: OnNetwork,
+    demand: Rebuilt,
+    duration_s: float,
+    types_of_scenario: Sequence[str],
 ) -> None:
     write_json(
         folder / RECORD,
@@ -135,6 +141,7 @@ def _write_record(
             "scenario": request.scenario,
             "tracks": Path(request.tracks).name,
             "types": None if request.types is None else request.types.name,
+            "types_of_scenario": list(types_of_scenario),
             "span_s": None
             if request.span_s is None
             else [request.span_s[0], min(request.span_s[1], request.span_s[0] + duration_s)],

@@ -11,8 +11,10 @@ import pytest
 from analysis.files import read_csv, read_json
 from cosim.errors import InputError
 from cosim.validation.calibrate import CalibrationRequest, calibrated, types_of
+from cosim.validation.site import read_site
 from cosim.validation.span import span_of
-from cosim.validation.types_file import read_types, types_text
+from cosim.validation.types_file import read_types, types_of_classes, types_text
+from cosim.validation.validate import ValidationRequest, planned
 from tests.analysis.trajectories import streets
 from tests.cosim.cli.commands import ended
 from tests.cosim.tracks import networks
@@ -120,3 +122,55 @@ def test_types_are_read_as_they_were_written_and_wrong_ones_refused(tmp_path: Pa
     with pytest.raises(InputError, match=r"expected tables \[types.car\]"):
         read_types(path)
     assert span_of(None, None) is None
+
+
+def variant_with_types(folder: Path, types: str) -> Path:
+    """Write a variant of the street whose configuration has types, which the variant replaces."""
+    networks.street(folder)
+    networks.configure(folder)
+    configuration = (folder / "street.sumocfg").read_text()
+    (folder / "street.sumocfg").write_text(
+        configuration.replace("</input>", '<additional-files value="t.add.xml"/></input>')
+    )
+    (folder / "t.add.xml").write_text(
+        '<additional><vType id="slow" decel="9"/><vType id="other"/></additional>'
+    )
+    (folder / "own.add.xml").write_text(f"<additional>{types}</additional>")
+    (folder / "scenario.toml").write_text(
+        'description = "a"\nduration_s = 10.0\nstep_s = 0.1\nsumocfg = "street.sumocfg"\n'
+        'types = "own.add.xml"\n'
+    )
+    streets.write(folder / "tracks.csv", streets.rush())
+    return folder
+
+
+def test_the_types_of_a_variant_are_those_of_the_simulated_road_users(tmp_path: Path) -> None:
+    folder = variant_with_types(tmp_path, '<vType id="slow" vClass="passenger" decel="1.662" tau="0.905"/>')
+    assert read_site(str(folder), tmp_path / "work").types == {"car": {"decel": "1.662", "tau": "0.905"}}
+
+    def simulated(out: str, types: Path | None) -> tuple[dict[str, str], object]:
+        request = ValidationRequest(
+            str(folder), str(folder / "tracks.csv"), "1", tmp_path / out, types=types, span_s=(0.0, 30.0)
+        )
+        planned(request)
+        root = ElementTree.parse(tmp_path / out / "scenario" / "rebuilt.rou.xml").getroot()
+        (car,) = (one for one in root.iter("vType") if one.get("id") == "recorded_car")
+        return dict(car.items()), read_json(tmp_path / out / "validation.json")["types_of_scenario"]
+
+    assert simulated("own", None) == (
+        {"id": "recorded_car", "vClass": "passenger", "decel": "1.662", "tau": "0.905"},
+        ["car"],
+    )
+    given = tmp_path / "given.toml"
+    given.write_text(types_text({"car": {"tau": "2.0"}}, {}))
+    assert simulated("given", given) == (
+        {"id": "recorded_car", "vClass": "passenger", "tau": "2.0"},
+        [],
+    )
+
+
+def test_two_types_of_a_class_in_a_variant_are_refused_in_one_line(tmp_path: Path) -> None:
+    folder = variant_with_types(tmp_path, '<vType id="slow" decel="1"/><vType id="other" decel="2"/>')
+    with pytest.raises(InputError, match=r"own.add.xml: several types of class passenger; expected one"):
+        read_site(str(folder), tmp_path / "work")
+    assert types_of_classes(None) == {}
