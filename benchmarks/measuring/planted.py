@@ -74,6 +74,12 @@ TOY_AXES = (
 )
 """Of somebody who walks to the middle of the ego's lane and stays there, before the ego comes."""
 BRAKES_MPS2 = 7.0
+BEFORE_M = 5.0
+"""So far beyond the given gap, at the ego's speed, stands the pedestrian."""
+NEAR_M = 2.2
+"""Who is nearer to the middle of the lane is braked for."""
+SPARE_S = 0.9
+"""Next to a fault it brakes so long before it would be too late without lag: no contact is outside."""
 
 
 class Sleepy:
@@ -96,7 +102,7 @@ class Sleepy:
         time = perception.ego.time
         people = perception.pedestrians
         if any(
-            abs(across) < 2.2 and along > 0.0
+            abs(across) < NEAR_M and along > 0.0
             for along, across in zip(people.along, people.across, strict=True)
         ):
             self._seen = time if self._seen is None else self._seen
@@ -127,18 +133,52 @@ class _Nearest:
             self.margin = min(self.margin, squashed(max(gap, 0.0) / 2.0))
 
 
-def toy_margin(faults: Sequence[Mapping[str, float]], half: float) -> Margin:
-    """Return the margin of a drive on the toy road by a controller with a fault near some scenes."""
+def toy_boxes(volume: float, count: int, seed: int) -> tuple[list[dict[str, float]], float]:
+    """Return centres and half width of boxes that together have a volume, in shares of the axes."""
+    half = 0.5 * (volume / count) ** (1.0 / len(TOY_AXES))
+    generator = random.Random(seed)
+    centres = [{axis.name: generator.uniform(half, 1.0 - half) for axis in TOY_AXES} for _ in range(count)]
+    return centres, half
+
+
+def toy_hit(faults: Sequence[Mapping[str, float]], half: float, point: Point) -> int | None:
+    """Return the box that a point is in."""
+    outside = _toy_outside(faults, point)
+    inside = [number for number, far in enumerate(outside) if far <= half]
+    return inside[0] if inside else None
+
+
+def _toy_outside(faults: Sequence[Mapping[str, float]], point: Point) -> list[float]:
+    shares = {axis.name: axis.share(point[axis.name]) for axis in TOY_AXES}
+    return [max(abs(shares[name] - at) for name, at in one.items()) for one in faults]
+
+
+def toy_margin(faults: Sequence[Mapping[str, float]], half: float, misleading: bool = False) -> Margin:
+    """Return the margin of a drive on the toy road by a controller with a fault near some scenes.
+
+    Parameters
+    ----------
+    faults, half
+        Boxes, as `toy_boxes` returns them; inside the controller is asleep.
+    misleading
+        Whether it brakes up to 1 s later only next to a box. The margin depends more on the gap then, and
+        falls towards small gaps. Otherwise it brakes later and later, at last just in time.
+    """
 
     def margin(point: Point) -> float:
-        shares = {axis.name: axis.share(point[axis.name]) for axis in TOY_AXES}
-        far = min(max(abs(shares[name] - at) for name, at in one.items()) for one in faults)
-        # Prompt everywhere, later and later towards the fault, asleep inside.
-        delay = 9.0 if far <= half else max(0.1, 1.0 - 3.0 * (far - half))
+        far = min(_toy_outside(faults, point))
         gap, speed = float(point["gap_s"]), float(point["speed_mps"])
         start, walking = float(point["start_m"]), float(point["walking_mps"])
-        person = walk(gap * speed + 5.0, -start, 0.0, walking, stop=start / walking)
-        world = ToyWorld(ToyRoad(), [ToyPedestrian("met", person)], speed=speed, duration=12.0)
+        seen = max(start - NEAR_M, 0.0) / walking
+        latest = gap + BEFORE_M / speed - 0.5 * speed / BRAKES_MPS2 - seen - SPARE_S
+        if far <= half:
+            delay = math.inf
+        elif misleading:
+            delay = max(0.1, 1.0 - 3.0 * (far - half))
+        else:
+            delay = max(0.1, latest * (1.0 - (far - half) / SLOPE))
+        person = walk(gap * speed + BEFORE_M, -start, 0.0, walking, stop=start / walking)
+        world = ToyWorld(ToyRoad(), [ToyPedestrian("met", person)], speed=speed, duration=gap + 2.0)
         nearest = _Nearest()
         loop.run(world, {"ego": Sleepy(delay)}, nearest)
         return nearest.margin

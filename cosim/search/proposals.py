@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from typing import Any, Protocol
@@ -20,7 +21,11 @@ EVEN_SHARE = 0.25
 """Part of the budget with which the space is covered evenly before a method that learns begins."""
 MOST_EVEN = 60
 ROUND = 6
-"""Generations from one starting point of CMA-ES."""
+"""Generations from one starting point of CMA-ES at most."""
+STALL = 3
+"""Generations without a smaller margin after which a round ends."""
+ALWAYS_EVEN = 0.2
+"""Part of every generation that covers the space evenly whatever was learnt."""
 STEP = 0.12
 """Of the first generation of a round, as a share of an axis."""
 NEW = 0.2
@@ -147,47 +152,61 @@ class _Rounds:
     """Rounds of CMA-ES over the numbers, each from a promising point and with the choices of that point.
 
     The points to begin a round at are those with the smallest margins that are far from where rounds have
-    begun before: a bandit over regions and choices. A round ends after `ROUND` generations, or once a whole
-    generation has failed, so that one kind of failure does not take all of the budget.
+    begun before: a bandit over regions and choices. A round ends after `ROUND` generations, after `STALL`
+    without a smaller margin, or once a whole generation has failed, so that one kind of failure does not
+    take all of the budget. Margins may fall towards something else than a failure: a part of every
+    generation goes on covering the space evenly, and a round without any failure is followed by as many
+    generations that do nothing else.
     """
 
     def __init__(self, axes: Sequence[Axis], seed: int, even: _Even, count: int) -> None:
         self._axes = axes
         self._seed = seed
-        self._even, self._count = even, count
+        self._even = even
         self._numeric = [axis for axis in axes if axis.numeric]
         self._known: list[tuple[Point, float]] = []
         self._starts: list[Point] = []
         self._study: Any = None
-        self._left = 0
+        self._margins: list[float] = []
+        """Smallest one of each generation of the round."""
+        self._evenly = count // GENERATION
+        """Generations that only cover the space evenly, still to come."""
         self._waiting: list[Any] = []
         self._space = {axis.name: _share_distribution() for axis in self._numeric}
 
     def ask(self, count: int) -> list[dict[str, Value]]:
         self._waiting = []
-        if len(self._known) < self._count:
+        if self._evenly:
             return self._even.ask(count)
-        if self._left == 0:
+        if not self._margins:
             self._begin_round()
         start = self._starts[-1]
+        evenly = int(count * ALWAYS_EVEN)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            self._waiting = [self._study.ask(self._space) for _ in range(count)]
+            self._waiting = [self._study.ask(self._space) for _ in range(count - evenly)]
         return [
             {
                 axis.name: axis.value(trial.params[axis.name]) if axis.numeric else start[axis.name]
                 for axis in self._axes
             }
             for trial in self._waiting
-        ]
+        ] + self._even.ask(evenly)
 
     def tell(self, points: Sequence[Point], margins: Sequence[float]) -> None:
         self._known += zip(points, margins, strict=True)
         if not self._waiting:
+            self._evenly -= 1
             return
-        for trial, margin in zip(self._waiting, margins, strict=True):
+        own = list(margins[: len(self._waiting)])
+        for trial, margin in zip(self._waiting, own, strict=True):
             self._study.tell(trial, margin)
-        self._left = 0 if max(margins) < 0.0 else self._left - 1
+        self._margins.append(min(own))
+        generations = len(self._margins)
+        stalled = min(self._margins[-STALL:]) >= min(self._margins[:-STALL], default=math.inf)
+        if generations == ROUND or stalled or max(own) < 0.0:
+            self._evenly = 0 if min(self._margins) < 0.0 else generations
+            self._margins = []
 
     def _begin_round(self) -> None:
         optuna = _optuna()
@@ -198,7 +217,6 @@ class _Rounds:
         ]
         start = min(new or self._known, key=lambda one: one[1])[0]
         self._starts.append(start)
-        self._left = ROUND
         number = len(self._starts)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -206,7 +224,7 @@ class _Rounds:
                 x0={axis.name: axis.share(start[axis.name]) for axis in self._numeric},
                 sigma0=STEP,
                 seed=self._seed + 7919 * number,
-                popsize=GENERATION,
+                popsize=GENERATION - int(GENERATION * ALWAYS_EVEN),
                 n_startup_trials=0,
                 warn_independent_sampling=False,
             )
