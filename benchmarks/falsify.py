@@ -1,7 +1,7 @@
 """How soon a search finds planted faults, how often intervals of an estimate hold, and what a search costs.
 
-``python benchmarks/falsify.py faults | toy | estimate | time`` prints a table each; ``toy 0.005`` only the
-rows of that volume.
+``python benchmarks/falsify.py faults | toy | estimate | time | agreement FOLDER`` prints a table each; ``toy
+0.005`` only the rows of that volume.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from measuring.one_pedestrian import SPACE
+from measuring.one_pedestrian import DISTRIBUTED, SPACE
 from measuring.planted import AXES, TOY_AXES, Faults, toy_boxes, toy_hit, toy_margin
 from scipy.stats import norm
 
@@ -71,23 +71,16 @@ def faults() -> None:
 def toy(volumes: Sequence[float] = (0.02, 0.005, 0.001)) -> None:
     """Print how soon a controller's planted faults are found on the toy road."""
     rows: list[Row] = []
-    for misleading in (False, True):
-        for volume in volumes:
-            for method in ("cma-es", "nsga-ii", "random"):
-                firsts, distinct = [], []
-                for seed in range(REPEATS):
-                    # Not the numbers that a search draws.
-                    boxes, half = toy_boxes(volume, FAULTS, 10_000 + seed)
-                    # Two of the three columns need whole searches; where learning misleads one does.
-                    tried = search(
-                        method, TOY_AXES, toy_margin(boxes, half, misleading), seed, stop=misleading
-                    )
-                    firsts.append(first(tried))
-                    distinct.append(len({toy_hit(boxes, half, point) for point, _ in tried} - {None}))
-                rows.append(_found(volume, ", misleading" if misleading else "", method, firsts, distinct))
-                if misleading:
-                    rows[-1][_FAULTS_FOUND] = "–"
-                print(rows[-1], file=sys.stderr, flush=True)
+    for volume, misleading in [*((one, False) for one in volumes), (0.005, True)]:
+        for method in ("cma-es", "nsga-ii", "random"):
+            firsts, distinct = [], []
+            for seed in range(REPEATS):
+                boxes, half = toy_boxes(volume, FAULTS, 10_000 + seed)  # not the numbers that a search draws
+                tried = search(method, TOY_AXES, toy_margin(boxes, half, misleading), seed, stop=False)
+                firsts.append(first(tried))
+                distinct.append(len({toy_hit(boxes, half, point) for point, _ in tried} - {None}))
+            rows.append(_found(volume, ", misleading" if misleading else "", method, firsts, distinct))
+            print(rows[-1], file=sys.stderr, flush=True)
     print(table_of(rows))
 
 
@@ -178,7 +171,53 @@ def time_of_search(budget: int = 200) -> None:
         print(table_of(rows))
 
 
+def agreement(folder: Path, runs: int = 5000) -> None:
+    """Print a probability near 1 % in SUMO by thousands of crude runs and by importance sampling.
+
+    Parameters
+    ----------
+    folder
+        Kept, so that what was interrupted goes on.
+    runs
+        Of crude sampling.
+    """
+    from cosim.search.estimate import EstimateRequest, prepared_estimate, run_estimate
+    from cosim.search.search import silent
+
+    folder.mkdir(parents=True, exist_ok=True)
+    space = folder / "space.toml"
+    space.write_text(DISTRIBUTED)
+    rows: list[Row] = []
+    for method, variation, most in (("importance", 0.2, runs), ("crude", 0.001, runs)):
+        request = EstimateRequest(
+            "jaywalk_arterial",
+            "aeb",
+            method=method,
+            variation=variation,
+            budget=most,
+            settings={"vehicles_per_hour": "100"},
+            space=space,
+            out=folder / method,
+        )
+        found = run_estimate(request, *prepared_estimate(request), silent())
+        one = found.probability
+        rows.append(
+            {
+                "method": method,
+                "runs": one.runs,
+                "of these with a contact": one.events,
+                "probability [%]": f"{100 * one.estimate:.3g}",
+                "95 % interval [%]": f"{100 * one.low:.3g} to {100 * one.high:.3g}",
+                "failed runs": found.invalid,
+            }
+        )
+    print(table_of(rows))
+
+
 if __name__ == "__main__":
+    if sys.argv[1] == "agreement":
+        agreement(Path(sys.argv[2]), *map(int, sys.argv[3:]))
+        sys.exit()
     if sys.argv[1] == "toy" and len(sys.argv) > 2:
         toy([float(one) for one in sys.argv[2:]])
     else:

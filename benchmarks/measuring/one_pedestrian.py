@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-SPACE = """
+_PASSAGE = """
 warmup_s = 1.0
 duration_s = 16.0
 egos = { count = 1, depart_lane = "1", routes = [{ edges = "east" }] }
@@ -15,7 +15,11 @@ from_m = [120.0, -2.5]
 to_m = [120.0, 6.0]
 speed_mps = "$speed_mps"
 start = { ego_arrival_s = "$gap_s" }
+"""
 
+SPACE = (
+    _PASSAGE
+    + """
 [parameters.gap_s]
 minimum = 1.0
 maximum = 6.0
@@ -24,3 +28,21 @@ maximum = 6.0
 minimum = 1.0
 maximum = 2.0
 """
+)
+"""Evenly."""
+
+DISTRIBUTED = (
+    _PASSAGE
+    + """
+[parameters.gap_s]
+minimum = 1.0
+maximum = 8.0
+distribution = { lognormal = [4.0, 0.3] }
+
+[parameters.speed_mps]
+minimum = 0.8
+maximum = 2.2
+distribution = { normal = [1.46, 0.27] }
+"""
+)
+"""As the scenario's own table declares gaps and speeds."""

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.files import read_csv, write_csv, write_text
+from analysis.geometry import FloatArray
 from analysis.tables.cells import cells, plain
 from analysis.tables.column import Table, at_least_0, count, flag, row_of, text
 from analysis.trajectories.table import PEDESTRIAN
@@ -156,6 +157,30 @@ def _edge(places: list[str], found: OnNetwork) -> str:
     return next((lanes[one].edge for one in places if one in lanes and not lanes[one].internal), "")
 
 
+def centres(egos: pd.DataFrame) -> FloatArray:
+    """Return the centres of the bodies in rows of egos.parquet, shape (n, 2) [m]."""
+    lever = 0.5 * egos["length_m"].to_numpy()
+    heading = egos["heading_rad"].to_numpy()
+    fronts = egos[["front_x_m", "front_y_m"]].to_numpy()
+    return np.asarray(fronts - lever[:, None] * np.column_stack([np.cos(heading), np.sin(heading)]))
+
+
+def off_recorded(scenario: Path, egos: pd.DataFrame) -> pd.Series:
+    """Return how far the ego was from the recorded vehicle [m], by the scenario's time [s].
+
+    Parameters
+    ----------
+    scenario : folder that `write_stand_in` has written
+    egos : egos.parquet of the run
+    """
+    with (scenario / OWN).open(encoding="utf-8", newline="") as file:
+        rows = np.array([[float(one) for one in row] for row in list(csv.reader(file))[1:]])
+    begin = float(egos["time_s"].iloc[0]) - rows[0, 0]
+    time = egos["time_s"].to_numpy() - begin
+    there = np.column_stack([np.interp(time, rows[:, 0], rows[:, column]) for column in (1, 2)])
+    return pd.Series(np.hypot(*(centres(egos) - there).T), index=time)
+
+
 def met_people(scenario: Path, egos: pd.DataFrame, encounters: Sequence[Mapping[str, str]]) -> list[Met]:
     """Return each encounter of a run with how far the ego was from the recorded vehicle until its end.
 
@@ -164,17 +189,7 @@ def met_people(scenario: Path, egos: pd.DataFrame, encounters: Sequence[Mapping[
     scenario : folder that `write_stand_in` has written
     egos, encounters : of the run: egos.parquet, and the rows of encounters.csv
     """
-    with (scenario / OWN).open(encoding="utf-8", newline="") as file:
-        rows = np.array([[float(one) for one in row] for row in list(csv.reader(file))[1:]])
-    begin = float(egos["time_s"].iloc[0]) - rows[0, 0]
-    time = egos["time_s"].to_numpy() - begin
-    ahead = np.column_stack([np.interp(time, rows[:, 0], rows[:, column]) for column in (1, 2)])
-    lever = 0.5 * egos["length_m"].to_numpy()
-    heading = egos["heading_rad"].to_numpy()
-    centre = egos[["front_x_m", "front_y_m"]].to_numpy() - lever[:, None] * np.column_stack(
-        [np.cos(heading), np.sin(heading)]
-    )
-    off = np.hypot(*(centre - ahead).T)
+    off = off_recorded(scenario, egos).to_numpy()
     return [
         Met(
             int(one["encounter_id"]),
@@ -224,13 +239,21 @@ def stand_in(request: StandInRequest) -> Driven:
     with TemporaryDirectory() as work:
         site = read_site(request.scenario, Path(work))
         tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
-        found = read_on_network(tracks)
-        folder = folders.create_named(request.out, f"stand-in-{site.name}")
-        scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
-        run = RunRequest(
-            str(scenario), request.controller, request.seed, request.settings, out=folder / "run"
-        )
-        outcome = execute(run)
+        return drive(request, site, read_on_network(tracks))
+
+
+def drive(request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
+    """Do the same with a site and tracks that are read already, for several vehicles or other signals.
+
+    Raises
+    ------
+    InputError
+        For a vehicle or a controller that cannot be.
+    """
+    folder = folders.create_named(request.out, f"stand-in-{site.name}")
+    scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
+    run = RunRequest(str(scenario), request.controller, request.seed, request.settings, out=folder / "run")
+    outcome = execute(run)
     egos = pd.read_parquet(folder / "run" / "egos.parquet")
     met = met_people(scenario, egos, read_csv(folder / "run" / "encounters.csv"))
     rows = [plain(TABLE, row_of(TABLE.columns, one)) for one in met]

@@ -1,0 +1,200 @@
+"""Which recorded signal shows which movement of a junction: inferred by when vehicles stop and go.
+
+The dataset numbers its signals and does not say where they stand. A movement is all lanes of an approach that
+turn the same way. Its signal, one of those that show yellow, is the one that was not red when its vehicles
+passed the stop line and not green while they stood there.
+"""
+
+from __future__ import annotations
+
+import gzip
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import pandas as pd
+
+from analysis.files import write_text
+from analysis.trajectories.table import PEDESTRIAN
+from cosim.sumo.network import Connection, Network
+from cosim.tracks.judging import OnNetwork
+
+STOP, READY, GREEN, YELLOW = 3, 4, 5, 7
+"""Recorded states; numbered as in SAE J2735, which the dataset does not say but the agreement does."""
+LEAST_AGREEMENT, LEAST_PASSAGES = 0.95, 5
+"""Otherwise a movement has no signal."""
+STANDING_MPS, FROM_LINE_M = 0.3, 8.0
+"""Vehicles that stand so near to the stop line, with their front, are first in the queue."""
+LOOK_S, AHEAD_S = 0.5, 4.0
+Movement = tuple[str, str]
+"""Edge of the approach, direction as SUMO says it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inferred:
+    """Signal of a movement."""
+
+    movement: Movement
+    passages: int
+    standing: int
+    signal: int
+    on_green: float
+    """Share of passages on green, on yellow, or on red and yellow."""
+    not_on_green: float
+    """Share of the instants of standing vehicles without green."""
+
+    @property
+    def agreement(self) -> float:
+        """Mean of the two shares."""
+        return 0.5 * (self.on_green + self.not_on_green)
+
+    @property
+    def known(self) -> bool:
+        """Whether the movement can be given this signal."""
+        return self.passages >= LEAST_PASSAGES and self.agreement >= LEAST_AGREEMENT
+
+
+def read_states(archive: Path) -> pd.DataFrame:
+    """Return the states of the signals: a row for each second of the recording, a column for each signal."""
+    with zipfile.ZipFile(archive) as files:
+        (name,) = (one for one in files.namelist() if "/traffic_lights/" in one and one.endswith(".csv"))
+        table = pd.read_csv(files.open(name))
+    stamps = pd.to_datetime(table["timestamp"], utc=True, format="ISO8601")
+    table["time_s"] = (stamps - stamps.min().floor("s")).dt.total_seconds()
+    return table.pivot(index="time_s", columns="id", values="state").sort_index()
+
+
+def infer(found: OnNetwork, states: pd.DataFrame) -> list[Inferred]:
+    """Return the best signal of each movement that vehicles made; movements in order."""
+    passed, stood = observed(found)
+    best = []
+    for movement, times in sorted(passed.items()):
+        waits = stood.get(movement, [])
+        candidates = []
+        for number in states.columns[(states == YELLOW).any()]:
+            # States are recorded once a second, so that some pass on what was red and yellow before.
+            green = np.isin(_at(states, number, times), (GREEN, YELLOW, READY))
+            red = _at(states, number, waits) != GREEN
+            # Without anybody who stood there, half of the agreement is unknown.
+            shares = float(green.mean()), float(red.mean()) if len(waits) else 0.5
+            candidates.append(Inferred(movement, len(times), len(waits), int(number), *shares))
+        best.append(max(candidates, key=lambda one: (one.agreement, -one.signal)))
+    return best
+
+
+def observed(found: OnNetwork) -> tuple[dict[Movement, list[float]], dict[Movement, list[float]]]:
+    """Return when vehicles passed the stop line of each movement, and when they stood first at it [s]."""
+    frame, lanes = found.placed.frame, found.network.lanes
+    every = max(1, round(LOOK_S / found.step_s))
+    passed: dict[Movement, list[float]] = {}
+    stood: dict[Movement, list[float]] = {}
+    for _, track in frame[~frame["kind"].isin([PEDESTRIAN, "bicycle"])].groupby("id", sort=True):
+        made = movement_of(track, found.network, found.step_s)
+        if made is None:
+            continue
+        at, movement = made
+        passed.setdefault(movement, []).append(float(track["time_s"].iloc[at]))
+        front = track["along_m"].to_numpy() + 0.5 * float(track["length_m"].iloc[0])
+        places, speed, time = (track[name].to_numpy() for name in ("place", "speed_mps", "time_s"))
+        for row in range(0, at, every):
+            lane = lanes.get(places[row])
+            if lane is None or lane.edge != movement[0] or speed[row] >= STANDING_MPS:
+                continue
+            if lane.shape_length - front[row] < FROM_LINE_M:
+                stood.setdefault(movement, []).append(float(time[row]))
+    return passed, stood
+
+
+def movement_of(track: pd.DataFrame, network: Network, step_s: float) -> tuple[int, Movement] | None:
+    """Return the sample at which a vehicle passed its first signal, and its movement, if it did."""
+    signalled = _signalled(network)
+    places = track["place"].to_list()
+    for row in range(1, len(places)):
+        before = network.lanes.get(places[row - 1])
+        if before is None or before.internal or places[row] not in signalled:
+            continue
+        # Beginnings of ways lie over each other: that counts on which most of what follows is.
+        after = [signalled[one] for one in places[row : row + int(AHEAD_S / step_s)] if one in signalled]
+        directions = [one.direction for one in after if network.lanes[one.source].edge == before.edge]
+        if directions:
+            return row, (before.edge, max(sorted(set(directions)), key=directions.count))
+    return None
+
+
+def _signalled(network: Network) -> Mapping[str, Connection]:
+    """Return the connections with a signal by the first lane inside the junction."""
+    return {
+        one.via[0]: one
+        for group in network.connections.values()
+        for one in group
+        if one.signal and one.via and not network.lanes[one.source].internal
+    }
+
+
+def _at(states: pd.DataFrame, number: int, times: Sequence[float]) -> np.ndarray:
+    rows = np.searchsorted(states.index.to_numpy(), np.asarray(times), side="right") - 1
+    return states[number].to_numpy()[np.clip(rows, 0, len(states) - 1)]
+
+
+def write_program(
+    path: Path,
+    found: OnNetwork,
+    inferred: Sequence[Inferred],
+    states: pd.DataFrame,
+    span: tuple[float, float],
+    begin_s: float,
+) -> Path:
+    """Write the recorded phases as a program of SUMO's traffic light.
+
+    Movements without a known signal give way; so do crossings, as recorded people obey nothing.
+
+    Parameters
+    ----------
+    path
+    found
+    inferred
+    states
+    span
+        Part of the recording [s].
+    begin_s
+        Simulated time at which it begins.
+    """
+    known = {one.movement: one.signal for one in inferred if one.known}
+    light, letters = _green_letters(found.location.path)
+    links: dict[int, int] = {}
+    for one in _signalled(found.network).values():
+        number = known.get((found.network.lanes[one.source].edge, one.direction))
+        if number is not None:
+            links[one.signal_index] = number
+    phases: list[tuple[int, str]] = []
+    for second in range(int(span[0]), int(np.ceil(span[1])) + 1):
+        state = "".join(
+            _letter(int(_at(states, links[at], [float(second) + 0.5])[0]), green) if at in links else "o"
+            for at, green in enumerate(letters)
+        )
+        if phases and phases[-1][1] == state:
+            phases[-1] = phases[-1][0] + 1, state
+        else:
+            phases.append((1, state))
+    lines = [f'        <phase duration="{count}" state={quoteattr(state)}/>' for count, state in phases]
+    head = f'    <tlLogic id={quoteattr(light)} programID="recorded" type="static" offset="{begin_s:g}">'
+    return write_text(path, "\n".join(["<additional>", head, *lines, "    </tlLogic>", "</additional>", ""]))
+
+
+def _letter(state: int, green: str) -> str:
+    return {GREEN: green, YELLOW: "y", READY: "u"}.get(state, "r")
+
+
+def _green_letters(net_file: Path) -> tuple[str, list[str]]:
+    """Return the traffic light, and for each of its links whether green means priority, ``G``, or ``g``."""
+    opened = gzip.open if net_file.suffix == ".gz" else open
+    with opened(net_file) as file:
+        root = ElementTree.parse(file).getroot()
+    (logic,) = root.findall("tlLogic")
+    states = [phase.get("state", "") for phase in logic.iter("phase")]
+    greens = [{letters for letters in column if letters in "gG"} for column in zip(*states, strict=True)]
+    return logic.get("id", ""), ["G" if one == {"G"} else "g" for one in greens]
