@@ -76,7 +76,9 @@ def details(one: Finding) -> list[str]:
     """Return what has to be known of a finding to look into it, line by line."""
     lines = [one.sentence, f"judged: {one.subject}"]
     if one.ego_id:
-        lines.append(f"ego {one.ego_id}, pedestrian {one.ped_id}, from {one.t_start_s:g} s")
+        pedestrian = "" if one.ped_id is None else f", pedestrian {one.ped_id}"
+        since = "" if one.t_start_s is None else f", from {one.t_start_s:g} s"
+        lines.append(f"ego {one.ego_id}{pedestrian}{since}")
     if one.where:
         lines.append(f"where: {one.where}")
     if one.margin is not None:

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 
 from analysis.files import read_csv, write_csv, write_text
-from analysis.geometry import FloatArray
 from analysis.tables.cells import cells, plain
 from analysis.tables.column import Table, at_least_0, count, flag, row_of, text
 from analysis.trajectories.table import PEDESTRIAN
+from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.recording import folders
 from cosim.running.execution import Outcome, execute

@@ -75,13 +75,13 @@ def infer(found: OnNetwork, states: pd.DataFrame) -> list[Inferred]:
     for movement, times in sorted(passed.items()):
         waits = stood.get(movement, [])
         candidates = []
-        for number in states.columns[(states == YELLOW).any()]:
+        for number in map(int, states.columns[(states == YELLOW).any()]):
             # States are recorded once a second, so that some pass on what was red and yellow before.
             green = np.isin(_at(states, number, times), (GREEN, YELLOW, READY))
             red = _at(states, number, waits) != GREEN
             # Without anybody who stood there, half of the agreement is unknown.
             shares = float(green.mean()), float(red.mean()) if len(waits) else 0.5
-            candidates.append(Inferred(movement, len(times), len(waits), int(number), *shares))
+            candidates.append(Inferred(movement, len(times), len(waits), number, *shares))
         best.append(max(candidates, key=lambda one: (one.agreement, -one.signal)))
     return best
 

@@ -160,3 +160,10 @@ def test_an_invalid_run_is_told_once() -> None:
     assert line.startswith("valid: town with aeb horizon=2, seed 6: invalid: still running")
     statistic = replace(INVALID, scope="configuration", seed=None)
     assert len(summary.failures([run, INVALID, statistic])) == 2
+
+
+def test_what_failed_at_a_place_without_a_pedestrian_is_told_without_one(tmp_path: Path) -> None:
+    overlap = replace(FAILED, ego_id="ego_0", place="22.2 s, 1.80 m into vehicle eastbound.0")
+    (failure,) = written(tmp_path, overlap).iter("failure")
+    assert "\nego ego_0\nwhere: 22.2 s, 1.80 m into vehicle eastbound.0\n" in (failure.text or "")
+    assert "ego ego_0" in summary.markdown([overlap])
