@@ -73,7 +73,7 @@ def near_cars(frame: pd.DataFrame) -> list[str]:
 
 def left_out(car: str, found: OnNetwork, inferred: Sequence[Inferred]) -> str:
     """Return why no ego takes the place of a car; empty where one does."""
-    made = movement_of(found.placed.frame[found.placed.frame["id"] == car], found.network, found.step_s)
+    made = movement_of(found.placed.frame[found.placed.frame["id"] == car], found)
     known = {one.movement for one in inferred if one.known}
     return "" if made is None or made[1] in known else "the signal of its movement is not known"
 

@@ -20,7 +20,6 @@ import pandas as pd
 
 from analysis.files import write_text
 from analysis.trajectories.table import PEDESTRIAN
-from cosim.sumo.network import Connection, Network
 from cosim.tracks.judging import OnNetwork
 
 STOP, READY, GREEN, YELLOW = 3, 4, 5, 7
@@ -93,7 +92,7 @@ def observed(found: OnNetwork) -> tuple[dict[Movement, list[float]], dict[Moveme
     passed: dict[Movement, list[float]] = {}
     stood: dict[Movement, list[float]] = {}
     for _, track in frame[~frame["kind"].isin([PEDESTRIAN, "bicycle"])].groupby("id", sort=True):
-        made = movement_of(track, found.network, found.step_s)
+        made = movement_of(track, found)
         if made is None:
             continue
         at, movement = made
@@ -109,29 +108,37 @@ def observed(found: OnNetwork) -> tuple[dict[Movement, list[float]], dict[Moveme
     return passed, stood
 
 
-def movement_of(track: pd.DataFrame, network: Network, step_s: float) -> tuple[int, Movement] | None:
+def movement_of(track: pd.DataFrame, found: OnNetwork) -> tuple[int, Movement] | None:
     """Return the sample at which a vehicle passed its first signal, and its movement, if it did."""
-    signalled = _signalled(network)
+    signalled, lanes = _signalled(found), found.network.lanes
     places = track["place"].to_list()
     for row in range(1, len(places)):
-        before = network.lanes.get(places[row - 1])
+        before = lanes.get(places[row - 1])
         if before is None or before.internal or places[row] not in signalled:
             continue
         # Beginnings of ways lie over each other: that counts on which most of what follows is.
-        after = [signalled[one] for one in places[row : row + int(AHEAD_S / step_s)] if one in signalled]
-        directions = [one.direction for one in after if network.lanes[one.source].edge == before.edge]
+        after = places[row : row + int(AHEAD_S / found.step_s)]
+        movements = [signalled[one].movement for one in after if one in signalled]
+        directions = [direction for edge, direction in movements if edge == before.edge]
         if directions:
             return row, (before.edge, max(sorted(set(directions)), key=directions.count))
     return None
 
 
-def _signalled(network: Network) -> Mapping[str, Connection]:
-    """Return the connections with a signal by the first lane inside the junction."""
+@dataclass(frozen=True, slots=True)
+class _Link:
+    movement: Movement
+    index: int
+
+
+def _signalled(found: OnNetwork) -> Mapping[str, _Link]:
+    """Return the ways with a signal by their first lane inside the junction."""
+    lanes = found.network.lanes
     return {
-        one.via[0]: one
-        for group in network.connections.values()
+        one.via[0]: _Link((lanes[one.source].edge, one.direction), one.signal_index)
+        for group in found.network.connections.values()
         for one in group
-        if one.signal and one.via and not network.lanes[one.source].internal
+        if one.signal and one.via and not lanes[one.source].internal
     }
 
 
@@ -166,10 +173,9 @@ def write_program(
     known = {one.movement: one.signal for one in inferred if one.known}
     light, letters = _green_letters(found.location.path)
     links: dict[int, int] = {}
-    for one in _signalled(found.network).values():
-        number = known.get((found.network.lanes[one.source].edge, one.direction))
-        if number is not None:
-            links[one.signal_index] = number
+    for one in _signalled(found).values():
+        if one.movement in known:
+            links[one.index] = known[one.movement]
     phases: list[tuple[int, str]] = []
     for second in range(int(span[0]), int(np.ceil(span[1])) + 1):
         state = "".join(
