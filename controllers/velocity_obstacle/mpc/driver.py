@@ -64,6 +64,8 @@ from controllers.velocity_obstacle.mpc.unsolved_programs import FRESH, fallback
 
 SLACK, SLACK_FROM = "slack", 0.05
 """Status of a plan that goes farther than people allow, and from when on it does [m]."""
+NOWHERE = 0.3
+"""A plan that leads less far than this is none for an ego that stands [m]."""
 BODY_OUT_OF_LANE = 0.75
 """Share of a lane's width after which the body is beside whoever drives in the middle of the old lane."""
 
@@ -282,7 +284,7 @@ class VelocityObstacleMpc:
             steering.command,
             ego.plan_interval + FRESH,
         )
-        if ego.speed < STANDING and float(speed.speed.max()) < 0.3:
+        if ego.speed < STANDING and float(speed.position.max()) < NOWHERE:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
         planner = self._planner(perception)

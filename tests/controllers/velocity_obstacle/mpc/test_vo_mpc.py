@@ -157,6 +157,18 @@ def test_the_same_inputs_give_the_same_outputs() -> None:
     assert [plan.passing for plan in first.plans] == [plan.passing for plan in second.plans]
 
 
+@pytest.mark.parametrize(("gap", "moves"), [(2.3, False), (3.2, True), (4.0, True)])
+def test_a_standing_ego_moves_up_where_there_is_room_and_holds_its_brake_where_there_is_none(
+    gap: float, moves: bool
+) -> None:
+    """However slowly: one that waited for a faster plan stood for minutes before 1 m of free road."""
+    controller, stands = catalog.build("vo_mpc"), ego(speed=0.0)
+    seen = perception(stands, cars=[Car(stands.body.front + gap + 4.5, 0.0)])
+    plan = controller.plan(seen, controller.decide(seen))
+    assert (plan.command.acceleration > 0.0).any() == moves
+    assert plan.along[-1] <= gap
+
+
 class Moody:
     """A solver that works until it does not."""
 
