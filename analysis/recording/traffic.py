@@ -28,7 +28,7 @@ from analysis.recording.reading import (
 )
 from analysis.recording.traffic_index import PEDESTRIAN, VEHICLE, around, index_of
 
-ROWS_AT_ONCE = 1_000_000
+ROWS_AT_ONCE = 500_000
 """A recording with more rows is judged in parts that begin in about so many."""
 
 
