@@ -106,13 +106,21 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
 
 
 def pooled(study: Study, label: str) -> Row:
-    """Return one row for a label over all conditions of a study in which everybody drove."""
-    shared = [
-        condition
+    """Return one row for a label over all that everybody drove: an interrupted study stays comparable.
+
+    Those are the conditions with the most labels, and of them the seeds with which all of these drove.
+    """
+    drivers = {
+        condition: [one for one in study.all_labels() if study.seeds(one, condition)]
         for condition in study.conditions
-        if len([one for one in study.all_labels() if study.seeds(one, condition)]) > 1
-    ]
-    return _row(label, [run for one in shared for _, run in sorted(study.seeds(label, one).items())])
+    }
+    most = max((len(labels) for labels in drivers.values()), default=0)
+    runs = []
+    for condition, labels in drivers.items():
+        if len(labels) == most:
+            shared = set.intersection(*(set(study.seeds(one, condition)) for one in labels))
+            runs += [run for seed, run in sorted(study.seeds(label, condition).items()) if seed in shared]
+    return _row(label, runs)
 
 
 def _near(runs: Sequence[StudyRun], name: str, of: str = "") -> float | None:

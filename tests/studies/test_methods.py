@@ -120,6 +120,16 @@ def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
         assert shown in sentences(study, {"vo_mpc": row}, 6)[2]
 
 
+def test_of_a_study_that_was_stopped_only_what_everybody_drove_is_pooled(tmp_path: Path) -> None:
+    met, few, many = {"min_ttc_s": 2.0}, {"pedestrians_per_hour": 100.0}, {"pedestrians_per_hour": 700.0}
+    for label in ("aeb", "sumo"):
+        write_study_run(tmp_path / f"{label}1", label, 1, setting=few, encounters=[met])
+    write_study_run(tmp_path / "aeb2", "aeb", 2, setting=few, encounters=[met] * 10)
+    write_study_run(tmp_path / "aeb3", "aeb", 1, setting=many, encounters=[met] * 100)
+    study = read_study(sorted(tmp_path.iterdir()))
+    assert [pooled(study, label).encounters for label in ("aeb", "sumo")] == [1, 1]
+
+
 def test_all_studies_are_run_with_one_seed_before_the_next(tmp_path: Path) -> None:
     content = {"scenarios": ["a"], "controllers": ["aeb"], "seeds": "1-2"}
     tables = {
