@@ -1,7 +1,7 @@
 """How long a newcomer waits for the machine: the commands of a page as they stand, one after the other.
 
 ``python -m tests.documentation.first_hour`` does it for a network and a controller of one's own, each in an empty
-folder, and prints wall and processor time of every command and of all up to it.
+folder, and prints wall and processor time of every command; with arguments, it does so for these pages.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from pathlib import Path
 
 import sumo
 
-from analysis.markdown import table
 from tests.documentation import command_blocks, reductions
 
 PAGES = ("docs/first-network.md", "docs/own-controller.md")
@@ -69,19 +68,22 @@ def of_page(page: str) -> list[list[str]]:
     ]
 
 
-def main() -> None:
-    """Print a table for each page."""
-    for page in PAGES:
+def main(pages: Sequence[str]) -> None:
+    """Print a table for each page, a row as soon as its command has ended."""
+    for page in pages:
+        print(
+            f"{page}\n\n| command | wall [s] | processor [s] | processor so far [s] |\n|---|---|---|---|",
+            flush=True,
+        )
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place)
             reductions.prepare(page, folder, slow=False)
-            rows: list[tuple[str, str, str, str]] = []
-            wall = 0.0
+            cpu = 0.0
             for one in timed(of_page(page), folder):
-                wall += one.wall_s
-                rows.append((f"`{one.command[:70]}`", f"{one.wall_s:.1f}", f"{one.cpu_s:.1f}", f"{wall:.1f}"))
-        print(f"{page}\n\n{table(('command', 'wall [s]', 'processor [s]', 'wall so far [s]'), rows)}\n")
+                cpu += one.cpu_s
+                row = (f"`{one.command[:70]}`", f"{one.wall_s:.1f}", f"{one.cpu_s:.1f}", f"{cpu:.1f}")
+                print(f"| {' | '.join(row)} |", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or PAGES)

@@ -30,3 +30,8 @@ def test_it_times_what_the_page_shows(page: str) -> None:
     names = [one[1] for one in words if one[0] == "cosim"]
     assert names.index("run") < names.index("report")
     assert not any("suite:" in " ".join(one) for one in words)
+
+
+def test_a_network_of_one_s_own_takes_five_commands_to_its_first_results() -> None:
+    words = [one for one in first_hour.of_page("docs/first-network.md") if one[:2] != ["cosim", "inspect"]]
+    assert [one[:2] for one in words].index(["cosim", "run"]) + 1 == 5
