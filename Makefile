@@ -131,6 +131,8 @@ study-validation: $(VENV)/installed-tracks
 	rm -rf runs/study-validation/calibration
 	$(BIN)/cosim validate braunschweig --tracks tasi --seeds 1-3 --jobs $(JOBS) --out runs/study-validation/all
 	$(BIN)/cosim calibrate braunschweig --tracks tasi --split 450 --seeds 1-3 --jobs $(JOBS) --out runs/study-validation/calibration
+	$(BIN)/python -m studies.validation.misses > runs/study-validation/misses.md
+	$(BIN)/python -m studies.validation.in_place runs/study-validation/in-place $(CARS) > runs/study-validation/in-place.md
 	$(BIN)/python -m studies.validation.cost > runs/study-validation/cost.md
 	$(BIN)/python -m studies.validation.planted > runs/study-validation/planted.md
 	$(BIN)/python -m tests.cosim.tracks.pairs runs/study-validation/all/real > runs/study-validation/pairs.txt

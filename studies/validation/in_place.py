@@ -6,9 +6,11 @@ tables. It may be interrupted and repeated. ``controllers=vo_mpc,aeb`` and ``car
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -22,7 +24,6 @@ from analysis.markdown import table_of
 from analysis.trajectories import dlr
 from analysis.trajectories.table import PEDESTRIAN
 from cosim.errors import InputError, SimulationError
-from cosim.recording import folders
 from cosim.tracks.judging import OnNetwork, TracksRequest, read_on_network
 from cosim.validation.demand import LEAST_WAY_M
 from cosim.validation.site import Site, read_site
@@ -30,6 +31,7 @@ from cosim.validation.stand_in import (
     AFTER_S,
     BEFORE_S,
     OFF_M,
+    OWN,
     StandInRequest,
     centres,
     drive,
@@ -48,6 +50,8 @@ from studies.validation.signals import (
 SCENARIO, CONTROLLERS = "braunschweig", ("vo_mpc", "aeb", "sumo")
 NEAR_M = 10.0
 """Between the centres of two bodies."""
+LONGEST_S = 600.0
+"""Of one drive, by the clock."""
 DRIVEN = "driven.csv"
 """Of one drive; written last."""
 HEADS = (
@@ -110,8 +114,21 @@ def _drive(out: Path, car: str, controller: str, site: Site, found: OnNetwork, b
     if (out / DRIVEN).is_file():
         return
     if out.is_dir():
-        folders.discard(out)
+        shutil.rmtree(out)
     print(f"{controller} in the place of {car}", file=sys.stderr, flush=True)
+    # A crash of SUMO ends its process; the tracks, which are in memory, are not read again.
+    process = get_context("fork").Process(target=_driven, args=(out, car, controller, site, found, begin_s))
+    process.start()
+    process.join(LONGEST_S)
+    if process.is_alive():
+        process.kill()
+        process.join()
+    if not (out / DRIVEN).is_file():
+        out.mkdir(parents=True, exist_ok=True)
+        write_csv(out / DRIVEN, ["failed"], [[f"the process ended with {process.exitcode}"]])
+
+
+def _driven(out: Path, car: str, controller: str, site: Site, found: OnNetwork, begin_s: float) -> None:
     try:
         done = drive(StandInRequest(SCENARIO, dlr.PACKAGED, car, controller, out=out), site, found)
     except (InputError, SimulationError) as error:
@@ -173,8 +190,14 @@ def judged(
         "overlaps": len(overlaps),
         "overlaps_reacting": sum(bool(could) for could, _ in overlaps),
         "nearest_m": nearest,
-        "off_m": float(so_far[-1]),
+        "off_m": float(so_far[times <= recorded_end(folder)][-1]),
     }
+
+
+def recorded_end(folder: Path) -> float:
+    """Return when the real car of a drive left the recording, in the scenario's time [s]."""
+    with (folder / "scenario" / OWN).open(encoding="utf-8") as file:
+        return float(file.read().split()[-1].split(",")[0])
 
 
 def _page(

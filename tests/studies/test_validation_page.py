@@ -21,7 +21,7 @@ def test_the_page_says_of_every_quantity_what_follows(tmp_path: Path) -> None:
     one = (street, "--tracks", tracks, "--jobs", "1")
     ended("validate", *one, "--seeds", "1", "--out", tmp_path / "study" / "all")
     ended("calibrate", *one, "--seeds", "1", "--split", "100", "--out", tmp_path / "study" / "calibration")
-    for name in ("planted.md", "pairs.txt", "cost.md"):
+    for name in ("planted.md", "pairs.txt", "cost.md", "misses.md", "in-place.md"):
         (tmp_path / "study" / name).write_text(f"content of {name}\n")
     text = markdown(tmp_path / "study")
     assert "what: 10 car, 10 pedestrian. Left out" in text

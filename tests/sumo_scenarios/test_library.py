@@ -92,6 +92,7 @@ def test_every_parameter_name_is_accepted() -> None:
         "watchful_share": "0.5",
         "walking_speed_mps": "2",
         "gap_to_front_m": "2",
+        "bus_length_m": "10",
     }
     for name in names():
         scenario = load(name)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
 
 from analysis.files import read_csv
+from analysis.sealing import seal
 from benchmarks.measuring.one_pedestrian import SPACE
+from cosim.batches.outcome import NOTE
 from cosim.cli import main
 from tests.cosim.batches import unruly
 
@@ -84,6 +87,46 @@ def test_another_search_does_not_resume_in_its_folder(
 ) -> None:
     assert main(arguments(found.parent, found, "--seed", "7")) == 2
     assert "belongs to another search: there seed = 1" in capsys.readouterr().err
+
+
+def test_a_search_of_another_space_does_not_resume_in_its_folder(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "space.toml").write_text(SPACE.replace("maximum = 6.0", "maximum = 5.0"))
+    assert main(arguments(tmp_path, found)) == 2
+    error = capsys.readouterr().err
+    assert "belongs to another search: there space.parameters" in error
+    assert error.count("\n") == 1
+
+
+def test_runs_of_another_code_version_are_not_resumed_and_stay(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = shutil.copytree(found, tmp_path / "old")
+    note = next(iter(sorted((old / "trials/runs").iterdir()))) / NOTE
+    note.write_text(json.dumps({**json.loads(note.read_text()), "source": "0" * 64}))
+    seal(note.parent, [note])
+    assert main(arguments(found.parent, old)) == 2
+    error = capsys.readouterr().err
+    assert "the source code of the tool or of a controller has changed" in error
+    assert error.count("\n") == 1
+    assert len(list((old / "trials/runs").iterdir())) == len(list((found / "trials/runs").iterdir()))
+
+
+def test_a_criterion_that_is_never_defined_ends_the_search_and_keeps_its_runs(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "criteria.toml").write_text(
+        '[[criteria]]\nid = "zebras"\nscope = "encounter"\nmetric = "min_ttc_s"\noperator = ">="\n'
+        'threshold = 1.0\nwhere = { crossing_type = "zebra" }\n'
+    )
+    criteria = ["--criteria", str(tmp_path / "criteria.toml")]
+    assert main([*arguments(found.parent, tmp_path / "out"), *criteria]) == 3
+    error = capsys.readouterr().err
+    assert (
+        "no criterion had anything to judge in any of 10 runs; expected a criterion that is defined" in error
+    )
+    assert len(list((tmp_path / "out/trials/runs").iterdir())) == 10
 
 
 @pytest.mark.parametrize(
