@@ -89,7 +89,8 @@ def drive_all(folder: Path, controllers: Sequence[str], most: int) -> str:
         found = read_on_network(TracksRequest(dlr.PACKAGED, site.net_file))
         states = read_states(dlr.packaged())
         inferred = infer(found, states)
-        cars = near_cars(found.placed.frame)[:most]
+        near = near_cars(found.placed.frame)
+        cars = near[:most]
         reasons: dict[str, int] = {}
         taken = []
         for car in cars:
@@ -107,7 +108,8 @@ def drive_all(folder: Path, controllers: Sequence[str], most: int) -> str:
             lit = replace(site, additional_files=(*site.additional_files, lights))
             for controller in controllers:
                 _drive(folder / controller / car.replace("/", "_"), car, controller, lit, found, begin)
-    return _page(folder, controllers, cars, taken, reasons, inferred)
+    which = f"{len(near)} cars" if len(cars) == len(near) else f"The first {len(cars)} of {len(near)} cars"
+    return _page(folder, controllers, which, taken, reasons, inferred)
 
 
 def _drive(out: Path, car: str, controller: str, site: Site, found: OnNetwork, begin_s: float) -> None:
@@ -203,7 +205,7 @@ def recorded_end(folder: Path) -> float:
 def _page(
     folder: Path,
     controllers: Sequence[str],
-    cars: Sequence[str],
+    which: str,
     taken: Sequence[str],
     reasons: dict[str, int],
     inferred: Sequence[Inferred],
@@ -234,9 +236,9 @@ def _page(
         )
     why = "; ".join(f"{count}: {reason}" for reason, count in sorted(reasons.items())) or "none"
     return (
-        f"{len(cars)} cars that moved came within {NEAR_M:g} m of a pedestrian or bicycle, between centres. "
-        f"Left out: {why}. Of two numbers with a plus, the first counts those who could react: until then "
-        f"the ego was within {OFF_M:g} m of where the real car had been; the others met somebody else than "
+        f"{which} that moved and came within {NEAR_M:g} m of a pedestrian or bicycle, between centres, "
+        f"replaced by an ego. Left out: {why}. Of two numbers with a plus, the first counts those who could "
+        f"react: until then the ego was within {OFF_M:g} m of where the real car had been; the others met somebody else than "
         f"the real people had, and say little.\n\n{table_of(rows)}\n\nSignals, inferred by when vehicles "
         f"passed the stop line and stood before it; a movement with less than {100 * LEAST_AGREEMENT:g} % "
         f"agreement (the mean of the two shares) or fewer than {LEAST_PASSAGES} passages has none:\n\n"
