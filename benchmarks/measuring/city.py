@@ -31,6 +31,8 @@ class City:
     seed: int = 1
     blocks: int = BLOCKS
     """Junctions along each side."""
+    filled_s: float = FILLED_S
+    """All set out until then [s]."""
 
     def write(self, folder: Path) -> Path:
         """Write network, demand and configuration; return the configuration."""
@@ -54,7 +56,7 @@ class City:
         rng = np.random.default_rng(self.seed)
         edges = sorted(sumolib.net.readNet(str(net)).getEdges(), key=lambda edge: str(edge.getID()))
         users: list[tuple[float, str]] = []
-        for number, depart in enumerate(np.linspace(0.0, FILLED_S, self.vehicles)):
+        for number, depart in enumerate(np.linspace(0.0, self.filled_s, self.vehicles)):
             way = self._way(edges, rng, EDGES_OF_A_WAY)
             place = 'departLane="best" departPos="random_free" departSpeed="0"'
             users.append(
@@ -64,7 +66,7 @@ class City:
                     f'<route edges="{way}"/></vehicle>',
                 )
             )
-        for number, depart in enumerate(np.linspace(0.0, FILLED_S, self.persons)):
+        for number, depart in enumerate(np.linspace(0.0, self.filled_s, self.persons)):
             way = self._way(edges, rng, PLACES_OF_A_WALK)
             users.append(
                 (
