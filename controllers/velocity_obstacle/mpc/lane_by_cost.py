@@ -13,7 +13,7 @@ import numpy as np
 from controllers.driving.lanes.gap_acceptance import GapRule, blocker
 from controllers.driving.lanes.lane_for_route import lane_for_route
 from controllers.driving.lanes.pedestrian_change import open_for_pedestrians
-from controllers.interface import Decision, Lane, Manoeuvre, Perception
+from controllers.interface import Crossing, Decision, Lane, Manoeuvre, Perception
 from controllers.velocity_obstacle import decision_rules
 from controllers.velocity_obstacle.decision_rules import Rule
 from controllers.velocity_obstacle.mpc.lane_manoeuvre import SETTLING, LaneManoeuvre
@@ -21,7 +21,7 @@ from controllers.velocity_obstacle.mpc.lane_manoeuvre import SETTLING, LaneManoe
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""
 OVER = 1.0
-"""So far beyond a waiting place somebody still waits at it [m]."""
+"""So far beyond or before a waiting place somebody still waits at it [m]."""
 WAITING_BRAKING = 4.0
 """Who needs more than this to stop with room for a change ahead drives on to the lane's end [m/s^2]."""
 
@@ -182,6 +182,7 @@ class LaneByCost:
 
         It leaves the room that the change takes from a standstill, and for a change to the right that of
         another vehicle too: of two side by side who want each other's lane one has to let the other go first.
+        Where no change may begin there because of a crossing, and one may beyond it, the place is beyond it.
         Who could not stop there any more waits nearer to the lane's end, or may use the lane to its end.
         """
         road, ego = perception.road, perception.ego
@@ -191,21 +192,27 @@ class LaneByCost:
         place = here.follows_route_for - self.settings.room
         behind = ego.body.length + self.settings.gaps.minimum + OVER if wanted < road.reference else 0.0
         for before in (behind, 0.0):
+            at = self._beyond_crossings(perception, place - before)
             # Who stands there already may be a little over it.
-            if ego.speed**2 / (2.0 * WAITING_BRAKING) <= place - before + OVER - ego.body.front:
-                return place - before
+            if ego.speed**2 / (2.0 * WAITING_BRAKING) <= at + OVER - ego.body.front:
+                return at
         return np.inf
+
+    def _beyond_crossings(self, perception: Perception, place: float) -> float:
+        """Return a waiting place, or the next one beyond crossings from which a change may begin [m]."""
+        near = _crossings_near(perception, place, self.settings.room - 1.0)
+        if not near:
+            return place
+        beyond = max(crossing.exit for crossing in near) + perception.ego.body.length + OVER
+        return place if _crossings_near(perception, beyond, self.settings.room - 1.0) else beyond
 
     def _crossing_in_the_way(self, perception: Perception) -> str:
         """Return the crossing that a change for the route would not end before; empty for none.
 
         Such a change may begin nearer to a crossing than others: a lane that ends there would never be left.
         """
-        body = perception.ego.body
         needed = max(self._length_of_change(perception), self.settings.room - 1.0)
-        crossings = perception.road.crossings
-        near = [c for c in crossings if c.exit > -body.rear_overhang and c.entry - body.front < needed]
-        return "crossing" if near else ""
+        return "crossing" if _crossings_near(perception, perception.ego.body.front, needed) else ""
 
     def _near_crossing(self, perception: Perception) -> bool:
         """Return whether a change begun now would touch a crossing's surroundings."""
@@ -215,6 +222,19 @@ class LaneByCost:
             crossing.exit > -s.after_crossing and crossing.entry - body.front < before
             for crossing in perception.road.crossings
         )
+
+
+def _crossings_near(perception: Perception, front: float, needed: float) -> list[Crossing]:
+    """Return the crossings on which the body is, or gets in a change of lane, with its front bumper there.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    front : of the ego, along the road [m]
+    needed : length of the change [m]
+    """
+    rear = front - perception.ego.body.length
+    return [c for c in perception.road.crossings if c.exit > rear and c.entry - front < needed]
 
 
 def _bends(perception: Perception, distance: float) -> bool:

@@ -40,6 +40,8 @@ SLOWING_FOR_THE_ROAD = 1.5
 """Deceleration with which limits and bends ahead are met [m/s^2]."""
 SPEEDING_UP = 1.0
 """How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
+MOVING_UP = 1.5
+"""Deceleration with which a slow ego comes to where it stops again [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
 
@@ -116,6 +118,8 @@ class SpeedTasks:
                 slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
                 reference = np.minimum(reference, _without_a_run_up(slow, times))
                 ceiling = np.minimum(ceiling, hidden_pedestrians.reached(*limit, positions, CEILING_BRAKING))
+        if ego.speed < SLOW:
+            reference = np.minimum(reference, _up_to(stoppable - positions))
         task = SpeedTask(
             speed=ego.speed,
             acceleration=ego.acceleration,
@@ -180,6 +184,19 @@ class SpeedTasks:
             places.append((end, "lane end"))
         nearest, name = min(places)
         return nearest, name if np.isfinite(nearest) else ""
+
+
+def _up_to(room: FloatArray) -> FloatArray:
+    """Return wanted speeds of a slow ego that moves up to where it must be able to stop [m/s].
+
+    One that would like to be fast everywhere sets out late, to be fast at the end of the horizon, and planned
+    anew it never does.
+
+    Parameters
+    ----------
+    room : from the expected positions on, shape (N,) [m]
+    """
+    return np.asarray(np.sqrt(2.0 * MOVING_UP * np.maximum(room, 0.0)))
 
 
 def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def test_it_waits_for_somebody_who_stops_in_its_path() -> None:
 
 
 def test_it_stops_behind_a_standing_vehicle_and_stays() -> None:
-    record = ride(ToyRoad(), vehicles=[walk(80.0, 0.0, 0.0, 0.0)], duration=16.0)
+    record = ride(ToyRoad(), vehicles=[walk(80.0, 0.0, 0.0, 0.0)], duration=20.0)
     gap = 80.0 - 4.5 - record.track[0][-1]
     # After some seconds it counts as parked, and room to steer round it is kept.
     assert 1.0 < gap < 14.0
