@@ -7,20 +7,24 @@ import math
 import pytest
 
 from controllers import catalog
-from controllers.interface import Body
+from controllers.interface import Body, Crossing, Manoeuvre
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
 from controllers.velocity_obstacle.mpc.lane_by_cost import LaneByCost
-from tests.controllers.scenes import ego, lanes_that_follow, perception, straight_road
+from tests.controllers.scenes import Car, ego, lanes_that_follow, perception, straight_road, zebra
 
 ENDS = 60.0
 
 
-def _place(reference: int, speed: float = 5.0, ends: float = ENDS) -> float:
+def _place(
+    reference: int, speed: float = 5.0, ends: float = ENDS, crossings: tuple[Crossing, ...] = ()
+) -> float:
     driver = catalog.build("vo_mpc", seed=1)
     assert isinstance(driver, VelocityObstacleMpc)
     settings = driver.settings.change
     road = lanes_that_follow(straight_road(2, reference), {reference: ends})
-    return LaneByCost(settings, driver._lanes).waiting_place(perception(ego(speed=speed), road))
+    return LaneByCost(settings, driver._lanes).waiting_place(
+        perception(ego(speed=speed), road, crossings=crossings)
+    )
 
 
 def test_of_two_side_by_side_who_want_each_others_lane_the_left_one_waits_behind_the_other() -> None:
@@ -32,3 +36,32 @@ def test_of_two_side_by_side_who_want_each_others_lane_the_left_one_waits_behind
 def test_who_cannot_stop_there_waits_nearer_to_the_end_or_nowhere() -> None:
     assert _place(1, speed=15.0, ends=45.0) == pytest.approx(_place(0, ends=45.0))
     assert math.isinf(_place(1, speed=25.0))
+
+
+def test_where_a_crossing_is_in_the_way_of_the_change_it_waits_beyond_it_if_there_is_room() -> None:
+    """Between the crossings of a short street; before the first one no change could ever begin."""
+    free, first = _place(1, speed=1.0, ends=25.0), zebra(2.0)
+    there = _place(1, speed=1.0, ends=25.0, crossings=(first, zebra(26.0)))
+    assert free < first.exit + Body().length
+    assert first.exit + Body().length < there < 26.0
+    assert _place(1, speed=1.0, ends=25.0, crossings=(first, zebra(16.0))) == free
+
+
+def test_from_there_the_change_begins() -> None:
+    controller = catalog.build("vo_mpc", seed=1)
+    road = lanes_that_follow(straight_road(2, 1), {1: 25.0})
+    before = perception(ego(speed=0.0), road, crossings=(zebra(2.0), zebra(26.0)))
+    assert controller.decide(before).manoeuvre is Manoeuvre.KEEP
+    there = perception(ego(speed=0.0, time=30.0), road, crossings=(zebra(-6.0), zebra(18.0)))
+    assert controller.decide(there).manoeuvre is Manoeuvre.CHANGE_RIGHT
+
+
+def test_an_ego_that_stands_a_little_before_its_waiting_place_sets_out() -> None:
+    """A plan that is slow at first and fast at the end of its horizon would be planned anew for ever."""
+    controller = catalog.build("vo_mpc", seed=1)
+    road = lanes_that_follow(straight_road(2, 1), {1: 27.6})
+    for instant in range(5):
+        seen = perception(ego(speed=0.0, time=0.1 * instant), road, cars=[Car(3.0, -3.5)])
+        plan = controller.plan(seen, controller.decide(seen))
+    assert plan.command.acceleration[0] > 0.3
+    assert plan.along[-1] < 4.0
