@@ -76,7 +76,7 @@ class Traffic:
                 self._index = index_of(self._path, [self._read], egos)
             else:
                 self._index = index_of(self._path, self._groups(file), egos)
-        self._at_once = max(1, ROWS_AT_ONCE // max(self._index.rows, default=1))
+        self._at_once = max(1, ROWS_AT_ONCE // max(1, max(self._index.rows, default=1)))
 
     @property
     def classes(self) -> Mapping[str, str]:
