@@ -132,8 +132,8 @@ def expected(
     people, road = perception.pedestrians, perception.road
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
     half = 0.5 * perception.ego.body.width + OCCUPIED
-    persons = [
-        *map(
+    persons = list(
+        map(
             _Person,
             people.names,
             people.across.tolist(),
@@ -144,7 +144,7 @@ def expected(
             people.waiting.tolist(),
             [road.crossings[at] if at >= 0 else None for at in people.crossing.tolist()],
         )
-    ]
+    )
     movements = [
         _movement(person, road, go, watch, assume) for person, go in zip(persons, lets_go, strict=True)
     ]

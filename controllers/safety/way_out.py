@@ -111,11 +111,12 @@ class WayOut:
             return None
         now = _distances(perception, people)
         wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
-        self._look(perception, people, wide, kept, farthest, bool((now <= APART).any()))
+        leant_on = bool((now <= APART).any())
+        self._look(perception, people, wide, kept, farthest, leant_on)
         self.taken = self._way is not None
         if self._way is None:
             return None
-        speed = INCHING if now.min(initial=np.inf) <= APART else SPEED
+        speed = INCHING if leant_on else SPEED
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 

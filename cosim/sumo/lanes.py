@@ -148,12 +148,13 @@ class Lanes:
         width : of the vehicle [m]
         x, y : centre of the front bumper [m]
         """
-        if lane.no_direction or self._returns(driven, route):
+        if lane.no_direction:
             return False
         place = lane.place(x, y)
         past = max(-place.along, place.along - lane.shape_length, 0.0)
         aside = 0.5 * (lane.width + width) - TOUCH
-        return (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
+        near = (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
+        return near and not self._returns(driven, route)
 
     def _returns(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
         """Return whether a route passes its next junction more than once, or has passed it already."""

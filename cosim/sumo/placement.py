@@ -78,7 +78,7 @@ class _Ego:
     """Edges still to drive, as they were when SUMO's route was last seen to be the ego's own."""
     route_id: str
     """SUMO's name of that route; a changed route has another one."""
-    driven: tuple[str, ...] = ()
+    driven: tuple[str, ...]
     """Edges of it before them."""
     moved: bool = False
     """The last step was a move."""
