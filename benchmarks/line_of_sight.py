@@ -20,7 +20,7 @@ from measuring.stopwatch import Stopwatch, watching
 
 from cosim.running.compose import compose
 from cosim.running.request import RunRequest
-from cosim.sensing import sight
+from cosim.sensing import lines_of_sight
 from cosim.sensing.senses import Senses
 
 LENGTH, LANES = 1500.0, 3
@@ -95,16 +95,16 @@ def measure(place: Path) -> dict[str, Any]:
             driver = composition.drivers[perception.ego.name]
             world.act(perception.ego.name, driver.plan(perception, driver.decide(perception)).command)
         world.advance()
-        original = sight.visible
+        original = lines_of_sight.visible
 
         def counting(eye: Any, position: Any, *rest: Any) -> Any:
             pairs.append(len(position))
             return original(eye, position, *rest)
 
-        sight.visible = counting
+        lines_of_sight.visible = counting
         try:
             places = (
-                (sight, "visible", SIGHT),
+                (lines_of_sight, "visible", SIGHT),
                 (Senses, "look", LOOK),
                 (type(world), "sense", SENSE),
                 (type(world), "advance", ADVANCE),
@@ -118,7 +118,7 @@ def measure(place: Path) -> dict[str, Any]:
                         world.act(perception.ego.name, plan.command)
                     world.advance()
         finally:
-            sight.visible = original
+            lines_of_sight.visible = original
         snapshot = world.snapshot()
     finally:
         composition.close()

@@ -191,17 +191,30 @@ def test_files_that_a_text_names_exist(name: str) -> None:
         assert (ROOT / path).exists(), f"{name} names {path}, which does not exist"
 
 
-def test_the_table_of_where_to_change_what_names_paths_that_exist() -> None:
+def where_to_change_what() -> list[list[str]]:
+    """Return the places that each row of the table in CONTRIBUTING.md names."""
     text = (
         (ROOT / "CONTRIBUTING.md").read_text().partition("## Where to change what")[2].partition("\n## ")[0]
     )
     rows = [line.split("|")[2] for line in text.splitlines() if line.startswith("| ")][1:]
+    return [re.findall(r"`([^`]+)`", row) for row in rows]
+
+
+def test_the_table_of_where_to_change_what_names_paths_that_exist() -> None:
+    rows = where_to_change_what()
     assert len(rows) > 10  # the whole table was read
-    for row in rows:
-        paths = re.findall(r"`([^`]+)`", row)
-        assert paths, f"a row without a path: {row}"
+    for paths in rows:
+        assert paths, f"a row without a path; the rows: {rows}"
         for path in paths:
             assert (ROOT / path).exists(), f"CONTRIBUTING.md names {path}, which does not exist"
+
+
+@pytest.mark.parametrize("package", ["cosim", "controllers", "analysis"])
+def test_every_room_stands_in_the_table_of_where_to_change_what(package: str) -> None:
+    named = [path for row in where_to_change_what() for path in row]
+    rooms = [file.parent.relative_to(ROOT).as_posix() for file in (ROOT / package).glob("*/__init__.py")]
+    assert len(rooms) > 5
+    assert not [room for room in rooms if not any(path.startswith(f"{room}/") for path in named)]
 
 
 def test_make_targets_that_the_texts_name_exist() -> None:

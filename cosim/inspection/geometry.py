@@ -11,7 +11,7 @@ from analysis.polylines import inside
 from cosim.arrays import FloatArray
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR, TURNAROUND
-from cosim.sensing.sight import distance_to_pieces
+from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.bends import CAR as CAR_TURNING
 from cosim.sumo.bends import widened
 from cosim.sumo.network import Connection, NetCrossing, Network

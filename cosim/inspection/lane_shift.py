@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.polylines import arc_lengths
 from cosim.inspection.roads import ON_FOOT
-from cosim.sensing.sight import distance_to_pieces
+from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.network import NetLane, Network
 
 FURTHEST_M = 2.5

@@ -6,8 +6,8 @@ import numpy as np
 
 from controllers.interface import Body, Eyesight
 from cosim.sensing.interface import Sensing, Site
+from cosim.sensing.onboard_sensor import OnboardSettings
 from cosim.sensing.radio import RadioSettings, units_of
-from cosim.sensing.vision import VisionSettings
 
 WINDSCREEN = 1.8
 """From the front bumper back to where an ego without a sensor for pedestrians looks from [m]."""
@@ -28,7 +28,7 @@ def eyesight_of(sensing: Sensing, site: Site, body: Body) -> Eyesight | None:
     if sensing.exact:
         return None
     behind, left = WINDSCREEN, 0.0
-    if isinstance(sensing, VisionSettings):
+    if isinstance(sensing, OnboardSettings):
         behind, left = sensing.mount_behind_front_m, sensing.mount_left_m
     watched = np.zeros((0, 3))
     if isinstance(sensing, RadioSettings) and _sees_everything(sensing):

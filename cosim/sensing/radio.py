@@ -12,7 +12,7 @@ from pydantic import field_validator
 
 from controllers.settings import NotNegative, Positive
 from cosim.arrays import BoolArray, FloatArray, IntArray
-from cosim.sensing import sight
+from cosim.sensing import lines_of_sight
 from cosim.sensing.interface import FARTHEST_UNIT, Belief, Scene, Site, State
 from cosim.sensing.noise import Noise
 from cosim.sensing.settings import FullAngle, Probability, Settings
@@ -119,7 +119,7 @@ def units_of(settings: RadioSettings, site: Site, seed: int) -> list[Unit]:
         places = [(f"unit at {word}", *map(float, word.split(","))) for word in settings.units.split()]
     found = []
     for name, x, y, *heading in places:
-        if len(site.lanes) and sight.distance_to_pieces(x, y, site.lanes) > FARTHEST_UNIT:
+        if len(site.lanes) and lines_of_sight.distance_to_pieces(x, y, site.lanes) > FARTHEST_UNIT:
             raise ValueError(
                 f"units: the {name} is outside the network: no lane within {FARTHEST_UNIT:g} m of it"
             )
@@ -187,7 +187,7 @@ class Radio:
         detected = seen & (draws.uniform >= settings.unit_miss_probability)
         channel = self._channel.draw((unit.name,), scene.tick)
         lost = bool(channel.uniform[0] < settings.loss_probability)
-        state = sight.states(within, seen, detected)
+        state = lines_of_sight.states(within, seen, detected)
         state[detected] = State.LOST if lost else State.LATE
         self._sent[unit.name] = _Sent(number, scene.time, dict(zip(scene.names, state.tolist(), strict=True)))
         if lost or not detected.any():
@@ -207,12 +207,14 @@ class Radio:
     def _view(self, unit: Unit, scene: Scene) -> tuple[BoolArray, BoolArray]:
         settings = self._settings
         field_of_view = math.radians(settings.unit_field_of_view_deg)
-        within = sight.in_view(unit.place, unit.heading, scene.position, settings.unit_range_m, field_of_view)
-        boxes = sight.vehicles_in(scene)
+        within = lines_of_sight.in_view(
+            unit.place, unit.heading, scene.position, settings.unit_range_m, field_of_view
+        )
+        boxes = lines_of_sight.vehicles_in(scene)
         if settings.unit_sees_over_vehicles:
             boxes = boxes.near(unit.place, -np.inf)
         seen = np.zeros(len(within), dtype=np.bool_)
-        seen[within] = sight.visible(
+        seen[within] = lines_of_sight.visible(
             unit.place, scene.position[within], scene.radius[within], boxes, self._walls
         )
         return within, seen

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+import controllers.catalog
+import sumo_scenarios.library
 from studies.golden import differences
+
+STUDY = Path(__file__).resolve().parents[2] / "studies/golden.toml"
 
 
 def _batch(folder: Path, version: str, **columns: list[float]) -> Path:
@@ -36,3 +41,9 @@ def test_a_run_that_is_missing_is_named(tmp_path: Path) -> None:
     before = _batch(tmp_path / "before", "a1", ttc_s=[1.0])
     (tmp_path / "after" / "runs").mkdir(parents=True)
     assert differences(before, tmp_path / "after") == [f"zebra-aeb-seed1: only in {before}"]
+
+
+def test_every_controller_drives_in_every_scenario() -> None:
+    study = tomllib.loads(STUDY.read_text("utf-8"))
+    assert study["controllers"] == sorted(controllers.catalog.names())
+    assert study["scenarios"] == sorted(sumo_scenarios.library.names())

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from cosim.sensing.interface import Belief, Scene, Sensor, Site
+from cosim.sensing.onboard_sensor import OnboardSensor, OnboardSettings
 from cosim.sensing.radio import Radio, RadioSettings
-from cosim.sensing.vision import Vision, VisionSettings
 
 
-class Model(VisionSettings, RadioSettings):
+class Model(OnboardSettings, RadioSettings):
     """The parameters of both, and the sensors made of them."""
 
     @property
@@ -19,7 +19,7 @@ class Model(VisionSettings, RadioSettings):
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
         """Return both of one ego."""
-        return Both(Vision(self, site, seed, ego), Radio(self, site, seed, ego))
+        return Both(OnboardSensor(self, site, seed, ego), Radio(self, site, seed, ego))
 
 
 class Both:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from cosim.sensing.interface import Sensor, Site
-from cosim.sensing.vision import Vision, VisionSettings
+from cosim.sensing.onboard_sensor import OnboardSensor, OnboardSettings
 
 
-class Model(VisionSettings):
+class Model(OnboardSettings):
     """The parameters, and the sensors made of them."""
 
     @property
@@ -16,4 +16,4 @@ class Model(VisionSettings):
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
         """Return the sensor of one ego."""
-        return Vision(self, site, seed, ego)
+        return OnboardSensor(self, site, seed, ego)

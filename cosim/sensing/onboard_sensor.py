@@ -10,14 +10,14 @@ from pydantic import Field, model_validator
 
 from controllers.settings import NotNegative, Positive
 from cosim.arrays import FloatArray
-from cosim.sensing import sight
+from cosim.sensing import lines_of_sight
 from cosim.sensing.interface import Belief, Scene, Site
 from cosim.sensing.noise import Noise
 from cosim.sensing.settings import Count, FullAngle, Probability, Settings
 from cosim.sensing.tracks import Tracks
 
 
-class VisionSettings(Settings):
+class OnboardSettings(Settings):
     """What the sensor on board is like; all defaults are assumed."""
 
     range_m: Positive = 60.0
@@ -42,7 +42,7 @@ class VisionSettings(Settings):
     """A confirmed track goes on without a detection for this long."""
 
     @model_validator(mode="after")
-    def can_be_confirmed(self) -> VisionSettings:
+    def can_be_confirmed(self) -> OnboardSettings:
         """Check that so many detections fit into so many looks."""
         if self.confirm_hits > self.confirm_looks:
             raise ValueError(
@@ -51,14 +51,14 @@ class VisionSettings(Settings):
         return self
 
 
-class Vision:
+class OnboardSensor:
     """The sensor of one ego.
 
     A pedestrian is unknown until their track is confirmed. From then on the filter's estimate is reported;
     without a detection, it is extrapolated at the last velocity.
     """
 
-    def __init__(self, settings: VisionSettings, site: Site, seed: int, ego: str) -> None:
+    def __init__(self, settings: OnboardSettings, site: Site, seed: int, ego: str) -> None:
         self._settings = settings
         self._walls = site.walls
         self._noise = Noise(seed, f"vision:{ego}")
@@ -75,10 +75,10 @@ class Vision:
         settings, count = self._settings, len(scene.names)
         eye = self._eye(scene)
         field_of_view = math.radians(settings.field_of_view_deg)
-        within = sight.in_view(eye, scene.heading, scene.position, settings.range_m, field_of_view)
+        within = lines_of_sight.in_view(eye, scene.heading, scene.position, settings.range_m, field_of_view)
         seen = np.zeros(count, dtype=np.bool_)
-        seen[within] = sight.visible(
-            eye, scene.position[within], scene.radius[within], sight.vehicles_in(scene), self._walls
+        seen[within] = lines_of_sight.visible(
+            eye, scene.position[within], scene.radius[within], lines_of_sight.vehicles_in(scene), self._walls
         )
         draws = self._noise.draw(scene.names, scene.tick)
         detected = seen & (draws.uniform >= settings.miss_probability)
@@ -87,7 +87,12 @@ class Vision:
         told, estimate, deviation, age = self._tracks.update(scene.time, scene.names, detected, measured)
         estimate[~told] = deviation[~told] = age[~told] = np.nan
         return Belief(
-            told, estimate[:, :2], estimate[:, 2:], deviation, age, sight.states(within, seen, detected)
+            told,
+            estimate[:, :2],
+            estimate[:, 2:],
+            deviation,
+            age,
+            lines_of_sight.states(within, seen, detected),
         )
 
     def _eye(self, scene: Scene) -> FloatArray:

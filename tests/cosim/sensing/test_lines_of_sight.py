@@ -11,10 +11,10 @@ from shapely import MultiPoint, Polygon, affinity, box
 from shapely.geometry.base import BaseGeometry
 
 from cosim.arrays import BoolArray, FloatArray
-from cosim.sensing import sight
+from cosim.sensing import lines_of_sight
 
 NO_WALLS = np.zeros((0, 4))
-NO_BOXES = sight.boxes_of(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
+NO_BOXES = lines_of_sight.boxes_of(np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
 GRAZE = 1e-7
 """A line that touches a corner by less than this may be judged either way [m]."""
 
@@ -66,9 +66,9 @@ def test_thousands_of_random_scenes_are_seen_as_shapely_sees_them(seed: int) -> 
         shapes: list[BaseGeometry] = [_body(*one) for one in zip(front, heading, length, width, strict=True)]
         # Of a house its walls are in the way; who is inside with the eye is seen.
         shapes += [Polygon(outline).exterior for outline in outlines]
-        boxes = sight.boxes_of(front, heading, length, width)
+        boxes = lines_of_sight.boxes_of(front, heading, length, width)
         walls = np.concatenate([NO_WALLS, *(_sides(outline) for outline in outlines)])
-        seen = sight.visible(eye, position, radius, boxes, walls)
+        seen = lines_of_sight.visible(eye, position, radius, boxes, walls)
         for one, judged in enumerate(_judged(eye, position, radius, shapes)):
             if judged is not None:
                 judged_so_far += 1
@@ -90,10 +90,12 @@ def _house(draw: np.random.Generator) -> FloatArray:
 
 def test_the_edge_that_comes_out_first_is_seen() -> None:
     # The box's corner is at (5, 1); the line over it is at y = 4 where x is 20.
-    corner = sight.boxes_of(np.array([[10.0, 0.0]]), np.zeros(1), np.array([5.0]), np.array([2.0]))
+    corner = lines_of_sight.boxes_of(np.array([[10.0, 0.0]]), np.zeros(1), np.array([5.0]), np.array([2.0]))
 
     def seen(y: float) -> bool:
-        return bool(sight.visible(np.zeros(2), np.array([[20.0, y]]), np.array([0.25]), corner, NO_WALLS)[0])
+        return bool(
+            lines_of_sight.visible(np.zeros(2), np.array([[20.0, y]]), np.array([0.25]), corner, NO_WALLS)[0]
+        )
 
     assert not seen(3.70)
     assert seen(3.80)
@@ -101,9 +103,11 @@ def test_the_edge_that_comes_out_first_is_seen() -> None:
 
 
 def test_nothing_in_the_way_and_nobody_there() -> None:
-    assert sight.visible(np.zeros(2), np.zeros((0, 2)), np.zeros(0), NO_BOXES, NO_WALLS).tolist() == []
+    assert (
+        lines_of_sight.visible(np.zeros(2), np.zeros((0, 2)), np.zeros(0), NO_BOXES, NO_WALLS).tolist() == []
+    )
     far = np.array([[1000.0, 3.0]])
-    assert sight.visible(np.zeros(2), far, np.full(1, 0.25), NO_BOXES, NO_WALLS).tolist() == [True]
+    assert lines_of_sight.visible(np.zeros(2), far, np.full(1, 0.25), NO_BOXES, NO_WALLS).tolist() == [True]
 
 
 def test_range_and_field_of_view() -> None:
@@ -111,14 +115,14 @@ def test_range_and_field_of_view() -> None:
     north = math.pi / 2
     turned = np.column_stack([-places[:, 1], places[:, 0]])
     for heading, there in ((0.0, places), (north, turned)):
-        found = sight.in_view(np.zeros(2), heading, there, 60.0, math.radians(120.0))
+        found = lines_of_sight.in_view(np.zeros(2), heading, there, 60.0, math.radians(120.0))
         assert found.tolist() == [True, False, True, False, False]
-        around = sight.in_view(np.zeros(2), heading, there, 60.0, math.radians(360.0))
+        around = lines_of_sight.in_view(np.zeros(2), heading, there, 60.0, math.radians(360.0))
         assert around.tolist() == [True, False, True, True, True]
 
 
 def test_the_distance_to_a_road() -> None:
     road = np.array([[0.0, 0.0, 100.0, 0.0], [100.0, 0.0, 100.0, 50.0]])
-    assert sight.distance_to_pieces(50.0, -7.0, road) == pytest.approx(7.0)
-    assert sight.distance_to_pieces(-3.0, 4.0, road) == pytest.approx(5.0)
-    assert sight.distance_to_pieces(108.0, 40.0, road) == pytest.approx(8.0)
+    assert lines_of_sight.distance_to_pieces(50.0, -7.0, road) == pytest.approx(7.0)
+    assert lines_of_sight.distance_to_pieces(-3.0, 4.0, road) == pytest.approx(5.0)
+    assert lines_of_sight.distance_to_pieces(108.0, 40.0, road) == pytest.approx(8.0)
