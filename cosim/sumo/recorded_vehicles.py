@@ -10,8 +10,11 @@ import numpy as np
 
 from sumo_scenarios.recorded_vehicles import RecordedVehicle
 
-ANYWHERE = 2
-"""``keepRoute`` of moveToXY: take the position as it is."""
+ON_A_LANE, ANYWHERE = 0, 2
+"""``keepRoute`` of moveToXY. The second takes the position as it is. With the sublane model the first does so
+too, and has the vehicle on the nearest lane. There the second may match a lane that the vehicle is beside,
+for instance where lanes end in a bend, and takes it off that lane: SUMO 1.28 then crashes if somebody drives
+on the same edge. It is safe where there is no lane at all."""
 DEFAULT_TYPE = "DEFAULT_VEHTYPE"
 IGNORES_EVERYTHING = 0
 """Speed mode and lane-change mode."""
@@ -62,7 +65,7 @@ class RecordedVehicles:
         for name, one in self._there.items():
             x, y, heading, speed = _state(one, time)
             angle = (90.0 - math.degrees(heading)) % 360.0
-            sumo.vehicle.moveToXY(name, "", -1, x, y, angle, ANYWHERE)
+            _place(sumo, name, x, y, angle)
             sumo.vehicle.setSpeed(name, speed)
 
     def _add(self, sumo: Any, one: RecordedVehicle) -> None:
@@ -80,6 +83,16 @@ class RecordedVehicles:
         sumo.vehicle.setSpeedMode(one.name, IGNORES_EVERYTHING)
         sumo.vehicle.setLaneChangeMode(one.name, IGNORES_EVERYTHING)
         self._there[one.name] = one
+
+
+def _place(sumo: Any, name: str, x: float, y: float, angle: float) -> None:
+    if float(sumo.simulation.getOption("lateral-resolution")) > 0.0:
+        try:
+            sumo.vehicle.moveToXY(name, "", -1, x, y, angle, ON_A_LANE)
+            return
+        except sumo.TraCIException:  # there is no road within 100 m
+            pass
+    sumo.vehicle.moveToXY(name, "", -1, x, y, angle, ANYWHERE)
 
 
 def _state(one: RecordedVehicle, time: float) -> tuple[float, float, float, float]:

@@ -60,7 +60,8 @@ def rebuild(
     path : to write to
     begin_s : simulated time that stands for the first second of the recording [s]
     types : attributes of types beside the class; classes without are SUMO's own
-    with_speeds : whether vehicles depart as fast as they were; otherwise as fast as SUMO finds safe
+    with_speeds : whether vehicles depart as fast as they were, however near others are; otherwise as fast as
+        SUMO finds safe, and only where it does
     """
     ways = _Ways(network, with_speeds)
     lines: list[tuple[float, str]] = []
@@ -129,6 +130,11 @@ class _Ways:
         start, end = self._start(places, along), self._end(places, kind)
         if start is None or end is None or not self._leads(start.edge, end, SUMO_CLASS[kind]):
             return None
+        if self._with_speeds:
+            # SUMO lets nobody in so near to others as real drivers are.
+            departure = {"departSpeed": f"{float(track['speed_mps'].iloc[0]):.2f}", "insertionChecks": "none"}
+        else:
+            departure = {"departSpeed": "max"}
         return "    <trip " + _attributes(
             {
                 "id": name,
@@ -139,7 +145,7 @@ class _Ways:
                 # From a cycle lane that leads elsewhere SUMO's bicycles never get away.
                 "departLane": "best" if kind == "bicycle" else str(start.lane),
                 "departPos": f"{start.at:.2f}",
-                "departSpeed": f"{float(track['speed_mps'].iloc[0]):.2f}" if self._with_speeds else "max",
+                **departure,
                 "arrivalPos": "max",
             }
         )

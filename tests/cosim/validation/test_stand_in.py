@@ -73,6 +73,25 @@ def test_who_met_another_ego_than_they_had_reacted_to_is_marked(driven: Path) ->
     assert (row["could_react"], float(row["off_m"]) > 2.0) == ("0", True)
 
 
+@pytest.mark.sumo
+def test_an_ego_departs_although_sumo_would_find_it_too_near_to_the_car_ahead(tmp_path: Path) -> None:
+    networks.street(tmp_path)
+    networks.configure(tmp_path)
+    # When it comes into view at 10 m/s, the other car is 6.4 m ahead, at 4 m/s, and stays 3 s more.
+    tracks = [
+        streets.car("lead", 4.0, begin_s=8.4, duration_s=4.6),
+        streets.car("own", 10.0, begin_s=10.0, duration_s=8.0),
+    ]
+    streets.write(tmp_path / "tracks.csv", tracks)
+    ended(
+        *("stand-in", tmp_path / "street.sumocfg", "--tracks", tmp_path / "tracks.csv"),
+        *("--vehicle", "own", "--controller", "aeb", "--out", tmp_path / "out"),
+    )
+    egos = pd.read_parquet(tmp_path / "out" / "run" / "egos.parquet")
+    assert egos["time_s"].iloc[0] == pytest.approx(5.0, abs=0.21), "5 s after the scenario's begin"
+    assert egos["speed_mps"].iloc[0] == pytest.approx(10.0, abs=1.0)
+
+
 def test_an_ego_that_drives_as_recorded_is_met_by_people_who_could_react(tmp_path: Path) -> None:
     (tmp_path / OWN).write_text("time_s,x_m,y_m\n0.0,0.0,0.0\n10.0,100.0,0.0\n")
     time = np.arange(50.0, 60.0, 0.1)
