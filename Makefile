@@ -80,9 +80,10 @@ demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.cli.demo
 
 # Bytecode is kept even where the environment says otherwise: each process would compile what it loads again.
+# A file stays in one process, so that what its tests share is made once; the files at the end are short.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
 
 test-slow: $(VENV)/installed-dev
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow

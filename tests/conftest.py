@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections import Counter
 
 import pytest
@@ -20,6 +21,12 @@ NEED_POSIX = (
 )
 """They use signals, processes that are killed, limits of resources or links; elsewhere they are not collected."""
 collect_ignore = [] if os.name == "posix" else list(NEED_POSIX)
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

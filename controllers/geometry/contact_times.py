@@ -6,6 +6,8 @@ import numpy as np
 
 from controllers.arrays import FloatArray, IntArray
 
+_CORNERS = np.array([[-1.0], [1.0], [-1.0], [1.0]])
+
 
 def disc_contact_times(
     rear: float,
@@ -30,12 +32,13 @@ def disc_contact_times(
     -----
     The rectangle grown by the disc is two rectangles and four quarter discs; the first of them counts.
     """
-    long = box_contact_times(rear - radius, front + radius, half_width, x, y, x_speed, y_speed)
-    wide = box_contact_times(rear, front, half_width + radius, x, y, x_speed, y_speed)
-    first = np.minimum(long, wide)
-    for corner_x in (rear, front):
-        for corner_y in (-half_width, half_width):
-            first = np.minimum(first, _point_times(x - corner_x, y - corner_y, x_speed, y_speed, radius))
+    if len(x) == 0:
+        return np.zeros(0)
+    grown = np.stack((radius, np.zeros(len(x))))
+    boxes = box_contact_times(rear - grown, front + grown, half_width + grown[::-1], x, y, x_speed, y_speed)
+    to_x, to_y = x - np.array([[rear], [rear], [front], [front]]), y - half_width * _CORNERS
+    corners = _point_times(to_x, to_y, x_speed, y_speed, radius)
+    first: FloatArray = np.minimum(boxes.min(axis=0), corners.min(axis=0))
     return first
 
 

@@ -1,4 +1,7 @@
-"""``python -m tests.fuzz``: many cases from a seed; prints how they ended, and each that did not behave."""
+"""``python -m tests.fuzz``: many cases from a seed; prints how they ended, and each that did not behave.
+
+Files without a mistake come first: they have to be taken.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +25,14 @@ def main() -> int:
     with TemporaryDirectory(prefix="cosim-fuzz-") as folder:
         result = run_cases(Path(folder), arguments.cases, arguments.seed, arguments.keep)
     print(f"{result.count} cases, seed {arguments.seed}, {time.monotonic() - began:.0f} s")
+    for kind, ending in result.right.items():
+        print(f"  without a mistake: {kind}: {ending}")
     for (kind, ending), number in sorted(result.endings.items()):
         print(f"  {kind:12} {ending:10} {number}")
     print(f"{result.count - len(result.wrong)} of {result.count} behaved")
     for case, what, told in result.wrong:
         print(f"- {case.kind} {case.file}: {what}: {told}")
-    return 1 if result.wrong else 0
+    return 1 if result.wrong or {*result.right.values()} != {"exit 0"} else 0
 
 
 if __name__ == "__main__":

@@ -66,6 +66,24 @@ class Case:
     """Of the command line; ``{}`` is the folder."""
 
 
+CRITERION = b"[[criteria]]\nscope = 'run'\nmetric = 'n_collisions'\noperator = '=='\nthreshold = 0\n"
+STUDY = b"scenarios = ['midblock_zebra']\ncontrollers = ['sumo']\nseeds = '1-2'\n"
+
+
+def without_mistakes() -> list[Case]:
+    """Return a case of every kind in which nothing is wrong: it has to end with exit code 0."""
+    run = ("run", "{}", *SHORT)
+    town = ("run", "{}/town.sumocfg", *SHORT, "--ego-share", "1")
+    scenario = (LIBRARY / "midblock_zebra" / "scenario.toml").read_bytes()
+    return [
+        Case("scenario", "scenario.toml", scenario, run),
+        Case("tracks", "tracks.csv", TRACKS.encode(), run),
+        Case("study", "study.toml", STUDY, (TARGET, "{}/study.toml")),
+        Case("criteria", "criteria.toml", CRITERION, CRITERIA),
+        Case("sumo", "town.rou.xml", DEMAND.encode(), town),
+    ]
+
+
 def prepare(folder: Path) -> None:
     """Write the files that are right: a folder for every kind."""
     shutil.copytree(LIBRARY / "road_users", folder / "road_users")

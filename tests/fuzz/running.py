@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from controllers import catalog
 from cosim.cli import command_line
-from tests.fuzz.cases import Case, cases, prepare
+from tests.fuzz.cases import Case, cases, prepare, without_mistakes
 from tests.fuzz.harness import judge
 
 PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios")
@@ -27,6 +27,8 @@ FROM_OUTSIDE = ("libsumo", "pandas", "pyarrow.pandas_compat", "rich.progress")
 class Fuzzed:
     """How cases ended."""
 
+    right: dict[str, str] = field(default_factory=dict)
+    """How a case of each kind without a mistake ended, and what was wrong with that."""
     endings: Counter[tuple[str, str]] = field(default_factory=Counter)
     wrong: list[tuple[Case, str, str]] = field(default_factory=list)
 
@@ -57,6 +59,8 @@ def run_cases(folder: Path, count: int, number: int, keep: Path | None = None) -
     prepare(folder)
     found = Fuzzed()
     gc.freeze()
+    for one in without_mistakes():
+        found.right[one.kind] = ", ".join(filter(None, judge(one, folder)))
 
     @seed(number)
     @settings(

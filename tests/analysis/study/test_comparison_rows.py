@@ -10,11 +10,11 @@ import pytest
 
 from analysis.study.design import read_study
 from tests.analysis.study.study_folders import write_study_run
-from tests.analysis.study.study_tables import met, only, tables
+from tests.analysis.study.study_tables import Cells, met, only, tables
 
 
-def test_a_difference_is_that_of_the_pairs(folders: list[Path], tmp_path: Path) -> None:
-    _, comparisons = tables(tmp_path / "out", folders)
+def test_a_difference_is_that_of_the_pairs(two_controllers_tables: tuple[list[Cells], list[Cells]]) -> None:
+    _, comparisons = two_controllers_tables
     row = only(comparisons, metric="ego_delay_mean_s")
     # Differences 3, 2, 4: mean 3, deviation 1, t = 3 sqrt(3), p = 1 − t / sqrt(t² + 2).
     assert (row["base"], row["alt"], row["n_pairs"]) == ("sumo", "slow", "3")
@@ -31,9 +31,9 @@ def test_a_difference_is_that_of_the_pairs(folders: list[Path], tmp_path: Path) 
 
 
 def test_the_key_measures_are_corrected_together_and_all_others_together(
-    folders: list[Path], tmp_path: Path
+    two_controllers_tables: tuple[list[Cells], list[Cells]],
 ) -> None:
-    _, comparisons = tables(tmp_path / "out", folders)
+    _, comparisons = two_controllers_tables
     for family, key in (("key", "1"), ("other", "0")):
         rows = [row for row in comparisons if row["key"] == key]
         assert {row["family"] for row in rows} == {family}

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from tests.analysis.study.study_folders import write_study_run
-from tests.analysis.study.study_tables import met, only, read, tables
+from tests.analysis.study.study_tables import Cells, met, only, read, tables
 
 
 def test_a_mean_over_runs_has_its_interval_and_the_runs_it_still_needs(
-    folders: list[Path], tmp_path: Path
+    two_controllers_tables: tuple[list[Cells], list[Cells]],
 ) -> None:
-    configs, _ = tables(tmp_path / "out", folders)
+    configs, _ = two_controllers_tables
     row = only(configs, controller="sumo", metric="ego_delay_mean_s")
     # 10, 20, 30: mean 20, deviation 10, t(0.975, 2) = 4.3027.
     assert (row["n_runs"], row["n_valid"], row["n_defined"], row["kind"]) == ("3", "3", "3", "mean")
@@ -28,8 +28,10 @@ def test_a_mean_over_runs_has_its_interval_and_the_runs_it_still_needs(
     assert row["status"] == "ok"
 
 
-def test_a_share_counts_encounters_that_entered_over_all_runs(folders: list[Path], tmp_path: Path) -> None:
-    configs, _ = tables(tmp_path / "out", folders)
+def test_a_share_counts_encounters_that_entered_over_all_runs(
+    two_controllers_tables: tuple[list[Cells], list[Cells]],
+) -> None:
+    configs, _ = two_controllers_tables
     row = only(configs, controller="sumo", metric="ttc_lt_1p5_share")
     # Two of four in each of three runs; the one who only waited is not counted.
     assert (row["numerator"], row["denominator"], row["denominator_unit"]) == ("6", "12", "entered encounter")
@@ -40,8 +42,10 @@ def test_a_share_counts_encounters_that_entered_over_all_runs(folders: list[Path
     assert (row["ci95_lo"], row["ci_method"], row["n_required_e10pct"]) == ("", "none", "")
 
 
-def test_no_event_at_all_is_reported_with_its_upper_bound(folders: list[Path], tmp_path: Path) -> None:
-    configs, _ = tables(tmp_path / "out", folders)
+def test_no_event_at_all_is_reported_with_its_upper_bound(
+    two_controllers_tables: tuple[list[Cells], list[Cells]],
+) -> None:
+    configs, _ = two_controllers_tables
     share = only(configs, controller="sumo", metric="collision_share")
     assert (share["mean"], share["numerator"], share["denominator"]) == ("0", "0", "12")
     assert float(share["upper95"]) == pytest.approx(1.0 - 0.05 ** (1.0 / 12.0), rel=1e-5)

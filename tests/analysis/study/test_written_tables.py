@@ -31,8 +31,9 @@ def test_the_same_runs_give_the_same_bytes_in_any_order(folders: list[Path], tmp
     assert sorted(path.name for path in one.iterdir()) == sorted(FILES)
 
 
-def test_wall_clock_times_are_in_no_table_but_that_of_the_runs(folders: list[Path], tmp_path: Path) -> None:
-    write_tables(tmp_path / "one", folders, None)
+def test_wall_clock_times_are_in_no_table_but_that_of_the_runs(
+    folders: list[Path], written: Path, tmp_path: Path
+) -> None:
     for seed, folder in enumerate(folders):
         with (folder / "runs.csv").open(encoding="utf-8", newline="") as file:
             (row,) = csv.DictReader(file)
@@ -43,18 +44,13 @@ def test_wall_clock_times_are_in_no_table_but_that_of_the_runs(folders: list[Pat
             writer.writerow(row)
     write_tables(tmp_path / "two", folders, None)
     same = [name for name in FILES if name != "runs.csv"]
-    assert [(tmp_path / "one" / n).read_bytes() for n in same] == [
-        (tmp_path / "two" / n).read_bytes() for n in same
-    ]
+    assert [(written / n).read_bytes() for n in same] == [(tmp_path / "two" / n).read_bytes() for n in same]
     assert read(tmp_path / "two/runs.csv")[3]["wall_s"] != ""
 
 
 @pytest.mark.parametrize("table", STUDY_TABLES, ids=lambda table: table.name)
-def test_a_file_has_the_columns_of_the_schema_and_its_rows_are_sorted(
-    folders: list[Path], tmp_path: Path, table: Any
-) -> None:
-    write_tables(tmp_path / "out", folders, None)
-    with (tmp_path / "out" / table.file).open(encoding="utf-8", newline="") as file:
+def test_a_file_has_the_columns_of_the_schema_and_its_rows_are_sorted(written: Path, table: Any) -> None:
+    with (written / table.file).open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert tuple(header) == table.names()
     keys = [tuple(row[header.index(name)] for name in table.key) for row in rows]

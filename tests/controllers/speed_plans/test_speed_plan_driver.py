@@ -243,13 +243,14 @@ def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
     """It has reached the end of its way and stays there; the ego comes up to it slowly, or begins near it.
 
     The least gap is what full braking takes after one step and the drive's lag; with less, any driver touches.
+    Within 4 s the ego stands or has passed.
     """
     road = ToyRoad(lanes=lanes, lane_width=3.5, speed_limit=13.9)
     for speed in (0.3, 0.9, 2.0):
         least = speed * (step + CAR_DRIVE.drive_lag) + speed**2 / (2.0 * CAR_DRIVE.max_deceleration)
         for gap in (least + 0.1, least + 1.0, 6.0):
             car = walk(FRONT + gap + 4.5, 0.0, 0.0, 0.0)
-            record = _ride(name, road, vehicles=[car], speed=speed, duration=8.0, step=step)
+            record = _ride(name, road, vehicles=[car], speed=speed, duration=5.0, step=step)
             assert record.distance_to_vehicles() > 0.05, f"{speed} m/s, {gap} m"
 
 

@@ -19,7 +19,7 @@ from tests.cosim.cli.commands import ended
 pytestmark = pytest.mark.sumo
 
 ROOT = Path(__file__).resolve().parents[3]
-BUSY = {"warmup_s": 5, "duration_s": 40, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
+BUSY = {"warmup_s": 5, "duration_s": 36, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
 """Long enough for an ego to meet somebody."""
 FAILING = {**BUSY, "behaviour": "raise", "at_s": 8}
 

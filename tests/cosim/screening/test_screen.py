@@ -60,6 +60,14 @@ def screened(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, CompletedP
     return folder, ended(*arguments, *LIMITS)
 
 
+@pytest.fixture(scope="module")
+def reported(screened: tuple[Path, CompletedProcess[str]], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a copy of the screening with its report."""
+    out = shutil.copytree(screened[0] / "out", tmp_path_factory.mktemp("reported") / "out")
+    ended("report", out)
+    return out
+
+
 @pytest.mark.sumo
 def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
     screened: tuple[Path, CompletedProcess[str]], tmp_path: Path
@@ -114,10 +122,9 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
 
 @pytest.mark.sumo
 def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
-    screened: tuple[Path, CompletedProcess[str]], tmp_path: Path
+    reported: Path,
 ) -> None:
-    out = shutil.copytree(screened[0] / "out", tmp_path / "out")
-    ended("report", out)
+    out = reported
     page = (out / "report.html").read_text("utf-8")
     rows = read_csv(out / "crossings.csv")
     assert "Which crossings of t are dangerous?" in page
@@ -145,14 +152,10 @@ def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
 
 @pytest.mark.sumo
 @pytest.mark.browser
-def test_the_report_of_a_screening_prints_on_one_sheet(
-    screened: tuple[Path, CompletedProcess[str]], tmp_path: Path
-) -> None:
-    out = shutil.copytree(screened[0] / "out", tmp_path / "out")
-    ended("report", out)
+def test_the_report_of_a_screening_prints_on_one_sheet(reported: Path) -> None:
     with started() as browser:
         page = browser.new_page()
-        page.goto((out / "report.html").as_uri())
+        page.goto((reported / "report.html").as_uri())
         printed = page.pdf(prefer_css_page_size=True)
     assert re.findall(rb"/Count (\d+)", printed) == [b"1"]
 

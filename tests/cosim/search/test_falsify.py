@@ -157,4 +157,7 @@ def test_a_controller_that_crashes_in_every_trial_ends_the_search_with_the_reaso
     crash = ["--controller", "unruly", "--set", "behaviour=raise"]
     assert main([*arguments(found.parent, tmp_path / "out"), *crash]) == 3
     error = capsys.readouterr().err
-    assert "every one of 10 runs failed, for instance: internal error, ZeroDivisionError" in error
+    assert (
+        "every one of 10 runs failed, for instance: the controller of ego 'ego_0' failed at 3.00 s: ZeroDivisionError"
+        in error
+    )

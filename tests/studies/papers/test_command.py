@@ -12,14 +12,13 @@ import pytest
 from cosim.errors import InputError
 from studies.papers.__main__ import main
 from studies.papers.catalog import EXTRA, found
-from studies.papers.claim import HOLDS, Status, compared, observed
+from studies.papers.claim import HOLDS, compared, observed
 from studies.papers.page import markdown, titles
 from studies.papers.table import COLUMNS, read_claims, write_claims
 from tests.cosim.cli.commands import source_environment
 
 DOCUMENTATION = Path(__file__).resolve().parents[3] / "docs"
-QUICK = "003"
-"""A paper whose experiments take no more than seconds."""
+PAPER = "003"
 LONGEST_S = 300.0
 
 CLAIMS = [
@@ -87,13 +86,13 @@ def test_an_unknown_paper_is_answered_by_those_that_exist(
 ) -> None:
     line = refused(capsys, "999", "--out", str(tmp_path / "out"))
     assert "'999'" in line
-    assert QUICK in line
+    assert PAPER in line
     assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_with_files_in_it_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
-    assert "files in it" in refused(capsys, QUICK, "--out", str(tmp_path))
+    assert "files in it" in refused(capsys, PAPER, "--out", str(tmp_path))
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
@@ -105,24 +104,6 @@ def test_a_missing_package_is_named_with_how_to_get_it(
     line = refused(capsys, "--out", str(tmp_path / "out"))
     assert package in line
     assert "pip install -e '.[papers]'" in line
-
-
-def test_one_paper_twice_gives_the_same_files_and_its_counts(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    for name in ("first", "second"):
-        assert main([QUICK, "--out", str(tmp_path / name)]) == 0
-    shown = capsys.readouterr().out
-    claims = read_claims(tmp_path / "first" / "claims.csv")
-    assert {claim.paper for claim in claims} == {QUICK}
-    reproduced = [claim.status for claim in claims].count(Status.RESULT)
-    (line, *_) = (line for line in shown.splitlines() if line.startswith(f"| {QUICK}"))
-    assert str(reproduced) in line
-    for claim in claims:
-        if claim.status is Status.NOT_REPRODUCED:
-            assert claim.claim.split()[0] in shown
-    assert _contents(tmp_path / "first") == _contents(tmp_path / "second")
-    assert any(name.startswith(f"figures/{QUICK}-") for name in _contents(tmp_path / "first"))
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from studies.papers.__main__ import main
 from studies.papers.claim import HOLDS, Claim, Status
 from studies.papers.potential_field import experiments
 from studies.papers.potential_field.scenes import (
@@ -22,7 +23,9 @@ from studies.papers.potential_field.scenes import (
     planned,
 )
 from studies.papers.potential_field.spread import directions, gain_grid, orders
+from studies.papers.table import write_claims
 
+PAPER = "003"
 SCENE = MappingProxyType({scene.name: scene for scene in SCENES})
 RIGHT_ANGLE = math.radians(90.0)
 
@@ -32,6 +35,25 @@ def claims(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]
     """Run all experiments once."""
     folder = tmp_path_factory.mktemp("figures")
     return experiments.run(folder), folder
+
+
+def test_the_command_gives_the_same_claims_and_figures_again_and_counts_the_claims(
+    claims: tuple[list[Claim], Path], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    known, figures = claims
+    assert main([PAPER, "--out", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr().out
+    made = {path.name: path.read_bytes() for path in (tmp_path / "out/figures").iterdir()}
+    assert made == {path.name: path.read_bytes() for path in figures.iterdir()}
+    write_claims(tmp_path / "known.csv", known)
+    assert (tmp_path / "out/claims.csv").read_bytes() == (tmp_path / "known.csv").read_bytes()
+    assert {claim.paper for claim in known} == {PAPER}
+    reproduced = [claim.status for claim in known].count(Status.RESULT)
+    (line, *_) = (line for line in shown.splitlines() if line.startswith(f"| {PAPER}"))
+    assert str(reproduced) in line
+    for claim in known:
+        if claim.status is Status.NOT_REPRODUCED:
+            assert claim.claim.split()[0] in shown
 
 
 @pytest.mark.parametrize(("name", "axis"), [("1", 18.779), ("2", 21.975), ("3", 11.841), ("4", 20.900)])
