@@ -17,8 +17,9 @@ class DrivingStyle:
     """Acceleration from standstill on a free road [m/s^2]."""
     deceleration: float = 2.0
     """Comfortable deceleration [m/s^2]."""
-    lateral_acceleration: float = 2.0
-    """In bends [m/s^2]."""
+    lateral_acceleration: float = 3.0
+    """In bends: a side friction of 0.32, for which low-speed streets are laid out at 24 km/h [AASHTO2018]_
+    [m/s^2]."""
     slowest_bend: float = 2.0
     """No bend is taken slower, whatever curvature a coarse lane shape seems to have [m/s]."""
     stop_gap: float = 0.5
@@ -32,7 +33,9 @@ class DrivingStyle:
     swing_angle: float = 0.55
     """Heading to which the ego swings out past a standing vehicle [rad]."""
     swing_curvature: float = 0.22
-    """How tightly it swings out; at higher speed the lateral acceleration limits it [1/m]."""
+    """How tightly it swings out [1/m]."""
+    swing_acceleration: float = 2.0
+    """Lateral acceleration that limits how tightly it swings out at higher speed [m/s^2]."""
     room_to_swing: float = 7.0
     """Gap to a standing vehicle at which a change waits that cannot yet swing out past it [m]."""
     room_to_change: float = 10.0

@@ -40,7 +40,7 @@ class LaneKeeping:
     """Steepest angle to the lane at low speed [rad]."""
     correction: float = 2.0
     """Lateral acceleration beyond that of the curve that a correction may use [m/s^2]."""
-    lateral_acceleration: float = 3.0
+    lateral_acceleration: float = 4.5
     """Lateral acceleration that is never exceeded, curve included [m/s^2]."""
     preview: float = 0.2
     """How far ahead a coming bend is steered, because the wheel needs time to turn [s]."""

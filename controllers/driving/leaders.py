@@ -93,7 +93,7 @@ def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle)
     The wheels turn first: until they have, the ego gets on in the direction it has.
     """
     fastest = max(ego.speed + style.acceleration * ego.plan_interval, 1.0)
-    curvature = min(style.swing_curvature, style.lateral_acceleration / fastest**2)
+    curvature = min(style.swing_curvature, style.swing_acceleration / fastest**2)
     missing = max(math.atan(ego.body.wheelbase * curvature) - side * ego.steering, 0.0)
     turning = ego.drive.steering_lag + 0.5 * missing / ego.drive.max_steering_rate
     straight = min(max(ego.speed, 0.0) * turning, distance)

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions
 from controllers.conflicts.hidden_pedestrians import HiddenPedestrian
+from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.lanes.gap_acceptance import GapRule
 from controllers.interface import Controller
 from controllers.optimisation.settings import SolverSettings
@@ -83,7 +84,7 @@ class Settings(ControllerSettings):
     """No change begins nearer before a crossing, but for one that the route asks for."""
     clear_after_crossing_m: NotNegative = 12.0
     """No change begins nearer after a crossing, but for one that the route asks for."""
-    bend_acceleration_mps2: PositiveOrInfinite = 2.0
+    bend_acceleration_mps2: PositiveOrInfinite = DrivingStyle().lateral_acceleration
     """Comfortable lateral acceleration."""
     max_acceleration_mps2: PositiveOrInfinite = 2.2
     """The most that a plan speeds up with."""

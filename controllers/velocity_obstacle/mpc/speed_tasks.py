@@ -33,11 +33,13 @@ SLOW = 1.0
 """Slower is slow [m/s]."""
 CAREFUL_BEFORE = 5.0
 """Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
-CEILING_SHARE, CEILING_BRAKING, CEILING_MARGIN = 1.5, 2.0, 0.3
-"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, met with this
-deceleration [m/s^2], plus this [m/s]."""
-SLOWING_FOR_THE_ROAD = 1.5
-"""Deceleration with which limits and bends ahead are met [m/s^2]."""
+SLOWING_FOR_THE_ROAD, SLOWING_FOR_PEOPLE = 2.5, 1.5
+"""Decelerations with which bends and speed limits ahead are met, and with which people are who are passed
+slowly, or who may be hidden [m/s^2]."""
+CEILING_SHARE, CEILING_MARGIN = 1.25, 0.3
+"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, plus this [m/s]."""
+LATEST_FOR_THE_ROAD, LATEST_FOR_PEOPLE = 3.3, 2.0
+"""Decelerations with which those ceilings are met [m/s^2]."""
 SPEEDING_UP = 1.0
 """How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
 MOVING_UP = 1.5
@@ -63,7 +65,7 @@ class SpeedTasks:
 
     def __post_init__(self) -> None:
         lateral = self.settings.bend_acceleration
-        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, CEILING_BRAKING)
+        wanted, ceiling = (lateral, SLOWING_FOR_THE_ROAD), (CEILING_SHARE * lateral, LATEST_FOR_THE_ROAD)
         self._demands = np.array([wanted, ceiling])
         self._no_lower_bound = np.full(len(self.memory.times), -np.inf)
 
@@ -115,9 +117,10 @@ class SpeedTasks:
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
         for limit in (slowly, hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)):
             if limit is not None:
-                slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_THE_ROAD)
+                slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_PEOPLE)
                 reference = np.minimum(reference, _without_a_run_up(slow, times))
-                ceiling = np.minimum(ceiling, hidden_pedestrians.reached(*limit, positions, CEILING_BRAKING))
+                latest = hidden_pedestrians.reached(*limit, positions, LATEST_FOR_PEOPLE)
+                ceiling = np.minimum(ceiling, latest)
         if ego.speed < SLOW:
             reference = np.minimum(reference, _up_to(stoppable - positions))
         task = SpeedTask(

@@ -128,7 +128,7 @@ def test_a_bend_is_entered_at_its_lateral_acceleration() -> None:
         seen = perception(ego(speed), bend(straight_road(), 80.0 - place, 12.0, 20.0))
         speed += 0.1 * float(follower.follow(seen, 0, np.zeros(1)).acceleration[0])
         place += 0.1 * speed
-    assert speed == pytest.approx(math.sqrt(2.0 * 12.0), abs=0.4)
+    assert speed == pytest.approx(math.sqrt(STYLE.lateral_acceleration * 12.0), abs=0.4)
 
 
 def test_what_mattered_most_is_named() -> None:
