@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,9 @@ SPACING = 0.5
 WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
 """Pedestrians who walk along the road this fast are met elsewhere; the least closing speed, and how far ahead
 they are followed [m/s, m/s, s]."""
+WALKING_UP, SOONER_S = 0.2, 1.0
+"""Whoever walks this fast to where their crossing begins is met there, or on the way; they may be there this
+much sooner than they seem to be [m/s, s]."""
 ROUNDING = 0.1
 """[m]"""
 
@@ -48,7 +53,8 @@ def people_beside(
 ) -> tuple[NDArray[np.intp], FloatArray]:
     """Return who is near a way, by index, shape (n,), and where in its plane, (n, 2) [m].
 
-    Those who walk along the road count where the ego meets them.
+    Those who walk along the road count where the ego meets them, and so do those who walk up to where their
+    crossing begins.
 
     Parameters
     ----------
@@ -92,4 +98,28 @@ def _meeting_places(ego: EgoState, road: RoadAhead, people: Pedestrians) -> Floa
         until = np.minimum(gap / np.maximum(ego.speed - people.along_speed, CLOSING), FORESEEN_S)
         there, _ = to_plane(road, people.along + until * people.along_speed, people.across)
         places = np.where(walk[:, None], there, places)
-    return places
+    return places + _walked_up(ego, road, people, gap)
+
+
+def _walked_up(ego: EgoState, road: RoadAhead, people: Pedestrians, gap: FloatArray) -> FloatArray:
+    """Return how far people will have come who walk to where their crossing begins, shape (n, 2) [m].
+
+    They are expected to stop there, which may be beside the lane, or in it.
+
+    Parameters
+    ----------
+    ego, road, people
+    gap : from the front bumper to each, shape (n,) [m]
+    """
+    come = np.zeros(len(gap))
+    for i in np.flatnonzero(people.waiting & (people.crossing >= 0) & (gap > 0.0)):
+        crossing, across, speed = road.crossings[people.crossing[i]], people.across[i], people.across_speed[i]
+        begins = crossing.right if 2.0 * across < crossing.right + crossing.left else crossing.left
+        if speed * (begins - across) > 0.0 and abs(speed) > WALKING_UP:
+            until = min(gap[i] / max(ego.speed, CLOSING), FORESEEN_S) + SOONER_S
+            come[i] = math.copysign(min(abs(begins - across), abs(speed) * until), speed)
+    if not come.any():
+        return np.zeros((len(gap), 2))
+    now, _ = to_plane(road, people.along, people.across)
+    then, _ = to_plane(road, people.along, people.across + come)
+    return then - now

@@ -9,9 +9,9 @@ import pytest
 
 from controllers.conflicts.bystanders import FREE, NEAR, SLOW, Bystanders, bystanders, swing_out
 from controllers.conflicts.expected_behaviour import Expectation, PedestrianAssumptions, Watch, expected
-from controllers.interface import Body, Perception
+from controllers.interface import Body, CrossingKind, Perception
 from cosim.step.toy_road import ToyRoad, walk
-from tests.controllers.scenes import Walker, bend, ego, perception, straight_road
+from tests.controllers.scenes import Walker, bend, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
 
 BODY = Body()
@@ -70,6 +70,36 @@ def test_beside_somebody_who_waits_at_a_crossing_it_can_stop_before_they_reach_i
     allowed = waits[1].min()
     assert 1.0 <= allowed < stays[1].min()
     assert allowed == 1.0 or 0.25 + allowed / 8.0 == pytest.approx(gap / 1.5)
+
+
+WALKS_UP = Walker(30.0, -6.0, 0.0, 1.4, crossing=0, waiting=True)
+"""To where a crossing begins at the edge of a lane."""
+
+
+def _walks_up(speed: float, begins: float, walker: Walker = WALKS_UP) -> Bystanders | None:
+    """Return who is beside an ego that meets somebody on the way to a crossing that it has priority at."""
+    crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=begins)
+    seen = perception(ego(speed), straight_road(), [walker], crossings=[crossing])
+    return bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan))
+
+
+@pytest.mark.parametrize("begins", [-1.5, -1.7])
+def test_who_walks_up_to_a_crossing_is_passed_as_if_they_stood_there(begins: float) -> None:
+    """The ego needs 26.5 m / 8 m/s = 3.3 s to get there, the pedestrian 4.5 m / 1.4 m/s = 3.2 s."""
+    found = _walks_up(8.0, begins)
+    assert found is not None
+    assert found.least(1) == pytest.approx([-begins - 0.5 * BODY.width - 0.25])
+
+
+def test_who_walks_up_to_a_crossing_and_comes_too_late_is_not_slowed_down_for() -> None:
+    """In 1.9 s and one more they walk 4 m of the 4.5: the ego passes 0.8 m and more away from them."""
+    found = _walks_up(14.0, -1.5)
+    assert found is None or found.least(1) == pytest.approx([6.0 - 1.4 * (26.45 / 14.0 + 1.0) - 1.15], abs=0.02)
+
+
+@pytest.mark.parametrize("change", [{"across_speed": -1.4}, {"waiting": False}, {"across_speed": 0.1}])
+def test_who_does_not_walk_up_to_the_crossing_counts_where_they_are(change: dict[str, object]) -> None:
+    assert _walks_up(8.0, -1.5, replace(WALKS_UP, **change)) is None  # type: ignore[arg-type]
 
 
 def test_beyond_a_distance_the_speed_is_free() -> None:
