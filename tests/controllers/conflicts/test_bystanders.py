@@ -94,7 +94,9 @@ def test_who_walks_up_to_a_crossing_is_passed_as_if_they_stood_there(begins: flo
 def test_who_walks_up_to_a_crossing_and_comes_too_late_is_not_slowed_down_for() -> None:
     """In 1.9 s and one more they walk 4 m of the 4.5: the ego passes 0.8 m and more away from them."""
     found = _walks_up(14.0, -1.5)
-    assert found is None or found.least(1) == pytest.approx([6.0 - 1.4 * (26.45 / 14.0 + 1.0) - 1.15], abs=0.02)
+    assert found is None or found.least(1) == pytest.approx(
+        [6.0 - 1.4 * (26.45 / 14.0 + 1.0) - 1.15], abs=0.02
+    )
 
 
 @pytest.mark.parametrize("change", [{"across_speed": -1.4}, {"waiting": False}, {"across_speed": 0.1}])
