@@ -44,7 +44,7 @@ SUMMARIES = {
     "run": "Drive an ego through a scenario; say how safe it was.",
     "batch": "Run a study: scenarios × controllers × seeds × parameters.",
     "check": "Hold runs against criteria: pass or fail, with JUnit XML.",
-    "screen": "Rank the crossings of a network by their conflicts.",
+    "screen": "Rank the crossings of a network by risk.",
     "falsify": "Search for the cases in which a controller fails.",
     "estimate": "Estimate how probable a contact is per passage.",
     "validate": "Compare simulated road users with real ones.",

@@ -54,3 +54,9 @@ def test_a_page_spells_an_abbreviation_out_where_it_first_uses_it(page: Path) ->
         first = re.search(rf"\b{short}\b", text)
         before = "" if first is None else " ".join(text[: first.end() + 60].lower().split())
         assert first is None or long in before, short
+
+
+def test_the_first_page_of_the_documentation_leads_to_every_other_one() -> None:
+    folder = ROOT / "docs"
+    named = set(re.findall(r"\]\(([\w-]+\.md)", (folder / "index.md").read_text("utf-8")))
+    assert named == {path.name for path in folder.glob("*.md")} - {"index.md"}
