@@ -1,7 +1,7 @@
 """How soon a search finds planted faults, how often intervals of an estimate hold, and what a search costs.
 
-``python benchmarks/falsify.py faults | toy | estimate | time | agreement FOLDER`` prints a table each; ``toy
-0.005`` only the rows of that volume.
+``python benchmarks/falsify.py faults | toy | sumo FOLDER | estimate | extremes | time | agreement FOLDER``
+prints a table each; ``toy 0.005`` only the rows of that volume, ``sumo FOLDER 200`` with so many runs.
 """
 
 from __future__ import annotations
@@ -15,12 +15,15 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from measuring import planted_driver
 from measuring.one_pedestrian import DISTRIBUTED, SPACE
 from measuring.planted import AXES, TOY_AXES, Faults, toy_boxes, toy_hit, toy_margin
 from scipy.stats import norm
 
 from analysis.markdown import table_of
 from analysis.search.axes import Axis, Point
+from analysis.search.extremes import extrapolated
+from analysis.search.objective import squashed
 from analysis.search.probability import estimate
 from cosim.search.proposals import GENERATION, propose
 
@@ -84,6 +87,62 @@ def toy(volumes: Sequence[float] = (0.02, 0.005, 0.001)) -> None:
     print(table_of(rows))
 
 
+def sumo(folder: Path, budget: int = BUDGET) -> None:
+    """Print how soon the planted faults of a real controller are found in SUMO.
+
+    Parameters
+    ----------
+    folder
+        Kept, so that what was interrupted goes on.
+    budget
+        Runs of a search.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [planted_in_sumo(folder / f"{volume:g}", volume, budget) for volume in (0.02, 0.005, 0.001)]
+    print(table_of(rows))
+
+
+def planted_in_sumo(folder: Path, volume: float, budget: int) -> Row:
+    """Return what a search for the planted faults of a real controller finds.
+
+    Parameters
+    ----------
+    folder
+        Of the search; new, or of the same.
+    volume
+        Of all boxes, as a share of the space.
+    budget
+    """
+    from cosim.search.search import FalsifyRequest, prepared, silent
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {"space.toml": planted_driver.SPACE, "criteria.toml": planted_driver.CRITERIA}
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    request = FalsifyRequest(
+        "jaywalk_arterial",
+        planted_driver.__file__,
+        budget,
+        settings={"vehicles_per_hour": "0", "volume": f"{volume:g}"},
+        space=folder / "space.toml",
+        criteria=folder / "criteria.toml",
+        out=folder / "search",
+        shrink=False,
+    )
+    tried = prepared(request).run(silent()).tried
+    failed = [one for one in tried if one.status == "fail"]
+    planted = planted_driver.boxes(volume, 1)
+    far = [planted_driver.outside(planted, one.point) for one in failed]
+    return {
+        "together [%]": f"{100 * volume:g}",
+        "runs": len(tried),
+        "first failure in run": next((one.number for one in failed), "–"),
+        "failures": len(failed),
+        "of these outside the boxes": sum(min(one) > planted_driver.MEASURED for one in far),
+        f"faults found of {planted_driver.COUNT}": len({one.index(min(one)) for one in far}),
+    }
+
+
 _FAULTS_FOUND = f"faults found of {FAULTS}, mean"
 
 
@@ -124,6 +183,31 @@ def estimates() -> None:
                         "crude runs per run": f"{crude / runs:.3g}",
                     }
                 )
+    print(table_of(rows))
+
+
+def extremes(draws: int = 1000) -> None:
+    """Print how often the cross-check by extreme values holds a known probability."""
+    rows: list[Row] = []
+    for shape in ("one region", "two regions"):
+        for probability in (1e-2, 1e-3, 1e-4):
+            limit = _limit(shape, probability)
+            found = []
+            for seed in range(100):
+                inputs = np.random.default_rng(seed).standard_normal((draws, 6))
+                found.append(extrapolated([squashed(one) for one in limit(inputs).tolist()], seed))
+            known = [one for one in found if one is not None]
+            rows.append(
+                {
+                    "limit state": shape,
+                    "probability": f"{probability:g}",
+                    "runs": draws,
+                    "intervals that hold it, of 100": sum(
+                        one.low <= probability <= one.high for one in known
+                    ),
+                    "median": f"{median(one.probability for one in known):.2g}",
+                }
+            )
     print(table_of(rows))
 
 
@@ -215,10 +299,12 @@ def agreement(folder: Path, runs: int = 5000) -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "agreement":
-        agreement(Path(sys.argv[2]), *map(int, sys.argv[3:]))
+    if sys.argv[1] in ("agreement", "sumo"):
+        {"agreement": agreement, "sumo": sumo}[sys.argv[1]](Path(sys.argv[2]), *map(int, sys.argv[3:]))
         sys.exit()
     if sys.argv[1] == "toy" and len(sys.argv) > 2:
         toy([float(one) for one in sys.argv[2:]])
     else:
-        {"faults": faults, "toy": toy, "estimate": estimates, "time": time_of_search}[sys.argv[1]]()
+        {"faults": faults, "toy": toy, "estimate": estimates, "extremes": extremes, "time": time_of_search}[
+            sys.argv[1]
+        ]()

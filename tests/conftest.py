@@ -17,6 +17,7 @@ NEED_POSIX = (
     "cosim/cli/test_crash.py",
     "cosim/recording/test_folders.py",
     "cosim/running/test_no_room.py",
+    "cosim/search/test_dask.py",
     "studies/papers/test_command.py",
 )
 """They use signals, processes that are killed, limits of resources or links; elsewhere they are not collected."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,11 @@ from analysis.statistics.intervals import share_interval
 METHODS = ("crude", "subset", "importance")
 BLOCK = 100
 """Margins that are asked for at a time."""
-BLOCKS_OF_LEVEL = 4
-"""Blocks of each level of a replication; 400 margins a level."""
+BLOCKS_OF_LEVEL = {"importance": 4, "subset": 10}
+"""Blocks of each level of a replication. Of 400 margins, subset simulation goes on from 40: where the event
+has two regions, one of them often dies out on the way."""
+PROPOSAL = 3.0
+"""Width of the steps of subset simulation, in standard deviations; 2 is the library's own."""
 LEVEL = 0.1
 """Conditional probability of each level."""
 FEWEST_REPLICATIONS = 4
@@ -50,6 +53,8 @@ class Probability:
     replications: int
     reached: bool
     """Whether the wanted coefficient of variation was reached."""
+    drawn: tuple[float, ...] = field(default=(), repr=False)
+    """Margins of inputs that were drawn from their own distribution, before any method led the draws on."""
 
 
 class _Counting:
@@ -59,7 +64,13 @@ class _Counting:
         self._evaluate = evaluate
         self.runs = 0
         self.events = 0
+        self.drawn: list[float] = []
+        self._to_draw = 0
         self.error: BaseException | None = None
+
+    def begin(self, count: int) -> None:
+        """Take the next inputs, so many, for drawn from their own distribution."""
+        self._to_draw = count
 
     def __call__(self, inputs: Any) -> FloatArray:
         try:
@@ -67,6 +78,8 @@ class _Counting:
         except BaseException as error:
             self.error = error
             raise
+        self.drawn += margins[: self._to_draw].tolist()
+        self._to_draw -= min(self._to_draw, len(margins))
         self.runs += len(margins)
         self.events += int(np.count_nonzero(margins < 0.0))
         return margins
@@ -104,6 +117,7 @@ def estimate(
 def _crude(counting: _Counting, dimension: int, variation: float, most: int, seed: int) -> Probability:
     """Draw until there are enough events; the interval is the exact one of Clopper and Pearson."""
     generator = np.random.default_rng(seed)
+    counting.begin(most)
     reached = False
     while counting.runs < most and not reached:
         counting(generator.standard_normal((min(BLOCK, most - counting.runs), dimension)))
@@ -121,6 +135,7 @@ def _crude(counting: _Counting, dimension: int, variation: float, most: int, see
         counting.events,
         1,
         reached,
+        tuple(counting.drawn),
     )
 
 
@@ -149,7 +164,10 @@ def _replicated(
     mean = float(np.mean(found)) if found else 0.0
     scatter = _variation_of_mean(found)
     low, high = _interval(mean, scatter, len(found))
-    return Probability(method, mean, low, high, scatter, counting.runs, counting.events, len(found), reached)
+    drawn = tuple(counting.drawn)
+    return Probability(
+        method, mean, low, high, scatter, counting.runs, counting.events, len(found), reached, drawn
+    )
 
 
 def _variation_of_mean(values: list[float]) -> float | None:
@@ -176,9 +194,10 @@ def _replication(method: str, counting: _Counting, dimension: int, seed: int) ->
     )
     inputs = ot.RandomVector(ot.Normal(dimension))
     event = ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Less(), 0.0)
-    algorithm = ot.SubsetSampling(event) if method == "subset" else ot.NAIS(event, LEVEL)
+    algorithm = ot.SubsetSampling(event, PROPOSAL, LEVEL) if method == "subset" else ot.NAIS(event, LEVEL)
     algorithm.setBlockSize(BLOCK)
-    algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL)
+    algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL[method])
+    counting.begin(BLOCK * BLOCKS_OF_LEVEL[method])  # both begin with a level of crude sampling
     try:
         algorithm.run()
     except (TypeError, RuntimeError):

@@ -25,7 +25,7 @@ from cosim.batches.identity import source_digest
 from cosim.batches.job import Configuration, Job
 from cosim.batches.outcome import Outcome
 from cosim.batches.pool import Pool
-from cosim.batches.shipping import Bundle, bundles, pack_folder, unpack, unpack_bundle
+from cosim.batches.shipping import Bundle, Common, bundles, pack_folder, unpack, unpack_bundle
 from cosim.batches.worker import Handling
 from cosim.errors import InputError, SimulationError
 from cosim.recording import provenance
@@ -44,6 +44,8 @@ _new_client: Any = Client
 """Its methods have no types."""
 LOGGERS = ("distributed", "distributed.client", "tornado.application")
 """Those to which Dask gives a level."""
+COMMON = "common"
+"""Folder of a worker below which scenarios lie that were written after it had joined."""
 CONNECT_TIMEOUT_S = 10.0
 LOOK_FOR_WORKERS_EVERY_S = 5.0
 
@@ -54,23 +56,29 @@ class StudyOnWorker(WorkerPlugin):
     Dask sends it once to each worker, also to those that join later.
     """
 
-    def __init__(self, name: str, bundles: tuple[Bundle, ...], handling: Handling) -> None:
+    def __init__(
+        self, name: str, bundles: tuple[Bundle, ...], handling: Handling, common: bytes | None = None
+    ) -> None:
         self.name = name
         self._bundles = bundles
         self._handling = handling
+        self._common = common
+        self._places: dict[str, str] = {}
         self._folder: Path | None = None
         self._pool: Pool | None = None
 
     def setup(self, worker: Any) -> None:
         """Unpack the files on a worker."""
         self._folder = Path(tempfile.mkdtemp(prefix="cosim-study-", dir=worker.local_directory))
-        places = {
+        self._places = {
             one.place: unpack_bundle(one, self._folder / f"scenario-{number}")
             for number, one in enumerate(self._bundles)
         }
+        if self._common is not None:
+            unpack(self._common, self._folder / COMMON)
         # Dask's workers are daemons, which may have no children. Ours end by themselves when orphaned.
         multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
-        self._pool = Pool(worker.state.nthreads, self._handling, places)
+        self._pool = Pool(worker.state.nthreads, self._handling)
 
     def teardown(self, worker: Any) -> None:
         """Leave nothing on a worker."""
@@ -79,23 +87,33 @@ class StudyOnWorker(WorkerPlugin):
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
 
-    def make(self, job: Job) -> tuple[str, bool, bytes]:
-        """Return the reason for a missing run, whether it was lost by no fault of its own, and its files."""
+    def make(self, job: Job, rest: Bundle | None = None) -> tuple[str, bool, bytes]:
+        """Return the reason for a missing run, whether it was lost by no fault of its own, and its files.
+
+        Parameters
+        ----------
+        job
+        rest
+            Files of its scenario beside those that all have in common.
+        """
         assert self._pool is not None
         assert self._folder is not None
         folder = self._folder / uuid.uuid4().hex
+        place = self._places.get(job.configuration.place)
         try:
-            outcome = self._pool.submit(job, folder).result()
+            if rest is not None:
+                place = unpack_bundle(rest, self._folder / COMMON)
+            outcome = self._pool.submit(job, folder, place).result()
             return outcome.reason, outcome.lost, pack_folder(folder)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _make(name: str, job: Job) -> tuple[str, bool, bytes]:
+def _make(name: str, job: Job, rest: Bundle | None) -> tuple[str, bool, bytes]:
     """Run on a worker of the cluster."""
     plugin = get_worker().plugins[name]
     assert isinstance(plugin, StudyOnWorker)
-    return plugin.make(job)
+    return plugin.make(job, rest)
 
 
 def _versions(controllers: tuple[str, ...]) -> dict[str, str]:
@@ -137,6 +155,8 @@ class Cluster:
     configurations : Sequence
         Whatever may be asked for.
     handling : Handling
+    later : Common
+        What scenarios that are written after this have in common; ``None``: there are none.
 
     Raises
     ------
@@ -145,20 +165,29 @@ class Cluster:
     """
 
     def __init__(
-        self, address: str, study: Path, configurations: Sequence[Configuration], handling: Handling
+        self,
+        address: str,
+        study: Path,
+        configurations: Sequence[Configuration],
+        handling: Handling,
+        later: Common | None = None,
     ) -> None:
         for name in LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters of it is said by us
         self._address = address
         self._name = f"cosim-{hashlib.sha256(str(study.resolve()).encode()).hexdigest()[:12]}"
         controllers = tuple(sorted({one.controller for one in configurations}))
+        self._later = later
         self._threads = 0
         self._told = False
         self._looked = -LOOK_FOR_WORKERS_EVERY_S
         self._client = _connected(address)
         try:
             self._agree(controllers)
-            self._client.register_plugin(StudyOnWorker(self._name, bundles(configurations), handling))
+            first, shared = bundles(configurations), None
+            if later is not None:
+                first, shared = (), later.packed()
+            self._client.register_plugin(StudyOnWorker(self._name, first, handling, shared))
         except BaseException:
             self._client.close()
             raise
@@ -198,7 +227,9 @@ class Cluster:
         """Make a run somewhere, and put what comes back into ``folder``, which must not exist."""
         self._check_alive()
         result: Future[Outcome] = Future()
-        inner = self._client.submit(_make, self._name, job, key=f"{job.name}-{uuid.uuid4().hex}", pure=False)
+        rest = None if self._later is None else self._later.rest(job.configuration)
+        key = f"{job.name}-{uuid.uuid4().hex}"
+        inner = self._client.submit(_make, self._name, job, rest, key=key, pure=False)
         inner.add_done_callback(lambda done: result.set_result(self._outcome(done, job, folder)))
         return result
 

@@ -6,7 +6,7 @@ import errno
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
@@ -35,8 +35,6 @@ class Pool:
     ----------
     processes : int
     handling : Handling
-    places : Mapping
-        Where scenarios are on this machine, if elsewhere than the jobs say.
     runs_per_process : int
         After so many a process makes room for a fresh one.
     """
@@ -45,13 +43,11 @@ class Pool:
         self,
         processes: int,
         handling: Handling,
-        places: Mapping[str, str] | None = None,
         runs_per_process: int = RUNS_PER_PROCESS,
     ) -> None:
         self._processes = processes
         self._runs_per_process = runs_per_process
         self._handling = handling
-        self._places = places or {}
         self._pool: Any = None
 
     def __enter__(self) -> Pool:
@@ -71,14 +67,21 @@ class Pool:
         """Return how many runs to hand out at a time: one waits for each process, so that none is idle."""
         return 2 * self._processes
 
-    def submit(self, job: Job, folder: Path) -> Future[Outcome]:
-        """Make a run in ``folder``, which must not exist."""
-        place = self._places.get(job.configuration.place, job.configuration.place)
+    def submit(self, job: Job, folder: Path, place: str | None = None) -> Future[Outcome]:
+        """Make a run in ``folder``, which must not exist.
+
+        Parameters
+        ----------
+        job : Job
+        folder : Path
+        place : str
+            Where the scenario is on this machine; ``None``: where the job says.
+        """
 
         def outcome(done: Future[None]) -> Outcome:
             return _outcome(done, job, folder, self._handling.timeout_s)
 
-        arguments = (job, place, folder, self._handling)
+        arguments = (job, place or job.configuration.place, folder, self._handling)
         return self._schedule(worker.make, arguments, self._handling.timeout_s, outcome)
 
     def check(self, job: Job, start_sumo: bool) -> Future[tuple[Inputs, str] | str]:

@@ -40,6 +40,40 @@ def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
     configuration with its network, routes and additional files. They keep their places relative to
     each other.
     """
+    entries, files = _travelling(configurations)
+    return tuple(_bundle(place, entries[place], some) for place, some in files.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Common:
+    """What scenarios that are yet to be written have in common; each of them travels with the rest."""
+
+    root: Path
+    """Folder below which all files of the scenarios are: that of the whole file system."""
+    files: frozenset[Path]
+
+    def packed(self) -> bytes:
+        """Return these files."""
+        return pack(self.root, sorted(self.files))
+
+    def rest(self, configuration: Configuration) -> Bundle | None:
+        """Return the files of a scenario that are not among these; ``None`` for a built-in one."""
+        entries, files = _travelling([configuration])
+        for place, some in files.items():
+            own = [path for path in some if path not in self.files]
+            entry = entries[place].relative_to(self.root).as_posix()
+            return Bundle(place, entry, pack(self.root, own))
+        return None
+
+
+def common(folder: Path, configurations: Iterable[Configuration]) -> Common:
+    """Return the files of scenarios that later ones, written below ``folder``, are made from."""
+    _, files = _travelling(configurations)
+    return Common(Path(folder.resolve().anchor), frozenset(path for some in files.values() for path in some))
+
+
+def _travelling(configurations: Iterable[Configuration]) -> tuple[dict[str, Path], dict[str, list[Path]]]:
+    """Return by place the folder or configuration of scenarios that are not built in, and their files."""
     files: dict[str, set[Path]] = {}
     entries: dict[str, Path] = {}
     # Parameters may decide which files a scenario names; the controller does not.
@@ -50,7 +84,7 @@ def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
         entry = scenario.variant or scenario.folder or scenario.sumocfg or Path(one.place)
         entries[one.place] = entry.resolve()
         files.setdefault(one.place, set()).update(path.resolve() for path in _files(scenario))
-    return tuple(_bundle(place, entries[place], sorted(some)) for place, some in sorted(files.items()))
+    return entries, {place: sorted(some) for place, some in sorted(files.items())}
 
 
 def _bundle(place: str, entry: Path, files: Sequence[Path]) -> Bundle:

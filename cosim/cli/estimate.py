@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Debug, Jobs, Settings
+from cosim.cli.options import Debug, Jobs, Scheduler, Settings, here_or_elsewhere
 from cosim.cli.search_options import ControllerName, CriteriaFile, OwnFolder, RunTimeout, Searched, Space
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def estimate(
     criteria: CriteriaFile = None,
     settings: Settings = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
     run_timeout_s: RunTimeout = 600.0,
     out: OwnFolder = None,
     debug: Debug = False,
@@ -59,6 +60,7 @@ def estimate(
     from cosim.running.request import parse_settings
     from cosim.search.estimate import EstimateRequest, prepared_estimate, run_estimate
 
+    here_or_elsewhere(jobs, scheduler)
     if not 0 <= seed < 2**31 - 10000:
         raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 10001}, got {seed}")
     request = EstimateRequest(
@@ -74,6 +76,7 @@ def estimate(
         criteria,
         out,
         jobs,
+        scheduler,
         run_timeout_s,
     )
     subject, about = prepared_estimate(request)
@@ -86,6 +89,24 @@ def estimate(
         return 3
     _show(request, found)
     return 0
+
+
+def _cross_check(found: Estimated) -> str:
+    """Return what extreme-value theory says, or why it says nothing."""
+    from analysis.search.extremes import FEWEST_PEAKS, SHARE
+    from analysis.search.probability import in_words
+
+    one = found.check
+    if one is None:
+        return (
+            f"Cross-check by extreme values: none; it needs {FEWEST_PEAKS} near misses among the nearest "
+            f"{100 * SHARE:g} % of the passages drawn, and fewer events than that."
+        )
+    return (
+        f"Cross-check by extreme values, no estimate to rest on: {in_words(one.low, one.high)}, from the "
+        f"tail of the {one.peaks} nearest of {one.margins} passages drawn, as if contacts went on from near "
+        "misses."
+    )
 
 
 def _show(request: EstimateRequest, found: Estimated) -> None:
@@ -115,6 +136,7 @@ def _show(request: EstimateRequest, found: Estimated) -> None:
     )
     if one.replications > 1:
         say(f"The interval is from the scatter of {one.replications} independent estimates.")
+    say(_cross_check(found))
     if found.invalid:
         say(f"{found.invalid} runs failed; none of them counts as an event.")
     say(

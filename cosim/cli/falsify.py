@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cosim.cli import terminal
-from cosim.cli.options import Debug, Jobs, Settings
+from cosim.cli.options import Debug, Jobs, Scheduler, Settings, here_or_elsewhere
 from cosim.cli.search_options import ControllerName, CriteriaFile, OwnFolder, RunTimeout, Searched, Space
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def falsify(
     criteria: CriteriaFile = None,
     settings: Settings = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
     time_budget: TimeBudget = None,
     stop_at_first: StopAtFirst = False,
     shrink: Shrink = True,
@@ -71,6 +72,7 @@ def falsify(
     from cosim.running.request import parse_settings
     from cosim.search.search import FalsifyRequest, command, prepared
 
+    here_or_elsewhere(jobs, scheduler)
     if not 0 <= seed < 2**31 - 1000:
         raise InputError(f"--seed: expected a whole number from 0 to {2**31 - 1001}, got {seed}")
     request = FalsifyRequest(
@@ -84,6 +86,7 @@ def falsify(
         criteria,
         out,
         jobs,
+        scheduler,
         time_budget,
         stop_at_first,
         shrink,

@@ -15,6 +15,7 @@ from analysis.errors import did_you_mean
 from analysis.files import write_csv, write_json
 from analysis.sealing import seal_tables
 from analysis.search.axes import Value
+from analysis.search.extremes import Extrapolated, extrapolated
 from analysis.search.objective import judge_contacts
 from analysis.search.probability import METHODS, Probability, estimate
 from analysis.search.results import PACKAGE
@@ -32,7 +33,7 @@ from cosim.search.folder import begin, check_folder, described
 from cosim.search.proposals import missing
 from cosim.search.search import TRIALS, Shown
 from cosim.search.subject import Subject, read_subject
-from cosim.search.trials import Answer, Trial, Trials, running
+from cosim.search.trials import Answer, Trial, Trials, Where, makers, running
 
 EVENTS = ("contact", "preventable-contact", "criteria")
 SEEDS = 1000
@@ -58,6 +59,8 @@ class EstimateRequest:
     criteria: Path | None = None
     out: Path | None = None
     jobs: int | None = None
+    scheduler: str | None = None
+    """Address of a Dask scheduler, whose workers make the runs."""
     run_timeout_s: float = DEFAULT_TIMEOUT_S
 
     @property
@@ -67,9 +70,9 @@ class EstimateRequest:
         return folders.DEFAULT_PARENT / name if self.out is None else self.out
 
     @property
-    def processes(self) -> int:
-        """Runs at a time."""
-        return self.jobs or cores()
+    def where(self) -> Where:
+        """Where runs are made."""
+        return Where(self.jobs or cores(), self.scheduler)
 
     def command(self) -> str:
         """Return the command that goes on where an estimate has ended."""
@@ -80,6 +83,7 @@ class EstimateRequest:
             words += ["--set", f"{key}={text}"]
         for flag, value in (("--space", self.space), ("--criteria", self.criteria), ("--out", self.out)):
             words += [] if value is None else [flag, str(value)]
+        words += [] if self.scheduler is None else ["--scheduler", self.scheduler]
         return shlex.join(words)
 
 
@@ -93,6 +97,8 @@ class Estimated:
     """Runs that failed; none of them counts as an event."""
     unpreventable: int
     """Runs with an event that nobody could have prevented."""
+    check: Extrapolated | None
+    """Extrapolated from near misses; ``None`` where there are too few, or too many events."""
 
 
 def prepared_estimate(request: EstimateRequest) -> tuple[Subject, str]:
@@ -145,25 +151,27 @@ def run_estimate(request: EstimateRequest, subject: Subject, about: str, shown: 
         When every run of the first block failed.
     """
     folder = request.folder
-    begin(folder, about)
     handling = Handling(request.run_timeout_s, drop_recordings=True)
-    with (
-        shown as show,
-        running(subject, folder / TRIALS, about, request.processes, handling, request.budget, show) as trials,
-    ):
-        margins = Margins(subject, trials, request.event, request.seed)
-        found = estimate(
-            request.method,
-            margins,
-            margins.dimension,
-            variation=request.variation,
-            most=request.budget,
-            seed=request.seed,
-        )
+    with makers(subject, folder / TRIALS, request.where, handling) as hands:
+        begin(folder, about)
+        with (
+            shown as show,
+            running(subject, folder / TRIALS, about, hands, request.budget, show) as trials,
+        ):
+            margins = Margins(subject, trials, request.event, request.seed)
+            found = estimate(
+                request.method,
+                margins,
+                margins.dimension,
+                variation=request.variation,
+                most=request.budget,
+                seed=request.seed,
+            )
     invalid = sum(bool(one.invalid) for one in margins.answers)
     unpreventable = sum(one.verdict.unpreventable for one in margins.answers)
-    _write(folder, request, found, invalid, unpreventable)
-    return Estimated(folder, found, invalid, unpreventable)
+    done = Estimated(folder, found, invalid, unpreventable, extrapolated(found.drawn, request.seed))
+    _write(request, done)
+    return done
 
 
 class Margins:
@@ -249,14 +257,18 @@ ESTIMATE = Table(
         column.count("n_invalid", "runs that failed, counted as no event", required=True),
         column.count("n_unpreventable", "runs with what nobody could have prevented", required=True),
         column.count("seed", "first seed", required=True),
+        column.at_least_0("extrapolated", "1", "cross-check: probability extrapolated from near misses"),
+        column.at_least_0("extrapolated_ci95_lo", "1", "95 % interval of the cross-check, from"),
+        column.at_least_0("extrapolated_ci95_hi", "1", "to"),
+        column.count("n_drawn", "runs drawn from the distributions, of which the cross-check is made"),
+        column.count("n_peaks", "of these, the ones with the smallest margins, to which a tail is fitted"),
     ),
     ("scenario_id", "controller", "event", "method"),
 )
 
 
-def _write(
-    folder: Path, request: EstimateRequest, found: Probability, invalid: int, unpreventable: int
-) -> None:
+def _write(request: EstimateRequest, done: Estimated) -> None:
+    folder, found, check = done.folder, done.probability, done.check
     row = {
         "scenario_id": request.scenario,
         "controller": request.controller,
@@ -270,9 +282,14 @@ def _write(
         "n_runs": found.runs,
         "n_events": found.events,
         "n_replications": found.replications,
-        "n_invalid": invalid,
-        "n_unpreventable": unpreventable,
+        "n_invalid": done.invalid,
+        "n_unpreventable": done.unpreventable,
         "seed": request.seed,
+        "extrapolated": None if check is None else check.probability,
+        "extrapolated_ci95_lo": None if check is None else check.low,
+        "extrapolated_ci95_hi": None if check is None else check.high,
+        "n_drawn": len(found.drawn),
+        "n_peaks": None if check is None else check.peaks,
     }
     table = write_csv(
         folder / ESTIMATE.file, ESTIMATE.names(), cells(ESTIMATE, [row], number="{:.6g}".format)

@@ -14,7 +14,7 @@ from cosim.presentation.page import write_page
 from cosim.search.proposals import first_generations
 from cosim.search.search import Found, Search, Shown
 from cosim.search.space import Parameter
-from cosim.search.trials import Trial, running
+from cosim.search.trials import Trial, makers, running
 
 REPLAYS = "replays"
 MOST = 12
@@ -73,9 +73,10 @@ def _replays(search: Search, found: Found, show: Callable[[Tally], None]) -> dic
     ]
     folder = found.folder / REPLAYS
     handling = Handling(search.request.run_timeout_s)
-    with running(
-        search.subject, folder, search.about, search.request.processes, handling, len(wanted), show
-    ) as trials:
+    with (
+        makers(search.subject, folder, search.request.where, handling) as hands,
+        running(search.subject, folder, search.about, hands, len(wanted), show) as trials,
+    ):
         answers = trials.run(wanted)
     write_page([folder])
     return {

@@ -25,7 +25,7 @@ from cosim.search import regression, shrinking
 from cosim.search.folder import begin, check_folder, described
 from cosim.search.proposals import GENERATION, NEUTRAL, Proposer, first_generations, missing, propose
 from cosim.search.subject import Subject, read_subject
-from cosim.search.trials import Trial, Trials, running
+from cosim.search.trials import Trial, Trials, Where, makers, running
 
 TRIALS = "trials"
 NEEDED = ("optuna", "cmaes", "SALib")
@@ -49,6 +49,8 @@ class FalsifyRequest:
     criteria: Path | None = None
     out: Path | None = None
     jobs: int | None = None
+    scheduler: str | None = None
+    """Address of a Dask scheduler, whose workers make the runs."""
     time_budget_s: float | None = None
     stop_at_first: bool = False
     shrink: bool = True
@@ -61,9 +63,9 @@ class FalsifyRequest:
         return folders.DEFAULT_PARENT / name if self.out is None else self.out
 
     @property
-    def processes(self) -> int:
-        """Runs at a time."""
-        return self.jobs or cores()
+    def where(self) -> Where:
+        """Where runs are made."""
+        return Where(self.jobs or cores(), self.scheduler)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,21 +105,19 @@ class Search:
             When no trial has a result, or no run can be made any more.
         """
         request, folder = self.request, self.request.folder
-        begin(folder, self.about)
         handling = Handling(request.run_timeout_s, drop_recordings=True)
         runs = request.budget * (len(self.seeds) if self._averaged else 1)
-        with (
-            shown as show,
-            running(
-                self.subject, folder / TRIALS, self.about, request.processes, handling, runs, show
-            ) as trials,
-        ):
-            tried, stopped = self._search(trials)
-            failures = [one.failure for one in tried if one.status == FAIL]
-            found = kinds(self.axes, failures)
-            changes = {}
-            if request.shrink:
-                changes = shrinking.changes(self._space_axes, found, tried, trials, self.seedless)
+        with makers(self.subject, folder / TRIALS, request.where, handling) as hands:
+            begin(folder, self.about)
+            with (
+                shown as show,
+                running(self.subject, folder / TRIALS, self.about, hands, runs, show) as trials,
+            ):
+                tried, stopped = self._search(trials)
+                found = kinds(self.axes, [one.failure for one in tried if one.status == FAIL])
+                changes = {}
+                if request.shrink:
+                    changes = shrinking.changes(self._space_axes, found, tried, trials, self.seedless)
         rows = regression.write_suite(self.subject, folder, found, self.seedless, changes)
         even = tried[: first_generations(request.method, request.budget)]
         if request.method in ("sobol", "random"):
@@ -284,6 +284,8 @@ def command(request: FalsifyRequest) -> str:
         words.append("--stop-at-first")
     if not request.shrink:
         words.append("--no-shrink")
+    if request.scheduler is not None:
+        words += ["--scheduler", request.scheduler]
     return shlex.join(words)
 
 

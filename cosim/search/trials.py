@@ -13,7 +13,7 @@ from analysis.files import read_csv
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.search.axes import Point
 from analysis.search.objective import Verdict, judge_run
-from cosim.batches.conduct import Tally, conduct
+from cosim.batches.conduct import Crew, Tally, conduct
 from cosim.batches.identity import Identity, identity_of
 from cosim.batches.job import Configuration, Job
 from cosim.batches.ledger import Ledger
@@ -27,6 +27,26 @@ from sumo_scenarios import library
 
 SCENARIOS = "scenarios"
 """Folder of the scenario files of trials, in that of the runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """Where runs are made."""
+
+    processes: int
+    """At a time, on this machine."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler, whose workers make them instead."""
+
+
+@dataclass(frozen=True, slots=True)
+class Makers:
+    """Processes for the runs of trials."""
+
+    pool: Pool
+    """On this machine; says what a run is made from."""
+    crew: Crew
+    """Makes the runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +78,8 @@ class Trials:
     subject
     folder
         Of scenarios and runs.
-    pool, ledger, tally, show
+    makers
+    ledger, tally, show
         As of a batch.
     """
 
@@ -66,14 +87,14 @@ class Trials:
         self,
         subject: Subject,
         folder: Path,
-        pool: Pool,
+        makers: Makers,
         ledger: Ledger,
         tally: Tally,
         show: Callable[[Tally], None],
     ) -> None:
         self._subject = subject
         self.folder = folder
-        self._pool = pool
+        self._makers = makers
         self._ledger = ledger
         self.tally = tally
         self._show = show
@@ -98,7 +119,7 @@ class Trials:
             raise InputError(f"{name}: {self._ledger.damaged[name]}")
         self.tally.done += len(done)
         missing = [job for job in jobs if job.name not in finished]
-        conduct(missing, self._pool, self._ledger, identities.__getitem__, self.tally, self._show)
+        conduct(missing, self._makers.crew, self._ledger, identities.__getitem__, self.tally, self._show)
         failures = {str(one["run"]): str(one["reason"]) for one in self._ledger.failures()}
         kept = set(self._ledger.finished())
         return [self._answer(trial, job, kept, failures) for trial, job in zip(trials, jobs, strict=True)]
@@ -143,7 +164,7 @@ class Trials:
         """Return what each run is made from; the first one's scenario is read by SUMO too."""
         futures = []
         for job in jobs:
-            futures.append(self._pool.check(job, not self._started))
+            futures.append(self._makers.pool.check(job, not self._started))
             self._started = True
         found: dict[Job, Identity] = {}
         for job, future in zip(jobs, futures, strict=True):
@@ -168,16 +189,48 @@ def judged(criteria: Sequence[Criterion], run: Path) -> Verdict:
 
 
 @contextmanager
+def makers(subject: Subject, folder: Path, where: Where, handling: Handling) -> Iterator[Makers]:
+    """Give the processes that make runs; nothing is written.
+
+    Parameters
+    ----------
+    subject
+    folder
+        Of the trials.
+    where
+    handling
+
+    Raises
+    ------
+    InputError
+        If nobody answers at the address of a scheduler, or a worker there has another version of anything.
+    """
+    with Pool(where.processes, handling) as pool:
+        if where.scheduler is None:
+            yield Makers(pool, pool)
+            return
+        from cosim.batches.dask_cluster import Cluster
+        from cosim.batches.shipping import common
+
+        values = tuple(subject.values.items())
+        base = Configuration(
+            subject.scenario, subject.place, subject.loaded.name, subject.controller, values, (), ()
+        )
+        shared = common(folder / SCENARIOS, [base])
+        with Cluster(where.scheduler, folder, [base], handling, shared) as cluster:
+            yield Makers(pool, cluster)
+
+
+@contextmanager
 def running(
     subject: Subject,
     folder: Path,
     about: str,
-    processes: int,
-    handling: Handling,
+    hands: Makers,
     total: int,
     show: Callable[[Tally], None],
 ) -> Iterator[Trials]:
-    """Open the folder of trials and start the worker processes.
+    """Open the folder of trials.
 
     Parameters
     ----------
@@ -186,21 +239,20 @@ def running(
         New, or that of the same search.
     about
         What the trials belong to; kept beside them.
-    processes
-        Runs at a time.
-    handling
+    hands
+        As `makers` gives them.
     total
         Runs that are planned, for who shows how far it is.
     show
     """
     ledger = Ledger(folder)
-    with Pool(processes, handling) as pool, ledger.opened(Path(folder.name), about):
+    with ledger.opened(Path(folder.name), about):
         ledger.find_damage()
         (folder / SCENARIOS).mkdir(exist_ok=True)
         try:
-            yield Trials(subject, folder, pool, ledger, Tally(total), show)
+            yield Trials(subject, folder, hands, ledger, Tally(total), show)
         finally:
-            pool.close()
+            hands.pool.close()  # before the files of unfinished runs are removed
 
 
 def copy_scenario(subject: Subject, trial: Trial, folder: Path) -> None:

@@ -45,6 +45,19 @@ def test_the_same_seed_gives_the_same_estimate(method: str) -> None:
     assert first.estimate != other.estimate
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_what_was_drawn_from_the_distribution_is_kept_apart_from_what_a_method_led_to_the_event(
+    method: str,
+) -> None:
+    found = estimate(method, plane(1e-3), DIMENSION, variation=0.3, most=3000, seed=5)
+    # The margin is the distance of the plane minus a standard normal number.
+    level = {"crude": found.runs, "importance": 400, "subset": 1000}[method]
+    assert len(found.drawn) == level * found.replications
+    off = np.array(found.drawn) + norm.ppf(1e-3)
+    assert abs(np.mean(off)) < 4.0 / math.sqrt(off.size)
+    assert np.std(off) == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * off.size))
+
+
 def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sampling() -> None:
     found = estimate("importance", plane(1e-5), DIMENSION, variation=0.3, most=30000, seed=7)
     # Crude sampling needs 1 / (p · 0.3²) runs for a coefficient of variation of 0.3.

@@ -42,7 +42,11 @@ def test_the_share_of_contacts_is_the_one_of_the_geometry(
             total += 1
     assert float(row["ci95_lo"]) < contacts / total < float(row["ci95_hi"])
     assert float(row["probability"]) == int(row["n_events"]) / 100
-    assert "passages of this kind (95 %), given these distributions" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "passages of this kind (95 %), given these distributions" in said
+    # A hundred passages have no thirty near misses among the nearest ten.
+    assert "Cross-check by extreme values: none; it needs 30 near misses" in said
+    assert (row["n_drawn"], row["extrapolated"], row["n_peaks"]) == ("100", "", "")
     resumed = tmp_path / "resumed"
     shutil.copytree(out, resumed)
     (resumed / "estimate.csv").unlink()
