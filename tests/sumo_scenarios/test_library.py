@@ -93,6 +93,10 @@ def test_every_parameter_name_is_accepted() -> None:
         "walking_speed_mps": "2",
         "gap_to_front_m": "2",
         "bus_length_m": "10",
+        "ahead": "braking_car",
+        "ahead_lane": "2",
+        "ahead_braking_mps2": "5",
+        "ahead_stands_s": "5",
     }
     for name in names():
         scenario = load(name)
