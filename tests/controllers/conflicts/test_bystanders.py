@@ -148,6 +148,21 @@ def test_nothing_is_feared_of_those_who_walk_on_or_have_always_stood() -> None:
     assert np.isnan(expected(stood, Watch(), PedestrianAssumptions(), None).sets_off).all()
 
 
+@pytest.mark.parametrize(("along_speed", "goes_on_across"), [(-0.05, True), (-1.1, False)])
+def test_only_who_stands_on_their_way_across_is_expected_to_go_on(
+    along_speed: float, goes_on_across: bool
+) -> None:
+    """Whoever turns and walks along the road keeps that velocity: it may lead up to the ego."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    scenes = Walker(3.0, 1.6, 0.0, -1.0), Walker(3.0, 1.4, along_speed, -0.1)
+    for time, walker in enumerate(scenes):
+        seen = perception(ego(0.0, time=float(time)), walkers=[walker])
+        known = expected(seen, watch, assume, None)
+    assert (known.comes is not None) == goes_on_across
+    assert known.enters.all()
+    assert known.across_speed == pytest.approx([-1.2 if goes_on_across else -0.1])
+
+
 def test_the_front_swings_out_of_a_bend() -> None:
     road = bend(straight_road(), 10.0, 8.0, 12.0)
     right, left = swing_out(road, BODY, np.array([5.0, 18.0]))
