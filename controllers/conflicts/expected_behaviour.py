@@ -222,8 +222,8 @@ def _movement(
         return speed, _Why.GOES_ON
     if outside or person.name not in watch.heading:
         return speed, _Why.STAYS
-    # Pedestrians who stop on their way across the road go on; those who never walked across it stay there, and
-    # those who walk along it keep their velocity.
+    # Pedestrians who stop on their way across the road go on; those who never walked across it stay there,
+    # and those who walk along it keep their velocity.
     if road.right_edge < person.across < road.left_edge and person.has_stopped(assume):
         return watch.heading[person.name] * assume.resume_speed, _Why.COMES
     return speed, _Why.GOES_ON
