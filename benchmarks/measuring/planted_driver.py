@@ -45,8 +45,9 @@ where = { preventable_r157 = 1 }
 allow_undefined = true
 """
 COUNT = 3
-MEASURED = 0.02
-"""So much may a scene that the controller has measured differ from its parameters, in shares of an axis."""
+MEASURED = 0.1
+"""So much may a scene that the controller has measured differ from its parameters, in shares of an axis:
+pedestrians set off at one of SUMO's steps and are seen at a plan, 0.1 s each of the gap's range of 2 s."""
 SLOPE = 0.35
 """How far from a fault it still brakes late, as a share of an axis."""
 BRAKES_MPS2 = 6.0
