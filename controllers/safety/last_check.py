@@ -55,7 +55,9 @@ WALKING, WALKERS_MARGIN = 0.1, 0.3
 """Faster pedestrians walk [m/s] and may step aside: this distance to them counts as contact [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
-MILD = 3.0
+MILD, SOON = 3.0, 0.7
+"""Braking that the plan may see to itself [m/s^2], but for a contact nearer than this: a slow ego could stop
+until somebody is there, and would not [s]."""
 
 
 class _Cars(NamedTuple):
@@ -137,7 +139,8 @@ class LastCheck:
         tried = np.array((MILD, *URGENT))
         slower = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
-        if not touches[0] and not starts:
+        soon = _touches(clearance[times < SOON], _until(motion, times < SOON), margin)
+        if not touches[0] and not starts and not soon[0]:
             return plan
         limit = perception.ego.drive.max_deceleration
         if starts or not touches.all():
@@ -209,6 +212,11 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
     """
     near = (clearance < margin).any(axis=2)
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
+
+
+def _until(motion: Motion, when: NDArray[np.bool_]) -> Motion:
+    """Return the first instants of a motion."""
+    return Motion(*(each[when] for each in motion))
 
 
 def _least(clearance: FloatArray, motion: Motion) -> FloatArray:

@@ -60,6 +60,15 @@ def test_it_does_not_brake_as_long_as_comfortable_braking_would_do() -> None:
     assert _checked(Walker(29.0, 0.0, 0.0, 0.0)).status == "ok"
 
 
+@pytest.mark.parametrize(("gap", "brakes"), [(0.5, True), (0.8, True), (1.5, False)])
+def test_a_slow_ego_does_not_wait_until_somebody_has_walked_up_to_it(gap: float, brakes: bool) -> None:
+    """It could stop in 0.2 s at any time; they are there in less than 0.7 s, or later."""
+    towards_the_flank = Walker(1.0, -(0.5 * BODY.width + 0.25 + gap), 0.0, 1.3)
+    checked = _checked(towards_the_flank, speed=0.4)
+    assert (checked.status == SHIELDED) == brakes
+    assert checked.command.acceleration.max() == (-3.0 if brakes else 0.0)
+
+
 def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
     steps_out = Walker(16.0, -2.4, 0.0, 1.2)
     assert _checked(steps_out).status == SHIELDED
