@@ -66,7 +66,7 @@ def test_a_slow_ego_does_not_wait_until_somebody_has_walked_up_to_it(gap: float,
     towards_the_flank = Walker(1.0, -(0.5 * BODY.width + 0.25 + gap), 0.0, 1.3)
     checked = _checked(towards_the_flank, speed=0.4)
     assert (checked.status == SHIELDED) == brakes
-    assert checked.command.acceleration.max() == (-3.0 if brakes else 0.0)
+    assert checked.command.acceleration.max() <= -3.0 if brakes else checked.command.acceleration.max() == 0.0
 
 
 def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
