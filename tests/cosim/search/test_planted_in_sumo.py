@@ -41,5 +41,7 @@ def test_planted_faults_are_found_in_sumo_and_every_failure_is_one_of_them(tmp_p
     for row in failures:
         point = {name: float(row[name]) for name in NUMBERS}
         assert min(planted_driver.outside(planted, point)) <= planted_driver.MEASURED
-    # The suite repeats them with the same controller, whose address it names.
-    assert main(["check", str(out / "failures"), "--out", str(tmp_path / "again")]) == 1
+    # A file must not have code executed that the command does not name.
+    again = ["check", str(out / "failures"), "--out", str(tmp_path / "again")]
+    assert main(again) == 2
+    assert main([*again, "--controller", planted_driver.__file__]) == 1
