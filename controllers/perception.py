@@ -222,6 +222,10 @@ class Crossing:
     pedestrians_have_green: bool | None
     """``None`` where no signal controls it."""
 
+    def begins(self, across: float) -> float:
+        """Return where it begins for a pedestrian: across coordinate of the end nearer to theirs [m]."""
+        return self.right if 2.0 * across < self.right + self.left else self.left
+
 
 class SignalState(StrEnum):
     """A traffic light as the ego sees it."""

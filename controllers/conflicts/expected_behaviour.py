@@ -239,9 +239,8 @@ def _to_the_crossing(
     if has_priority and (assume.yield_to_standing or not stands):
         # On the waiting area people still walk along the kerb: count on them to turn and cross.
         return math.copysign(max(pace, assume.resume_speed), -person.across), _Why.TURNS
-    from_the_right = 2.0 * person.across < crossing.right + crossing.left
-    begins = crossing.right if from_the_right else crossing.left
-    inwards = 1.0 if from_the_right else -1.0
+    begins = crossing.begins(person.across)
+    inwards = 1.0 if begins == crossing.right else -1.0
     if (person.across - begins) * inwards > 0.0 and person.across_speed * inwards >= AT_THE_ROADSIDE:
         # Past the waiting place without stopping: they are crossing, whoever has priority.
         return person.across_speed, _Why.GOES_ON

@@ -114,7 +114,7 @@ def _walked_up(ego: EgoState, road: RoadAhead, people: Pedestrians, gap: FloatAr
     come = np.zeros(len(gap))
     for i in np.flatnonzero(people.waiting & (people.crossing >= 0) & (gap > 0.0)):
         crossing, across, speed = road.crossings[people.crossing[i]], people.across[i], people.across_speed[i]
-        begins = crossing.right if 2.0 * across < crossing.right + crossing.left else crossing.left
+        begins = crossing.begins(across)
         if speed * (begins - across) > 0.0 and abs(speed) > WALKING_UP:
             until = min(gap[i] / max(ego.speed, CLOSING), FORESEEN_S) + SOONER_S
             come[i] = math.copysign(min(abs(begins - across), abs(speed) * until), speed)
