@@ -16,14 +16,14 @@ LOOK_AHEAD = 45.0
 """People up to here are kept away from [m]."""
 WANTED = 0.8
 """Distance that is wanted beside the body [m]."""
-LEAST = 0.3
-"""Who could not be passed with this distance is not made room for [m]."""
+ENOUGH, LEAST = 0.5, 0.3
+"""Distance for which the body leaves its lane, and without which nobody is made room for [m]."""
 ASIDE = 1.5
 """How much nearer somebody may be in a bend than the lane's centre line says [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
 BEYOND = 0.5
-"""And goes so much further where somebody could not be passed otherwise [m]."""
+"""And goes so much further where somebody would be passed too closely otherwise [m]."""
 SHORT = 0.05
 """The steering plan may miss that by so much [m]."""
 OVER, OVER_S = 3.0, 2.0
@@ -104,7 +104,7 @@ def _passed(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> tup
     gap is inf where the body never is beside somebody.
     """
     body = perception.ego.body
-    _, way = way_into_lane.poses(perception, lane.offset, LOOK_AHEAD)
+    way = way_into_lane.along_lane(perception, lane.offset, LOOK_AHEAD)
     who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
     who, at = who[stays[who]], at[stays[who]]
     dx, dy = at[:, :1] - way[0], at[:, 1:] - way[1]
@@ -124,13 +124,13 @@ def _wanted(gap: FloatArray, room: float, most: float) -> float:
     Parameters
     ----------
     gap : to each of them as things are [m]
-    room, most : that there is within the lane, and where somebody could not be passed otherwise [m]
+    room, most : that there is within the lane, and where somebody would be passed too closely otherwise [m]
     """
     passable = gap[(gap < WANTED) & (gap + most > LEAST)]
     if not len(passable):
         return 0.0
     least = float(passable.min())
-    return max(min(WANTED - least, room), min(LEAST - least, most))
+    return max(min(WANTED - least, room), min(ENOUGH - least, most))
 
 
 def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:

@@ -48,6 +48,18 @@ def poses(perception: Perception, offset: float, farthest: float) -> tuple[Float
     return places, np.vstack((at.T, heading + turned))
 
 
+def along_lane(perception: Perception, offset: float, farthest: float) -> FloatArray:
+    """Return x, y and heading of a rear axle in the middle of a lane, (3, k), in the plane of :func:`poses`.
+
+    Parameters
+    ----------
+    perception, offset, farthest : as for :func:`poses`
+    """
+    places = np.arange(0.0, farthest + SPACING, SPACING)
+    at, heading = to_plane(perception.road, places, np.full(len(places), offset))
+    return np.vstack((at.T, heading))
+
+
 def people_beside(
     perception: Perception, way: FloatArray, aside: float
 ) -> tuple[NDArray[np.intp], FloatArray]:

@@ -15,8 +15,10 @@ BODY = Body()
 ROOM = 0.5 * LANE_WIDTH - 0.5 * BODY.width - place_in_lane.TO_THE_LINE
 
 
-def _offset(walkers: Sequence[Walker], cars: Sequence[Car] = (), stays: bool = True) -> float:
-    seen = perception(ego(), straight_road(3, 1), walkers, cars)
+def _offset(
+    walkers: Sequence[Walker], cars: Sequence[Car] = (), stays: bool = True, across: float = 0.0
+) -> float:
+    seen = perception(ego(across=across), straight_road(3, 1), walkers, cars)
     found = place_in_lane.look(seen, np.full(len(walkers), stays))
     lane = found.road.lane(1)
     assert lane is not None
@@ -42,8 +44,13 @@ def test_the_lane_bounds_it(side: float) -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_it_leaves_the_lane_only_as_far_as_it_must(side: float) -> None:
-    assert _offset([_beside(-0.5, side)]) == pytest.approx(-(0.5 + place_in_lane.LEAST) * side)
+    assert _offset([_beside(-0.5, side)]) == pytest.approx(-(0.5 + place_in_lane.ENOUGH) * side)
     assert _offset([_beside(-ROOM - place_in_lane.BEYOND, side)]) == 0.0
+
+
+def test_it_does_not_move_back_beside_somebody_because_it_has_moved_over() -> None:
+    for along in (10.0, 5.0, 1.0):
+        assert _offset([_beside(0.2, -1.0, along)], across=0.5) == pytest.approx(0.6)
 
 
 def test_between_two_it_takes_the_middle() -> None:
