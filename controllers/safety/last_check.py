@@ -139,8 +139,7 @@ class LastCheck:
         tried = np.array((MILD, *URGENT))
         slower = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
-        soon = _touches(clearance[times < SOON], _until(motion, times < SOON), margin)
-        if not touches[0] and not starts and not soon[0]:
+        if not (touches[0] or starts or _touches_until(SOON, times, clearance, motion, margin)):
             return plan
         limit = perception.ego.drive.max_deceleration
         if starts or not touches.all():
@@ -214,9 +213,12 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
 
 
-def _until(motion: Motion, when: NDArray[np.bool_]) -> Motion:
-    """Return the first instants of a motion."""
-    return Motion(*(each[when] for each in motion))
+def _touches_until(
+    time: float, times: FloatArray, clearance: FloatArray, motion: Motion, margin: FloatArray
+) -> bool:
+    """Return whether the one variant of a motion touches somebody before a time [s]."""
+    early = times < time
+    return bool(_touches(clearance[early], Motion(*(each[early] for each in motion)), margin)[0])
 
 
 def _least(clearance: FloatArray, motion: Motion) -> FloatArray:

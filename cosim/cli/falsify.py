@@ -113,7 +113,7 @@ def _show(request: FalsifyRequest, found: Found) -> None:
     from collections import Counter
 
     from analysis.search.results import FAIL, INVALID, UNPREVENTABLE
-    from cosim.search.regression import FAILURES
+    from cosim.search.regression import check_command
 
     console = terminal.console()
 
@@ -142,14 +142,15 @@ def _show(request: FalsifyRequest, found: Found) -> None:
             say(f"   smallest change back to success found: {row.change}")
         say(f"   repeat: {row.command}")
     if len(found.kinds) > MOST_KINDS:
-        say(f"\n… and {len(found.kinds) - MOST_KINDS} more kinds in {found.folder}/kinds.csv")
+        more = _counted(len(found.kinds) - MOST_KINDS, "more kind")
+        say(f"\n… and {more} in {found.folder}/kinds.csv")
     if found.influences:
         told = ", ".join(
             f"{one.axis} {one.first_order:.2f} ± {one.half_width:.2f}" for one in found.influences[:3]
         )
         say(f"\nWhat decides most by itself (Sobol's first-order index): {told}")
     if found.kinds:
-        say(f"regression suite: cosim check {found.folder / FAILURES}")
+        say(f"regression suite: {check_command(request.controller, found.folder)}")
     say(f"files: {found.folder}")
 
 

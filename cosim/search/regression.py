@@ -11,6 +11,7 @@ from analysis.files import write_text
 from analysis.search.axes import Point
 from analysis.search.kinds import Failure, Kind
 from analysis.search.results import KindRow
+from controllers.outside.addresses import is_address
 from cosim.batches.study import study_of, study_text
 from cosim.search.shrinking import Shrunk
 from cosim.search.subject import Subject
@@ -70,12 +71,13 @@ def write_suite(
             )
         )
     for seed, names in by_seed.items():
-        content = {
+        content: dict[str, object] = {
             "scenarios": names,
             "controllers": [subject.controller],
             "seeds": [seed],
-            "set": dict(subject.controller_settings),
         }
+        if subject.controller_settings:
+            content["set"] = dict(subject.controller_settings)
         write_text(suite / f"seed-{seed}.toml", study_text(study_of(content, f"seed-{seed}.toml")))
     return rows
 
@@ -92,4 +94,15 @@ def run_command(subject: Subject, scenario: Path, seed: int) -> str:
     words = ["cosim", "run", str(scenario), "--controller", subject.controller, "--seed", str(seed)]
     for key, text in subject.controller_settings:
         words += ["--set", f"{key}={text}"]
+    return shlex.join(words)
+
+
+def check_command(controller: str, folder: Path) -> str:
+    """Return the command that checks all failures below the folder of a search.
+
+    A controller that is a program is named: files of a suite alone may not run one.
+    """
+    words = ["cosim", "check", str(folder / FAILURES)]
+    if is_address(controller):
+        words += ["--controller", controller]
     return shlex.join(words)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 from pathlib import Path
 
@@ -62,6 +63,24 @@ def test_the_suite_fails_while_the_controller_does_and_passes_with_a_better_one(
     suite = str(found / "failures")
     assert main(["check", suite, "--out", str(tmp_path / "same")]) == 1
     assert main(["check", suite, "--controller", "vo_mpc", "--out", str(tmp_path / "better")]) == 0
+
+
+def test_the_command_that_it_prints_checks_a_controller_that_is_a_file(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    never = tmp_path / "never_brakes.py"
+    never.write_text(
+        "from controllers.strategies import constant_speed as it\n\n\n"
+        "def build():\n    return it.build(it.Settings())\n"
+    )
+    words = arguments(found.parent, tmp_path / "found", "--no-shrink")
+    words[words.index("constant_speed")] = str(never)
+    assert main(words) == 0
+    told = capsys.readouterr().out
+    (printed,) = (line for line in told.splitlines() if line.startswith("regression suite: "))
+    cosim, *words = shlex.split(printed.removeprefix("regression suite: "))
+    assert cosim == "cosim"
+    assert main([*words, "--out", str(tmp_path / "checked")]) == 1
 
 
 def test_a_search_that_was_cut_short_resumes_to_the_same_bytes_with_another_number_of_workers(
