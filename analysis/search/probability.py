@@ -30,6 +30,9 @@ LEVEL = 0.1
 """Conditional probability of each level."""
 FEWEST_REPLICATIONS = 4
 MOST_REPLICATIONS = 100
+MOST_USELESS, NEARER = 6, 0.95
+"""After so many levels in a row with no threshold below this share of the lowest before, a replication is
+given up."""
 
 Evaluate = Callable[[FloatArray], FloatArray]
 """Standard normal numbers, an array (n, dimension), to margins, an array (n)."""
@@ -53,26 +56,41 @@ class Probability:
     replications: int
     reached: bool
     """Whether the wanted coefficient of variation was reached."""
+    dropped: int = 0
+    """Replications without an estimate: they came no nearer to the event, or the runs were used up."""
     drawn: tuple[float, ...] = field(default=(), repr=False)
     """Margins of inputs that were drawn from their own distribution, before any method led the draws on."""
+
+
+class _GivenUp(Exception):
+    """A replication leads nowhere, or the runs are used up."""
 
 
 class _Counting:
     """Evaluates, counts, and keeps what went wrong, which OpenTURNS would put into words of its own."""
 
-    def __init__(self, evaluate: Evaluate) -> None:
+    def __init__(self, evaluate: Evaluate, most: int) -> None:
         self._evaluate = evaluate
+        self._most = most
+        self._end = most
         self.runs = 0
         self.events = 0
         self.drawn: list[float] = []
         self._to_draw = 0
+        self._level: list[float] = []
+        self._level_size = 0
+        self._nearest, self._useless = math.inf, 0
         self.error: BaseException | None = None
 
-    def begin(self, count: int) -> None:
-        """Take the next inputs, so many, for drawn from their own distribution."""
-        self._to_draw = count
+    def begin(self, level: int) -> None:
+        """Begin a replication with levels of so many inputs, the first drawn from their own distribution."""
+        self._to_draw = self._level_size = level
+        self._end = self.runs + self._most
+        self._level, self._nearest, self._useless = [], math.inf, 0
 
     def __call__(self, inputs: Any) -> FloatArray:
+        if self.runs >= self._end or self._useless >= MOST_USELESS:
+            raise _GivenUp
         try:
             margins = np.asarray(self._evaluate(np.asarray(inputs, dtype=np.float64)), dtype=np.float64)
         except BaseException as error:
@@ -82,7 +100,21 @@ class _Counting:
         self._to_draw -= min(self._to_draw, len(margins))
         self.runs += len(margins)
         self.events += int(np.count_nonzero(margins < 0.0))
+        self._watch(margins)
         return margins
+
+    def _watch(self, margins: FloatArray) -> None:
+        """Count the levels that come no nearer to the event.
+
+        Where the margin jumps from well above 0 to below it, a method is led to those who just miss, and
+        would draw there for ever.
+        """
+        self._level += margins.tolist()
+        if not self._level_size or len(self._level) < self._level_size:
+            return
+        threshold = float(np.quantile(self._level, LEVEL))
+        self._useless = 0 if threshold < NEARER * self._nearest else self._useless + 1
+        self._nearest, self._level = min(self._nearest, threshold), []
 
 
 def estimate(
@@ -100,7 +132,7 @@ def estimate(
     variation
         Wanted coefficient of variation.
     most
-        Margins that may be asked for; a replication that has begun is finished.
+        Margins to ask for; a replication that has begun is finished, unless it alone needs twice as many.
     seed
 
     Raises
@@ -108,7 +140,7 @@ def estimate(
     ModuleNotFoundError
         Without OpenTURNS, for the methods that need it.
     """
-    counting = _Counting(evaluate)
+    counting = _Counting(evaluate, 2 * most)
     if method == "crude":
         return _crude(counting, dimension, variation, most, seed)
     return _replicated(method, counting, dimension, variation, most, seed)
@@ -135,7 +167,7 @@ def _crude(counting: _Counting, dimension: int, variation: float, most: int, see
         counting.events,
         1,
         reached,
-        tuple(counting.drawn),
+        drawn=tuple(counting.drawn),
     )
 
 
@@ -159,14 +191,23 @@ def _replicated(
             found.append(value)
         scatter = _variation_of_mean(found)
         reached = len(found) >= FEWEST_REPLICATIONS and scatter is not None and scatter <= variation
-        if counting.runs > most and len(found) >= 2:
+        if counting.runs > most and (len(found) >= 2 or len(found) < attempts):
             break
     mean = float(np.mean(found)) if found else 0.0
     scatter = _variation_of_mean(found)
     low, high = _interval(mean, scatter, len(found))
-    drawn = tuple(counting.drawn)
     return Probability(
-        method, mean, low, high, scatter, counting.runs, counting.events, len(found), reached, drawn
+        method,
+        mean,
+        low,
+        high,
+        scatter,
+        counting.runs,
+        counting.events,
+        len(found),
+        reached,
+        attempts - len(found),
+        tuple(counting.drawn),
     )
 
 
@@ -185,7 +226,7 @@ def _interval(mean: float, scatter: float | None, count: int) -> tuple[float, fl
 
 
 def _replication(method: str, counting: _Counting, dimension: int, seed: int) -> float | None:
-    """Return one estimate; ``None`` where OpenTURNS finds none."""
+    """Return one estimate; ``None`` where the method finds none."""
     import openturns as ot
 
     ot.RandomGenerator.SetSeed(seed)
@@ -198,13 +239,15 @@ def _replication(method: str, counting: _Counting, dimension: int, seed: int) ->
     algorithm.setBlockSize(BLOCK)
     algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL[method])
     counting.begin(BLOCK * BLOCKS_OF_LEVEL[method])  # both begin with a level of crude sampling
+    before = counting.events
     try:
         algorithm.run()
     except (TypeError, RuntimeError):
         if counting.error is not None:
             raise counting.error from None
-        return None  # its own estimate of the variance was below 0
-    return float(algorithm.getResult().getProbabilityEstimate())
+        return None  # given up, or its own estimate of the variance was below 0
+    # Subset simulation that has stopped short of the event has an estimate, too.
+    return float(algorithm.getResult().getProbabilityEstimate()) if counting.events > before else None
 
 
 _UNITS = (

@@ -30,7 +30,9 @@ def estimate(
     variation: Annotated[
         float, typer.Option(metavar="X", help="Stop at this coefficient of variation.")
     ] = 0.3,
-    budget: Annotated[int, typer.Option(metavar="N", min=1, help="Number of runs at most.")] = 5000,
+    budget: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Number of runs; what has begun is finished.")
+    ] = 5000,
     seed: Annotated[int, typer.Option(metavar="N", help="Seed of what is drawn.")] = 1,
     space: Space = None,
     criteria: CriteriaFile = None,
@@ -122,7 +124,7 @@ def _show(request: EstimateRequest, found: Estimated) -> None:
     what = _EVENTS[request.event]
     if one.events == 0:
         say(f"No run of {one.runs} had {what}.")
-    if one.method == "crude" or one.events:
+    if one.estimate or one.method == "crude":
         say(
             f"{request.controller} on {request.scenario}: {what} in {in_words(one.low, one.high)} passages "
             f"of this kind (95 %), given these distributions; estimate {one.estimate:.2g}"
@@ -136,6 +138,12 @@ def _show(request: EstimateRequest, found: Estimated) -> None:
     )
     if one.replications > 1:
         say(f"The interval is from the scatter of {one.replications} independent estimates.")
+    if one.dropped:
+        say(
+            f"{one.dropped} of {one.dropped + one.replications} independent estimates led nowhere and are "
+            "left out, so do not rest on this: passages that just miss may be no sign of contacts here. "
+            "--method crude does not depend on it."
+        )
     say(_cross_check(found))
     if found.invalid:
         say(f"{found.invalid} runs failed; none of them counts as an event.")

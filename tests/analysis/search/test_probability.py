@@ -73,6 +73,19 @@ def test_an_interval_of_repeated_estimates_is_as_wide_up_as_down_in_factors() ->
     assert math.log(found.estimate / found.low) == pytest.approx(wide)
 
 
+@pytest.mark.parametrize("method", ["subset", "importance"])
+def test_replications_that_a_margin_leads_nowhere_are_given_up_and_counted(method: str) -> None:
+    def jumps(inputs: FloatArray) -> FloatArray:
+        """Just miss the more the larger the first number is, and touch where that does not matter."""
+        margin = 0.05 + np.abs(inputs[:, 0] - 3.0)
+        return np.asarray(np.where(inputs[:, 1] < -4.5, -1.0, margin))
+
+    found = estimate(method, jumps, DIMENSION, variation=0.2, most=10000, seed=1)
+    assert found.dropped
+    assert not found.reached
+    assert found.runs < 20000
+
+
 def test_crude_sampling_stops_at_its_budget_and_says_so() -> None:
     found = estimate("crude", plane(1e-6), DIMENSION, variation=0.3, most=250, seed=1)
     assert (found.runs, found.events, found.estimate, found.reached) == (250, 0, 0.0, False)
