@@ -45,4 +45,4 @@ maximum = 2.2
 distribution = { normal = [1.46, 0.27] }
 """
 )
-"""Speeds as the scenario's own table declares them; gaps so short that `aeb` touches about one in a hundred."""
+"""Speeds as the scenario's own table declares them; gaps so short that `aeb` strikes about 1 %."""

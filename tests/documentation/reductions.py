@@ -40,7 +40,7 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance", "--controller"): (),
     ("cosim", "conformance"): ("route",),
-    ("cosim", "falsify"): ("--budget", "10", "--no-report"),
+    ("cosim", "falsify"): ("--budget", "10", "--set", "vehicles_per_hour=0", "--no-shrink", "--no-report"),
     ("python", "-m", "studies.papers"): ("003",),
 }
 """What is added to a command that begins with these words; the first that fits. The last word is a prefix."""
