@@ -19,10 +19,10 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
     line = _laid_out(road.curvature, road.curvature_step)
     if line is None:
         return np.column_stack((along, across)), np.zeros(len(along))
-    step, (heading, x, y) = road.curvature_step, line
+    step, (bent, heading, x, y) = road.curvature_step, line
     at = np.minimum(np.maximum((along / step).astype(np.int64), 0), len(x) - 1)
     beyond = along - at * step
-    bend = road.curvature[np.minimum(at, len(road.curvature) - 1)]
+    bend = bent[np.minimum(at, len(bent) - 1)]
     turned = heading[at] + np.where((along > 0.0) & (at < len(x) - 1), beyond * bend, 0.0)
     course = 0.5 * (heading[at] + turned)
     place_x = x[at] + beyond * np.cos(course) - across * np.sin(turned)
@@ -30,16 +30,31 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
     return np.column_stack((place_x, place_y)), turned
 
 
+def bends(curvature: FloatArray) -> FloatArray:
+    """Return the curvature of each step of the road, the mean of both ends, shape (n,) [1/m].
+
+    Told is the curvature of places. That of its beginning would bend a step as sharply as the next one is:
+    the line would turn half a step late, and end half a metre beside the lane behind a right-angled turn.
+    """
+    return 0.5 * (curvature + np.append(curvature[1:], curvature[-1:]))
+
+
 @remembered
-def _laid_out(curvature: FloatArray, step: float) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Return heading and place of the centre line every ``step``; ``None`` if it is straight."""
+def _laid_out(
+    curvature: FloatArray, step: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None:
+    """Return curvature of each step, and heading and place of the centre line at its beginning and the end.
+
+    ``None`` if the line is straight.
+    """
     if not curvature.any():
         return None
-    heading = np.concatenate(([0.0], np.cumsum(curvature) * step))
-    middle = heading[:-1] + 0.5 * curvature * step
+    bent = bends(curvature)
+    heading = np.concatenate(([0.0], np.cumsum(bent) * step))
+    middle = heading[:-1] + 0.5 * bent * step
     x = np.concatenate(([0.0], np.cumsum(np.cos(middle)) * step))
     y = np.concatenate(([0.0], np.cumsum(np.sin(middle)) * step))
-    return heading, x, y
+    return bent, heading, x, y
 
 
 def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from controllers.arrays import FloatArray
-from controllers.geometry.plane import to_plane
+from controllers.geometry.plane import bends, to_plane
 from controllers.interface import Perception, Plan
 
 LAG = 0.35
@@ -88,7 +88,7 @@ def _steered(
     They are in the route frame: along, across and heading error.
     """
     ego, road = perception.ego, perception.road
-    bends, step = road.curvature.tolist(), road.curvature_step
+    bent, step = bends(road.curvature).tolist(), road.curvature_step
     speed, command = motion.speed[:, 0].tolist(), plan.command
     until = int(np.searchsorted(times, _led_until(plan) + 1e-9))
     entry = np.searchsorted(command.times, times[:until] + 1e-9, side="right") - 1
@@ -99,7 +99,7 @@ def _steered(
     for k in range(min(until, len(times) - 1)):
         before, angle = angle, angle + share * (wanted[k] - angle)
         way = 0.5 * (speed[k] + speed[k + 1]) * SPACING
-        bend = bends[min(int(at / step), len(bends) - 1)] if bends else 0.0
+        bend = bent[min(int(at / step), len(bent) - 1)] if bent else 0.0
         turn = way * math.tan(0.5 * (before + angle)) / ego.body.wheelbase
         middle = turned + 0.5 * turn
         gone = way * math.cos(middle) / max(1.0 - bend * across, 0.2)

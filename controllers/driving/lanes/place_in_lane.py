@@ -22,8 +22,9 @@ ASIDE = 1.5
 """How much nearer somebody may be in a bend than the lane's centre line says [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
-BEYOND = 0.5
-"""And goes so much further where somebody would be passed too closely otherwise [m]."""
+BEYOND, FARTHEST = 0.5, 0.8
+"""And goes so much further where somebody could not be passed otherwise, and at most so far where they would
+be passed too closely [m]."""
 SHORT = 0.05
 """The steering plan may miss that by so much [m]."""
 OVER, OVER_S = 3.0, 2.0
@@ -90,8 +91,8 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     beside, gap = _passed(perception, lane, stays)
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, half)
-    from_right = _wanted(gap[beside < 0.0], min(room, to_left), min(room + BEYOND, to_left))
-    from_left = _wanted(gap[beside > 0.0], min(room, to_right), min(room + BEYOND, to_right))
+    from_right = _wanted(gap[beside < 0.0], room, to_left)
+    from_left = _wanted(gap[beside > 0.0], room, to_right)
     if from_right > 0.0 and from_left > 0.0:
         return 0.5 * (from_right - from_left)
     return from_right - from_left
@@ -118,19 +119,19 @@ def _passed(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> tup
     return beside[each, nearest], gap[each, nearest]
 
 
-def _wanted(gap: FloatArray, room: float, most: float) -> float:
+def _wanted(gap: FloatArray, room: float, free: float) -> float:
     """Return how far to keep away from people on one side [m].
 
     Parameters
     ----------
     gap : to each of them as things are [m]
-    room, most : that there is within the lane, and where somebody would be passed too closely otherwise [m]
+    room, free : that there is on the other side within the lane, and up to vehicles [m]
     """
-    passable = gap[(gap < WANTED) & (gap + most > LEAST)]
+    passable = gap[(gap < WANTED) & (gap + min(room + BEYOND, free) > LEAST)]
     if not len(passable):
         return 0.0
     least = float(passable.min())
-    return max(min(WANTED - least, room), min(ENOUGH - least, most))
+    return max(min(WANTED - least, room, free), min(ENOUGH - least, room + FARTHEST, free))
 
 
 def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
