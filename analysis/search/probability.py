@@ -72,21 +72,17 @@ class _Counting:
     def __init__(self, evaluate: Evaluate, most: int) -> None:
         self._evaluate = evaluate
         self._most = most
-        self._end = most
         self.runs = 0
         self.events = 0
         self.drawn: list[float] = []
-        self._to_draw = 0
-        self._level: list[float] = []
-        self._level_size = 0
-        self._nearest, self._useless = math.inf, 0
         self.error: BaseException | None = None
 
     def begin(self, level: int) -> None:
         """Begin a replication with levels of so many inputs, the first drawn from their own distribution."""
         self._to_draw = self._level_size = level
         self._end = self.runs + self._most
-        self._level, self._nearest, self._useless = [], math.inf, 0
+        self._level: list[float] = []
+        self._nearest, self._useless = math.inf, 0
 
     def __call__(self, inputs: Any) -> FloatArray:
         if self.runs >= self._end or self._useless >= MOST_USELESS:
@@ -110,7 +106,7 @@ class _Counting:
         would draw there for ever.
         """
         self._level += margins.tolist()
-        if not self._level_size or len(self._level) < self._level_size:
+        if len(self._level) < self._level_size:
             return
         threshold = float(np.quantile(self._level, LEVEL))
         self._useless = 0 if threshold < NEARER * self._nearest else self._useless + 1

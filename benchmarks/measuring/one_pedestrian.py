@@ -45,4 +45,5 @@ maximum = 2.2
 distribution = { normal = [1.46, 0.27] }
 """
 )
-"""Speeds as the scenario's own table declares them; gaps so short that `aeb` strikes about 1 %."""
+"""Speeds as the scenario's own table declares them; gaps so short that `aeb` should touch about 1 %: of 600
+passages each it touched 16 where their median was 2.5 s, and 3 at 3 s."""

@@ -30,6 +30,7 @@ def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[Fl
     return np.column_stack((place_x, place_y)), turned
 
 
+@remembered
 def bends(curvature: FloatArray) -> FloatArray:
     """Return the curvature of each step of the road, the mean of both ends, shape (n,) [1/m].
 

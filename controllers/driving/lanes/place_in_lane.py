@@ -22,9 +22,9 @@ ASIDE = 1.5
 """How much nearer somebody may be in a bend than the lane's centre line says [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
-BEYOND, FARTHEST = 0.5, 0.8
-"""And goes so much further where somebody could not be passed otherwise, and at most so far where they would
-be passed too closely [m]."""
+BEYOND = 0.5
+"""And goes so much further where somebody could not be passed otherwise, and on until they are passed with
+enough distance [m]."""
 SHORT = 0.05
 """The steering plan may miss that by so much [m]."""
 OVER, OVER_S = 3.0, 2.0
@@ -131,7 +131,7 @@ def _wanted(gap: FloatArray, room: float, free: float) -> float:
     if not len(passable):
         return 0.0
     least = float(passable.min())
-    return max(min(WANTED - least, room, free), min(ENOUGH - least, room + FARTHEST, free))
+    return max(min(WANTED - least, room, free), min(ENOUGH - least, free))
 
 
 def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
