@@ -33,6 +33,8 @@ JOG_ANGLE = math.radians(8.0)
 """A side step leaves the direction of its edge by more than this."""
 PASSED_AXIS = 6.0
 """A crossing whose axis ends nearer to the path than this is on the path [m]."""
+LEFT_BEHIND = 30.0
+"""Of a crossing that a path round a block meets twice, a meeting so far before its edge is behind [m]."""
 DIVERGED = 12.0
 """Lanes further apart than this are not beside each other [m]."""
 
@@ -192,7 +194,8 @@ class LanePath:
         """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""
         key = id(other)
         if key not in self._offsets:
-            along, across, _ = other.curve.project(self.curve.points)
+            # Both begin where their edge does: of a way around a block, the same time around is meant.
+            along, across, _ = other.curve.project(self.curve.points, near=self.curve.along)
             # `across` is this curve seen from the other one: the offset has the other sign.
             gone = (np.abs(across) > DIVERGED) | (along > other.chain_end + 5.0)
             self._offsets[key] = np.where(gone, np.nan, -across)
@@ -220,30 +223,36 @@ class LanePath:
         return starts, limits
 
     def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
-        """Find the crossings, signals and junctions along the path."""
-        ends = [piece.end for piece in self.pieces if not piece.lane.internal]
+        """Find the crossings, signals and junctions along the path.
+
+        Parameters
+        ----------
+        crossings : that may be on it
+        connections : between its lanes, in driving order
+        """
+        sources = [number for number, piece in enumerate(self.pieces) if not piece.lane.internal]
+        ends = [self.pieces[number].end for number in sources]
         found = [self._meeting(crossing, ends) for crossing in crossings]
         self.crossings = tuple(sorted((c for c in found if c is not None), key=lambda c: c.entry))
-        end_of = {piece.lane.name: piece.end for piece in self.pieces}
+        # By place and not by name: round a block the same lane comes again.
+        left = [
+            (connection, end, self.pieces[number + 1 : number + 1 + len(connection.via)])
+            for connection, end, number in zip(connections, ends, sources, strict=False)
+        ]
         self.signals = tuple(
-            PathSignal(connection.signal, connection.signal_index, end_of[connection.source])
-            for connection in connections
-            if connection.signal and connection.source in end_of
+            PathSignal(connection.signal, connection.signal_index, end)
+            for connection, end, _ in left
+            if connection.signal
         )
         self.junctions = tuple(
-            PathJunction(
-                connection,
-                end_of[connection.source],
-                end_of[connection.via[-1]],
-                end_of[connection.via[0]] if len(connection.via) > 1 else None,
-            )
-            for connection in connections
-            if connection.via and connection.source in end_of
+            PathJunction(connection, end, via[-1].end, via[0].end if len(via) > 1 else None)
+            for connection, end, via in left
+            if via
         )
 
     def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
         axis = _lengthened(crossing.axis, 0.5)
-        meeting = crossing_point(self.curve.points, axis)
+        meeting = crossing_point(self.curve.points, axis, -LEFT_BEHIND - float(self.curve.along[0]))
         if meeting is not None:
             station, _, axis_direction = meeting
             middle = float(self.curve.along[0]) + station
@@ -285,7 +294,8 @@ class LanePath:
                 continue
             share = np.clip((self.curve.points - start) @ way / length**2, 0.0, 1.0)
             away = np.hypot(*(self.curve.points - start - share[:, None] * way).T)
-            number = int(away.argmin())
+            ahead = np.where(self.curve.along < -LEFT_BEHIND, np.inf, away)
+            number = int((ahead if ahead.min() <= PASSED_AXIS else away).argmin())
             if away[number] < distance:
                 distance, nearest = float(away[number]), (float(self.curve.along[number]), way / length)
         return nearest if distance <= PASSED_AXIS else None

@@ -96,7 +96,9 @@ class Path:
             return float(self.along[-1] + station - self.stations[-1])
         return float(np.interp(station, self.stations, self.along))
 
-    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def project(
+        self, points: FloatArray, near: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return arc length, offset to the left [m] and the curve's heading [rad] of each point.
 
         The curve is straight beyond its ends.
@@ -104,11 +106,16 @@ class Path:
         Parameters
         ----------
         points : (n, 2) [m]
+        near : arc length for each point; where the curve comes along the same road again, the passage
+            nearest to that counts; ``None``: the one nearest to the point [m]
         """
         if not len(points):
             return _NOTHING
         last = len(self.points) - 2
-        return _projected(points, np.minimum(self.nearest_samples(points), last), last, self.segments)
+        samples = self.nearest_samples(points)
+        if near is not None and self.passages:
+            samples = self.passage_nearest(points, samples, near)
+        return _projected(points, np.minimum(samples, last), last, self.segments)
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""
@@ -173,22 +180,22 @@ class Path:
         numbers, starts = np.unique(first[order], return_index=True)
         return dict(zip(numbers.tolist(), np.split(second[order], starts)[1:], strict=True))
 
-    def passage_nearest(self, points: FloatArray, samples: IntArray, along: float) -> IntArray:
-        """Return the samples nearest to points, of those passages that are nearest to an arc length.
+    def passage_nearest(self, points: FloatArray, samples: IntArray, along: FloatArray) -> IntArray:
+        """Return the samples nearest to points, of those passages that are nearest to arc lengths.
 
         Parameters
         ----------
         points : (n, 2) [m]
         samples : nearest to them of all, shape (n,)
-        along : arc length [m]
+        along : arc lengths, shape (n,) [m]
         """
         found = samples.copy()
-        for i, sample in enumerate(samples.tolist()):
+        for i, (sample, wanted) in enumerate(zip(samples.tolist(), along.tolist(), strict=True)):
             others = self.passages.get(sample)
             if others is None:
                 continue
             known = np.append(sample, others)
-            away = self.along[known] - along
+            away = self.along[known] - wanted
             passage = known[np.abs(away - away[np.argmin(np.abs(away))]) < ANOTHER]
             found[i] = passage[np.argmin(np.hypot(*(self.points[passage] - points[i]).T))]
         return found
@@ -223,7 +230,8 @@ def project_all(
         places = [along for along, count in zip(near, counts, strict=True) if count]
         for (path, part), along in zip(parts, places, strict=True):
             if path.passages:
-                segment[part] = path.passage_nearest(points[part], segment[part], along)
+                there = np.full(part.stop - part.start, along)
+                segment[part] = path.passage_nearest(points[part], segment[part], there)
     segment = np.minimum(segment, last)
 
     def rows_of(numbers: IntArray) -> FloatArray:
@@ -309,12 +317,17 @@ def _smoothed(values: FloatArray) -> FloatArray:
     return np.asarray((sums[SMOOTHING:] - sums[:-SMOOTHING]) / SMOOTHING)
 
 
-def crossing_point(polyline: FloatArray, line: FloatArray) -> tuple[float, FloatArray, FloatArray] | None:
-    """Return where a polyline first meets a line: station [m], and both directions; ``None`` if nowhere.
+def crossing_point(
+    polyline: FloatArray, line: FloatArray, from_station: float = 0.0
+) -> tuple[float, FloatArray, FloatArray] | None:
+    """Return where a polyline meets a line: station [m], and both directions; ``None`` if nowhere.
+
+    Where it meets the line more than once, the first meeting from a station on counts, or else the last.
 
     Parameters
     ----------
     polyline, line : (n, 2) and (m, 2) [m]
+    from_station : [m]
     """
     start, step = polyline[:-1, None, :], np.diff(polyline, axis=0)[:, None, :]
     other, other_step = line[None, :-1, :], np.diff(line, axis=0)[None, :, :]
@@ -326,7 +339,10 @@ def crossing_point(polyline: FloatArray, line: FloatArray) -> tuple[float, Float
     hits = np.argwhere((share >= 0.0) & (share < 1.0) & (other_share >= 0.0) & (other_share <= 1.0))
     if not len(hits):
         return None
-    first, second = hits[0]
     lengths = np.hypot(step[:, 0, 0], step[:, 0, 1])
-    station = float(lengths[:first].sum() + share[first, second] * lengths[first])
+    begins = np.cumsum(lengths) - lengths
+    stations = begins[hits[:, 0]] + share[tuple(hits.T)] * lengths[hits[:, 0]]
+    chosen = int(next(iter(np.flatnonzero(stations >= from_station)), len(hits) - 1))
+    first, second = hits[chosen]
+    station = float(stations[chosen])
     return station, step[first, 0] / lengths[first], other_step[0, second] / np.hypot(*other_step[0, second])

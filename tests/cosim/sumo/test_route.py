@@ -1,14 +1,18 @@
 """Routes, and the paths along their lanes."""
 
 import math
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import sumo
 
 from controllers.interface import CrossingKind
 from cosim.errors import InputError
 from cosim.sumo.network import Network
+from cosim.sumo.network_file import read_network
 from cosim.sumo.route import Route
 
 
@@ -73,6 +77,54 @@ def test_neighbouring_lanes_are_a_lane_width_apart(town: Network) -> None:
     offsets = route.path(0, 1).beside(route.path(0, 2))
     inside = (route.path(0, 1).curve.along > 20.0) & (route.path(0, 1).curve.along < 120.0)
     assert offsets[inside] == pytest.approx(3.2, abs=0.01)
+
+
+BLOCK = ["B2B1", "B1B0", "B0C0", "C0C1", "C1C2", "C2B2", "B2B1"]
+
+
+@pytest.fixture(scope="module")
+def blocks(tmp_path_factory: pytest.TempPathFactory) -> Network:
+    """Small blocks with lights and crossings, two lanes a direction."""
+    file = tmp_path_factory.mktemp("blocks") / "town.net.xml"
+    grid = ["--grid", "--grid.number=3", "--grid.length=50", "--default.lanenumber=2"]
+    lights = ["--default-junction-type=traffic_light"]
+    walks = ["--sidewalks.guess", "--crossings.guess", "--no-turnarounds"]
+    netgenerate = Path(sumo.SUMO_HOME) / "bin" / "netgenerate"
+    subprocess.run([netgenerate, *grid, *walks, *lights, "-o", file], check=True, capture_output=True)
+    return read_network(file)
+
+
+def test_on_a_way_around_the_block_the_lane_beside_is_there_all_along_the_edge(blocks: Network) -> None:
+    """From the end of its edge on the left lane's way leads round the block and back over the same edge."""
+    route = Route(blocks, BLOCK, "passenger")
+    right, left = route.path(1, 1), route.path(1, 2)
+    for path, other, offset in ((right, left, 3.2), (left, right, -3.2)):
+        on_it = (path.curve.along > 1.0) & (path.curve.along < path.edge_end - 1.0)
+        assert path.beside(other)[on_it] == pytest.approx(offset, abs=0.05)
+
+
+def test_on_a_way_around_the_block_a_crossing_behind_does_not_hide_that_it_comes_again(
+    blocks: Network,
+) -> None:
+    """The ego sets out over a crossing, which it meets again after four turns."""
+    route = Route(blocks, ["B1B0", "B0C0", "C0C1", "C1B1", "B1B0"], "passenger")
+    setting_out = min(route.path(0, 2).crossings, key=lambda crossing: abs(crossing.middle))
+    (later,) = [c for c in route.path(1, 2).crossings if c.source is setting_out.source]
+    assert later.middle > 100.0
+    (met,) = [c for c in route.path(3, 2).crossings if c.source is setting_out.source]
+    assert met.origin == pytest.approx(setting_out.origin, abs=0.5)
+    assert met.stop_line > route.path(3, 2).edge_end, "beyond the junction"
+
+
+def test_on_a_way_around_the_block_the_light_at_the_end_of_the_edge_is_told(blocks: Network) -> None:
+    """The same lane and light come again after four turns."""
+    path = Route(blocks, ["B1B0", "B0C0", "C0C1", "C1B1", "B1B0", "B0C0"], "passenger").path(0, 2)
+    ahead = [signal.stop_line for signal in path.signals if signal.stop_line > 0.0]
+    assert ahead[0] == pytest.approx(path.edge_end)
+    assert ahead == sorted(ahead)
+    assert len(ahead) == len(set(ahead)) >= 5, "the light of the edge twice"
+    assert [junction.start for junction in path.junctions if junction.start > 0.0] == ahead
+    assert all(junction.start < junction.end for junction in path.junctions)
 
 
 @pytest.mark.parametrize(
