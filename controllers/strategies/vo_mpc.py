@@ -122,7 +122,7 @@ class Settings(ControllerSettings):
     """What both margins grow by for each metre that a pedestrian's position is uncertain (standard
     deviation); 0 for not at all."""
     idle_interval_s: Annotated[float, Field(ge=0.0, le=LONGEST)] = 0.0
-    """Time between plans while nobody is near and the road goes straight on; 0 to plan at every step."""
+    """Time between plans while nobody is near who could change them; 0 to plan at every step."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
@@ -158,7 +158,9 @@ def build(settings: Settings) -> Controller:
         ),
         by_name.sampled(settings.predictor, seed=settings.seed),
     )
-    return made if settings.idle_interval_s == 0.0 else Unhurried(made, settings.idle_interval_s)
+    if settings.idle_interval_s == 0.0:
+        return made
+    return Unhurried(made, settings.idle_interval_s, settings.predictor == by_name.CONSTANT_VELOCITY)
 
 
 def _passing(settings: Settings) -> PassingSettings:

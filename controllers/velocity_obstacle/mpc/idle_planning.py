@@ -1,78 +1,214 @@
-"""A driver that plans less often where there is nothing to plan for."""
+"""A driver that plans less often while nothing can change what it would plan.
+
+A plan reaches seconds ahead. What it was made for may stand still in the world: a red light's line, a bend, a
+speed limit, the lane's end. The rest of it is then as good as a new plan, and whether it still is gets asked
+at every step: as soon as somebody may matter, a light changes, or the ego is not where its plan has it, there
+is a new plan in that very step.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from controllers.interface import Controller, Decision, Perception, Plan
+from controllers.arrays import FloatArray
+from controllers.conflicts.bystanders import FREE, swing_out
+from controllers.conflicts.expected_behaviour import AT_THE_ROADSIDE, KERB
+from controllers.driving.vehicles_ahead import DRIFTING
+from controllers.geometry.footprints import footprints
+from controllers.interface import Controller, Decision, Manoeuvre, Perception, Plan, RoadAhead, SignalState
 from controllers.own_part import IDLE
 from controllers.velocity_obstacle.mpc.plan_memory import rest_of
 
-LEAST_VIEW = 40.0
-"""Whoever is nearer along the road is a reason to plan, however slow the ego is [m]."""
-VIEW_TIME = 8.0
-"""So is whoever is nearer than what the ego drives in this time [s]."""
-BEHIND = 15.0
-"""And whoever is less far behind [m]."""
-BESIDE = 12.0
-"""Vehicles further to the side are not in the way [m]."""
 LONGEST = 0.5
 """Commands go on for this long after the next plan was due [s]."""
+ROOM = 10.0
+"""Looked at beyond where the plan and a time gap end, and behind the rear axle [m]."""
+ASIDE = FREE + 0.2
+"""Pedestrians who stay farther beside the body than this are passed as if they were not there [m]."""
+BEND, BEND_S = 0.01, 1.0
+"""A sharper bend is planned for at every step from this time before it on [1/m, s]."""
+BESIDE = 0.5
+"""Vehicles at least so far beside the body's way are not in it [m]."""
+CROSSING_S, CROSSING_NEAR = 3.0, 15.0
+"""How far ahead those are followed who move across the road, and from where on where they do so across the
+ego's way: when it could be as near as this [s, m]."""
+BRAKING_S = 2.0
+"""A vehicle that brakes is expected to go on for this long [s]."""
+STANDSTILL_GAP, HEADWAY, BRAKING = 3.5, 1.2, 6.0
+"""A leader does not matter while the plan keeps this gap to it and this time gap, or could stop, whatever is
+more: more than a plan keeps where a leader bounds it [m, s, m/s^2]."""
+ELSEWHERE, OFF_SPEED = 0.15, 0.2
+"""How far the ego may be from where its plan has it across the road, and from its speed [m, m/s]."""
+
+
+class Ahead(NamedTuple):
+    """What is left of a plan, from now on, shape (N,) each."""
+
+    times: FloatArray
+    along: FloatArray
+    speed: FloatArray
+
+    @property
+    def reach(self) -> float:
+        """Nobody beyond this matters to it [m]."""
+        return float(self.along[-1] + HEADWAY * self.speed[-1]) + ROOM
+
+
+class _Made(NamedTuple):
+    """The last plan that was made, and what it was made for."""
+
+    time: float
+    decision: Decision
+    plan: Plan
+    lights: tuple[tuple[str, SignalState], ...]
 
 
 @dataclass(slots=True)
 class Unhurried:
-    """Hands on to a driver, but not at every step while nobody and nothing is near.
+    """Hands on to a driver, but not at every step while nothing can change its plan.
 
     Parameters
     ----------
     driver : who plans
-    interval : time between plans while the road is empty, at most ``LONGEST`` [s]
+    interval : time between plans while that is so, at most ``LONGEST`` [s]
+    by_velocity : whether pedestrians are expected to keep their velocities; otherwise all of them matter
     """
 
     driver: Controller
     interval: float
-    _last: tuple[float, Decision, Plan] | None = None
+    by_velocity: bool = True
+    _last: _Made | None = None
 
     def decide(self, perception: Perception) -> Decision:
         """Return the last decision while it may stand, a new one otherwise."""
-        if self._last is not None and self._may_rest(perception):
-            return self._last[1]
+        if self._last is not None and self._may_rest(self._last, perception):
+            return self._last.decision
         self._last = None
         return self.driver.decide(perception)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Return what is left of the last plan's command while it may stand, a new plan otherwise."""
         if self._last is not None:
-            made, _, plan = self._last
-            return Plan(rest_of(plan.command, perception.ego.time - made), own=IDLE)
+            command = rest_of(self._last.plan.command, perception.ego.time - self._last.time)
+            return Plan(command, own=IDLE)
         plan = self.driver.plan(perception, decision)
-        if plan.solved and not plan.passing:
-            self._last = (perception.ego.time, decision, plan)
+        as_wanted = plan.solved and plan.status == "ok" and not plan.passing
+        if as_wanted and decision.manoeuvre is Manoeuvre.KEEP:
+            self._last = _Made(perception.ego.time, decision, plan, _lights(perception.road))
         return plan
 
-    def _may_rest(self, perception: Perception) -> bool:
-        assert self._last is not None, "asked before the first plan"
+    def _may_rest(self, last: _Made, perception: Perception) -> bool:
         # Half a step of tolerance: times of steps are sums.
-        due = self._last[0] + self.interval - 0.5 * perception.ego.plan_interval
-        return perception.ego.time < due and is_empty(perception)
+        ego, age = perception.ego, perception.ego.time - last.time
+        if age >= self.interval - 0.5 * ego.plan_interval:
+            return False
+        plan = last.plan
+        return (
+            abs(float(np.interp(age, plan.times, plan.speed)) - ego.speed) < OFF_SPEED
+            and abs(float(np.interp(age, plan.times, plan.across)) - ego.across) < ELSEWHERE
+            and _lights(perception.road) == last.lights
+            and is_settled(perception, _rest_of_plan(plan, age), self.by_velocity)
+        )
 
 
-def is_empty(perception: Perception) -> bool:
-    """Return whether nobody is near and nothing ahead has to be minded: the road goes straight on."""
-    ego, road, people, them = perception.ego, perception.road, perception.pedestrians, perception.vehicles
-    view = max(LEAST_VIEW, VIEW_TIME * ego.speed)
-    if len(road.foes) or road.route_end < view:
-        return False
-    if any(crossing.exit > -BEHIND and crossing.entry < view for crossing in road.crossings):
-        return False
-    if any(signal.stop_line < view for signal in road.signals):
-        return False
+def _rest_of_plan(plan: Plan, age: float) -> Ahead:
+    """Return a plan moved to the present."""
+    times, along = np.append(0.0, plan.times), np.append(0.0, plan.along)
+    driven = float(np.interp(age, times, along))
+    return Ahead(np.maximum(plan.times - age, 0.0), np.maximum(plan.along - driven, 0.0), plan.speed)
+
+
+def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) -> bool:
+    """Return whether nobody can matter to a plan now, and the road goes on as it is.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    plan : what is left of it
+    by_velocity : whether pedestrians are expected to keep their velocities; otherwise all in view matter
+    """
+    ego, road, reach = perception.ego, perception.road, plan.reach
     here = road.lane(road.reference)
-    if here is None or here.follows_route_for < view:
+    if here is None or here.follows_route_for < reach or road.route_end < reach:
         return False
-    if ((people.along > -BEHIND) & (people.along < view)).any():
+    if any(foe.must_yield or foe.foe_entry <= ROOM for foe in road.foes):
         return False
-    return not ((them.along > -BEHIND) & (them.along < view) & (np.abs(them.across) < BESIDE)).any()
+    if any(light.state is SignalState.AMBER and light.stop_line < reach for light in road.signals):
+        return False
+    soon = int((ROOM + BEND_S * ego.speed) / road.curvature_step) + 1 if len(road.curvature) else 0
+    if (np.abs(road.curvature[:soon]) > BEND).any():
+        return False
+    if perception.eyesight is not None and len(perception.vehicles):
+        return False  # they may hide somebody
+    half = 0.5 * ego.body.width
+    way = min(ego.across, here.offset) - half, max(ego.across, here.offset) + half
+    return _people_stay_aside(perception, way, plan, by_velocity) and not _in_the_way(perception, way, plan)
+
+
+def _people_stay_aside(
+    perception: Perception, way: tuple[float, float], plan: Ahead, by_velocity: bool
+) -> bool:
+    """Return whether no pedestrian is about to come, or to be passed, near the way within a plan.
+
+    Parameters
+    ----------
+    perception
+    way : right and left end of what the body sweeps [m]
+    plan : what is left of it
+    by_velocity : as for :func:`is_settled`
+    """
+    people, road = perception.pedestrians, perception.road
+    if not len(people):
+        return True
+    there = (people.along > -ROOM) & (people.along < plan.reach)
+    if not there.any():
+        return True
+    if not by_velocity or (people.crossing[there] >= 0).any():
+        return False
+    along, across, speed = people.along[there], people.across[there], people.across_speed[there]
+    walked = speed * plan.times[-1]
+    outside = (across < road.right_edge - KERB) | (across > road.left_edge + KERB)
+    walked[outside & (np.abs(speed) < AT_THE_ROADSIDE)] = 0.0
+    to_right, to_left = swing_out(road, perception.ego.body, along)
+    kept = people.radius[there] + ASIDE
+    right = across + np.maximum(walked, 0.0) < way[0] - to_right - kept
+    left = across + np.minimum(walked, 0.0) > way[1] + to_left + kept
+    return bool((outside & (right | left)).all())
+
+
+def _in_the_way(perception: Perception, way: tuple[float, float], plan: Ahead) -> bool:
+    """Return whether a vehicle is, or may soon be, where it bounds a plan.
+
+    Parameters
+    ----------
+    perception
+    way : right and left end of what the body sweeps [m]
+    plan : what is left of it
+    """
+    them = perception.vehicles
+    if not len(them):
+        return False
+    ego, box, body = perception.ego, footprints(them), perception.ego.body
+    to_right, to_left = swing_out(perception.road, body, 0.5 * (box.front + box.rear))
+    drift = np.where(np.abs(them.across_speed) > DRIFTING, them.across_speed * CROSSING_S, 0.0)
+    far = ~box.same_way & (box.rear > body.front + ego.speed * CROSSING_S + CROSSING_NEAR)
+    drift[far] = 0.0  # whoever crosses there is gone when the ego comes, or is a foe in that junction
+    meets = (box.front > -body.rear_overhang) & (box.rear < plan.reach)
+    meets &= box.right + np.minimum(drift, 0.0) < way[1] + to_left + BESIDE
+    meets &= box.left + np.maximum(drift, 0.0) > way[0] - to_right - BESIDE
+    who = np.flatnonzero(meets)
+    if not len(who):
+        return False
+    if not box.same_way[who].all():
+        return True
+    speed = np.maximum(them.along_speed[who] + BRAKING_S * np.minimum(them.acceleration[who], 0.0), 0.0)
+    rear = box.rear[who, None] + speed[:, None] * plan.times
+    kept = STANDSTILL_GAP + np.maximum(HEADWAY * plan.speed, plan.speed**2 / (2.0 * BRAKING))
+    return bool((rear - body.front < plan.along + kept).any())
+
+
+def _lights(road: RoadAhead) -> tuple[tuple[str, SignalState], ...]:
+    return tuple((light.name, light.state) for light in road.signals)

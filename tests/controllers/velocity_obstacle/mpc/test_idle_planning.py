@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from controllers import catalog
-from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
+from cosim.step.toy_road import Motion, ToyCrossing, ToyRoad, walk
 from tests.controllers.toy_runs import Ride, ride
 
 
@@ -25,25 +26,51 @@ def test_on_an_empty_road_every_fifth_step_is_planned_and_the_ego_drives_almost_
     assert np.abs(seldom.track[2] - often.track[2]).max() < 0.1
 
 
-def test_with_a_crossing_in_view_nothing_changes() -> None:
+def test_while_somebody_is_at_a_crossing_in_view_nothing_changes() -> None:
     road, people = ToyRoad(crossings=(ToyCrossing(60.0),)), [walk(62.0, -6.0, 0.0, 1.3)]
     often = ride(road, people, duration=8.0)
     seldom = ride(road, people, duration=8.0, parameters={"idle_interval_s": 0.5})
-    before = often.track[0] < 62.0
+    across = np.array([snapshot.persons.y[0] for snapshot in often.snapshots])
+    before = across < 2.0  # still in front of the ego, which waits for them
     assert before.sum() > 40
     assert np.array_equal(seldom.track[:, before], often.track[:, before])
 
 
-def test_who_walks_onto_an_empty_road_is_planned_for_from_that_step_on() -> None:
-    # To the side nobody is out of sight; the pedestrian comes from behind what the ego looks at.
-    people = [walk(130.0, -4.0, -12.0, 0.4)]
-    record = ride(ToyRoad(), people, speed=3.0, duration=9.0, parameters={"idle_interval_s": 0.5})
+def test_a_crossing_with_nobody_at_it_is_no_reason_to_plan() -> None:
+    road, people = ToyRoad(crossings=(ToyCrossing(60.0),)), [walk(20.0, -5.0, 1.3, 0.0)]
+    record = ride(road, people, duration=4.0, parameters={"idle_interval_s": 0.5})
+    assert _planned(record) == pytest.approx(len(record.plans) / 5, abs=2)
+
+
+def _before_and_after(record: Ride, at: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which steps are planned until the ego is told of what happens at a time, and from then on."""
     planned = np.array([len(plan.times) > 0 for plan in record.plans])
-    gap = np.array([s.persons.x[0] - s.egos[0].x for s in record.snapshots])
-    near = (gap < 30.0) & (gap > 0.0)
-    assert near[:-1].any()
-    assert planned[1:][near[:-1]].all()
-    assert not planned[1:][gap[:-1] > 100.0].all()
+    told = np.array([snapshot.time for snapshot in record.snapshots])[:-1] > at
+    return planned[1:][~told], planned[1:][told]
+
+
+@pytest.mark.parametrize("beside", [-4.0, 4.0])
+def test_who_steps_onto_the_road_is_planned_for_from_that_step_on(beside: float) -> None:
+    stepping = walk(70.0, beside, 0.0, -np.sign(beside) * 1.4, start=2.0)
+    record = ride(ToyRoad(), [stepping], speed=8.0, duration=4.0, parameters={"idle_interval_s": 0.5})
+    before, after = _before_and_after(record, 2.0)
+    assert before.mean() < 0.4
+    assert after.all()
+
+
+def _cuts_in(time: float) -> tuple[float, float, float, float]:
+    """Drive in the left lane, and from 2 s on into the right one."""
+    moved = max(time - 2.0, 0.0)
+    return 22.0 + 13.0 * time, 3.5 - moved, 13.0, -1.0 if moved > 0.0 else 0.0
+
+
+@pytest.mark.parametrize("vehicle", [walk(100.0, 0.0, 13.0, 0.0, stop=2.0), _cuts_in])
+def test_who_stops_ahead_and_who_cuts_in_are_planned_for_from_that_step_on(vehicle: Motion) -> None:
+    road = ToyRoad(lanes=2)
+    record = ride(road, vehicles=[vehicle], speed=13.0, duration=3.5, parameters={"idle_interval_s": 0.5})
+    before, after = _before_and_after(record, 2.0)
+    assert before.mean() < 0.4
+    assert after.all()
 
 
 @pytest.mark.parametrize("interval", [-0.1, 0.6, float("nan")])
