@@ -1,7 +1,7 @@
 """What many egos cost that plan at every step, and only where something can change the plan, side by side.
 
-Run by hand: ``python benchmarks/many_egos_seldom.py [EGOS]``. Both alternate, each run in a process of its own;
-times are processor time, which other programs change less than wall time.
+Run by hand: ``python benchmarks/many_egos_seldom.py [EGOS]``. Both alternate, each run in a process of its
+own; times are processor time, which other programs change less than wall time.
 """
 
 from __future__ import annotations
