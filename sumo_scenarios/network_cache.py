@@ -13,6 +13,7 @@ from pathlib import Path
 import platformdirs
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.file_names import plain_name
 from sumo_scenarios.schema import NetworkTable
 from sumo_scenarios.sumo_installation import netconvert, sumo_home, sumo_version
 from sumo_scenarios.xml_files import sha256
@@ -63,10 +64,8 @@ def build_network(folder: Path, network: NetworkTable) -> Path:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".building-") as work:
-            raw = Path(work) / "raw.net.xml"
-            _run_netconvert(folder, sources, network.netconvert, raw)
             stripped = Path(work) / "stripped.net.xml"
-            stripped.write_bytes(_COMMENT.sub(b"", raw.read_bytes()))
+            stripped.write_bytes(_COMMENT.sub(b"", _built(folder, sources, network.netconvert)))
             digest = Path(work) / "digest"
             digest.write_text(sha256(stripped))
             os.replace(stripped, target)
@@ -92,16 +91,17 @@ def _key(sources: dict[str, tuple[Path, ...]], further: Sequence[str]) -> str:
     return digest.hexdigest()[:24]
 
 
-def _run_netconvert(
-    folder: Path, sources: dict[str, tuple[Path, ...]], further: Sequence[str], output: Path
-) -> None:
+def _built(folder: Path, sources: dict[str, tuple[Path, ...]], further: Sequence[str]) -> bytes:
     command = [str(netconvert())]
-    for option, paths in sources.items():
-        command += [option, ",".join(str(path) for path in paths)]
-    command += [*_ALWAYS, *further, "--output-file", str(output)]
     environment = {**os.environ, "SUMO_HOME": str(sumo_home())}
-    result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
-    if result.returncode != 0 or not output.is_file():
-        lines = [line for line in (result.stderr + result.stdout).splitlines() if line.startswith("Error")]
-        reason = " ".join(lines) or f"netconvert ended with {result.returncode}"
-        raise ScenarioError(f"{folder.name}: netconvert cannot build the network: {reason}")
+    with tempfile.TemporaryDirectory(prefix="cosim-") as work:
+        for option, paths in sources.items():
+            command += [option, ",".join(plain_name(path, Path(work)) for path in paths)]
+        output = Path(work) / "raw.net.xml"
+        command += [*_ALWAYS, *further, "--output-file", str(output)]
+        result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+        if result.returncode == 0 and output.is_file():
+            return output.read_bytes()
+    lines = [line for line in (result.stderr + result.stdout).splitlines() if line.startswith("Error")]
+    reason = " ".join(lines) or f"netconvert ended with {result.returncode}"
+    raise ScenarioError(f"{folder.name}: netconvert cannot build the network: {reason}")

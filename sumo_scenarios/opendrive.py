@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.file_names import plain_name
 from sumo_scenarios.sumo_installation import netconvert, sumo_home
 
 _COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
@@ -29,7 +30,8 @@ def write_opendrive(network: Path, target: Path) -> None:
         raise ScenarioError(f"{network}: there is no such network")
     with tempfile.TemporaryDirectory(prefix="cosim-") as work:
         raw = Path(work) / "raw.xodr"
-        command = [str(netconvert()), "--sumo-net-file", str(network), "--opendrive-output", str(raw)]
+        command = [str(netconvert()), "--sumo-net-file", plain_name(network, raw.parent)]
+        command += ["--opendrive-output", str(raw)]
         environment = {**os.environ, "SUMO_HOME": str(sumo_home())}
         result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
         if result.returncode != 0 or not raw.is_file():

@@ -11,6 +11,7 @@ from string import Template
 
 from sumo_scenarios.demand import fill, placeholders
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.file_names import plain_name
 from sumo_scenarios.model import Scenario
 from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.outputs import NOWHERE, SilentCopies, included_files
@@ -63,7 +64,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     included = [file for path in (*filled["routes"], *filled["additional"]) for file in included_files(path)]
     copies = SilentCopies(work_dir)
     silent = {kind: ",".join(str(copies.of(path)) for path in paths) for kind, paths in filled.items()}
-    options = ["--net-file", str(net_file), "--route-files", silent["routes"]]
+    options = ["--net-file", plain_name(net_file, work_dir), "--route-files", silent["routes"]]
     if silent["additional"]:
         options += ["--additional-files", silent["additional"]]
     sources = [path for paths in source_files(scenario.folder, table.network).values() for path in paths]

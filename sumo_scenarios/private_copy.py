@@ -7,10 +7,10 @@ So a run starts from a copy of the configuration that lacks both, and of those f
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
+from sumo_scenarios.file_names import plain_name, split_names
 from sumo_scenarios.outputs import SilentCopies
 from sumo_scenarios.sumo_options import INPUT_FILES, kept_options, written_outputs
 from sumo_scenarios.sumocfg import SumoConfiguration
@@ -28,9 +28,10 @@ def private_configuration(
     copies : makes those of the files that it names
     """
     folder = configuration.path.parent
+    work_dir.mkdir(parents=True, exist_ok=True)
     options: dict[str, str] = {}
     for key, value in kept_options(configuration.options).items():
-        options[key] = _absolute(value, folder) if key in INPUT_FILES else value
+        options[key] = _absolute(value, folder, work_dir) if key in INPUT_FILES else value
     for key, files in (
         ("net-file", (configuration.net_file,)),
         ("route-files", configuration.route_files),
@@ -38,7 +39,6 @@ def private_configuration(
     ):
         if files:
             options[key] = ",".join(_beside(copies.of(path.resolve()), work_dir) for path in files)
-    work_dir.mkdir(parents=True, exist_ok=True)
     target = work_dir / "run.sumocfg"
     lines = [f"    <{key} value={quoteattr(value)}/>" for key, value in options.items()]
     target.write_text("<configuration>\n" + "\n".join(lines) + "\n</configuration>\n", encoding="utf-8")
@@ -47,10 +47,10 @@ def private_configuration(
 
 def _beside(path: Path, work_dir: Path) -> str:
     """Return a file as the copy names it: one beside it by its name, which is the same in every folder."""
-    return path.name if path.parent.resolve() == work_dir.resolve() else str(path)
+    name = Path(plain_name(path, work_dir))
+    return name.name if name.parent.resolve() == work_dir.resolve() else str(name)
 
 
-def _absolute(names: str, folder: Path) -> str:
+def _absolute(names: str, folder: Path, work_dir: Path) -> str:
     """Return file names, separated by commas, as they are seen from anywhere."""
-    whole = (name.strip() for name in os.path.expandvars(names).split(","))
-    return ",".join(str((folder / name).resolve()) for name in whole if name)
+    return ",".join(plain_name((folder / name).resolve(), work_dir) for name in split_names(names))

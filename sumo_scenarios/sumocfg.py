@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.file_names import split_names
 from sumo_scenarios.sumo_options import long_name
 from sumo_scenarios.xml_files import check_xml
 
@@ -77,8 +77,7 @@ def _options(path: Path) -> dict[str, str]:
 
 
 def _files(path: Path, key: str, options: dict[str, str]) -> tuple[Path, ...]:
-    names = (name.strip() for name in os.path.expandvars(options.get(key, "")).split(","))
-    return tuple(path.parent / name for name in names if name)
+    return tuple(path.parent / name for name in split_names(options.get(key, "")))
 
 
 def _seconds(path: Path, key: str, options: dict[str, str]) -> float | None:

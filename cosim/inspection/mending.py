@@ -8,6 +8,7 @@ import subprocess
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from cosim.errors import InputError
 from cosim.inspection.carry_over import CarryOver
@@ -15,6 +16,7 @@ from cosim.inspection.inspection import Inspection, inspect_source
 from cosim.inspection.roads import any_sidewalk, car_edges, guess_command, guess_options, with_crossings
 from cosim.sumo.network_file import read_network
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.file_names import plain_name
 from sumo_scenarios.sumo_installation import netconvert, sumo_home
 
 _COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
@@ -68,9 +70,11 @@ def _guess(net_file: Path, options: Iterable[str], target: Path) -> None:
         environment = {**os.environ, "SUMO_HOME": str(sumo_home())}
     except ScenarioError as error:
         raise InputError(f"--scaffold: {error}") from error
-    command = [str(program), "--sumo-net-file", str(net_file), *options, "--xml-validation", "never"]
-    command += ["--output-file", str(target)]
-    result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    with TemporaryDirectory(prefix="cosim-") as links:
+        net = plain_name(net_file, Path(links))
+        command = [str(program), "--sumo-net-file", net, *options, "--xml-validation", "never"]
+        command += ["--output-file", str(target)]
+        result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     if result.returncode != 0 or not target.is_file():
         reasons = [line for line in result.stderr.splitlines() if line.startswith("Error")]
         reason = " ".join(reasons) or f"it ended with {result.returncode}"

@@ -18,6 +18,7 @@ from cosim.inspection.demand import CAR, names_files
 from cosim.inspection.inspection import Inspection
 from cosim.inspection.mending import mend
 from cosim.inspection.walks import Walk, walks_over
+from sumo_scenarios.file_names import joined_names
 from sumo_scenarios.sumo_options import kept_options
 
 CONFIGURATION = "scenario.sumocfg"
@@ -163,7 +164,8 @@ def _configuration(found: Inspection, net: str, routes: list[str], additional: l
         one.check == "step length" and one.level == "good" for one in found.findings
     )
     step_s = source.step_s if kept else STEP_S
-    options = {"net-file": net, "route-files": ",".join(routes), "additional-files": ",".join(additional)}
+    options = {"net-file": joined_names([net]), "route-files": joined_names(routes)}
+    options["additional-files"] = joined_names(additional)
     options |= {"begin": f"{source.begin_s:g}", "step-length": f"{step_s:g}"}
     if source.end_s is not None:
         options["end"] = f"{source.end_s:g}"

@@ -283,7 +283,9 @@ class SumoWorld:
         teleporting = set(self._sumo.simulation.getStartingTeleportIDList())
         there = self._present.vehicles
         for name in [name for name in self._egos if name not in there or name in teleporting]:
-            if name in teleporting or not self._egos[name].track.on_last_edge:
+            ego = self._egos[name]
+            # One that SUMO drives arrives as SUMO's own: also in a step in which it passed the last edges.
+            if name in teleporting or not (ego.handed_back or ego.track.on_last_edge):
                 self._teleports += 1
             if name in teleporting:
                 self._remove(name)

@@ -14,6 +14,7 @@ from cosim.sumo.network import Network
 from cosim.validation.demand import Rebuilt, Types, rebuild
 from cosim.validation.types_file import types_of_classes
 from sumo_scenarios import library
+from sumo_scenarios.file_names import joined_names
 from sumo_scenarios.replaced_types import types_file
 from sumo_scenarios.sumocfg import read_sumocfg
 
@@ -97,9 +98,9 @@ def write_configuration(path: Path, site: Site, routes: str, duration_s: float) 
     duration_s : of the simulation
     """
     inputs = {
-        "net-file": str(site.net_file.resolve()),
+        "net-file": joined_names([str(site.net_file.resolve())]),
         "route-files": routes,
-        "additional-files": ",".join(str(path.resolve()) for path in site.additional_files),
+        "additional-files": joined_names(str(path.resolve()) for path in site.additional_files),
     }
     times = {
         "begin": f"{site.begin_s:g}",
