@@ -99,17 +99,17 @@ def certify(problem: Problem, rows: Rows, z: FloatArray, y: FloatArray, box: Flo
     """
     y = np.maximum(y, 0.0)
     limits = np.where(box > 0.0, problem.upper, problem.lower)
-    absent = np.isinf(limits)
-    if absent.any():
-        limits[absent], box = 0.0, np.where(absent, 0.0, box)
+    there = np.abs(limits) != np.inf
+    limits, box = np.where(there, limits, 0.0), np.where(there, box, 0.0)
     Pz, pull = problem.P @ z, y @ rows.G
     terms = np.array((Pz, problem.q, pull, box))
     products = (float(Pz @ z), float(problem.q @ z), float(rows.h @ y), float(limits @ box))
-    over = rows.G @ z - rows.h, problem.lower - z, z - problem.upper
+    over = np.concatenate((rows.G @ z - rows.h, problem.lower - z, z - problem.upper))
+    steepest, largest = np.abs(np.add.reduce(terms)), np.abs(terms)
     certificate = Certificate(
-        # Unlike max(), this does not overlook NaN.
-        primal_residual=float(np.concatenate(over).max(initial=0.0)),
-        dual_residual=float(np.abs(terms.sum(axis=0)).max() / max(1.0, np.abs(terms).max())),
+        # Unlike max(), these do not overlook NaN.
+        primal_residual=float(np.maximum.reduce(over, initial=0.0)),
+        dual_residual=float(np.maximum.reduce(steepest) / max(1.0, np.maximum.reduce(largest, axis=None))),
         duality_gap=abs(sum(products)) / max(1.0, *map(abs, products)),
     )
     complaint = certificate.complaint()

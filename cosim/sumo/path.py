@@ -119,13 +119,17 @@ class Path:
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""
-        segment = np.clip(np.searchsorted(self.along, along, side="right") - 1, 0, len(self.points) - 2)
-        px, py, cx, cy, tx, ty, turn_x, turn_y, start, length, _, _ = self._segments[segment].T
+        segment = np.searchsorted(self.along, along, side="right") - 1
+        rows = self.segments(np.minimum(np.maximum(segment, 0), len(self.points) - 2))
+        px, py, cx, cy, tx, ty, turn_x, turn_y, start, length, _, _ = rows.T
         share = (along - start) / length
-        inner = np.clip(share, 0.0, 1.0)
+        inner = np.minimum(np.maximum(share, 0.0), 1.0)
         tangent_x, tangent_y = tx + inner * turn_x, ty + inner * turn_y
         side = across / np.hypot(tangent_x, tangent_y)
-        return np.column_stack([px + share * cx - side * tangent_y, py + share * cy + side * tangent_x])
+        places = np.empty((len(share), 2))
+        places[:, 0] = px + share * cx - side * tangent_y
+        places[:, 1] = py + share * cy + side * tangent_x
+        return places
 
     def place_near(self, x: float, y: float, guess: float) -> tuple[float, float]:
         """Return arc length and offset to the left [m] of one point not far from a guessed arc length.

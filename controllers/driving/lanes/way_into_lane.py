@@ -42,10 +42,12 @@ def poses(perception: Perception, offset: float, farthest: float) -> tuple[Float
     places = np.arange(0.0, farthest + SPACING, SPACING)
     over = max(MOVING_OVER, MOVING_OVER_S * ego.speed)
     across = ego.across + (offset - ego.across) * minimum_jerk(places / over)
-    turned = np.arctan(np.diff(across, prepend=across[0]) / SPACING)
-    turned[0] = ego.heading_error
     at, heading = to_plane(perception.road, places, across)
-    return places, np.vstack((at.T, heading + turned))
+    way = np.empty((3, len(places)))
+    way[0], way[1] = at[:, 0], at[:, 1]
+    way[2, 0] = heading[0] + ego.heading_error
+    way[2, 1:] = heading[1:] + np.arctan((across[1:] - across[:-1]) / SPACING)
+    return places, way
 
 
 def along_lane(perception: Perception, offset: float, farthest: float) -> FloatArray:
@@ -57,7 +59,9 @@ def along_lane(perception: Perception, offset: float, farthest: float) -> FloatA
     """
     places = np.arange(0.0, farthest + SPACING, SPACING)
     at, heading = to_plane(perception.road, places, np.full(len(places), offset))
-    return np.vstack((at.T, heading))
+    way = np.empty((3, len(places)))
+    way[0], way[1], way[2] = at[:, 0], at[:, 1], heading
+    return way
 
 
 def people_beside(
