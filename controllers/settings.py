@@ -101,7 +101,8 @@ class ControllerSettings(SettingsModel):
 class _FromSignature(ControllerSettings):
     """The base of what is made of a signature, whose types may be any."""
 
-    model_config = ConfigDict(arbitrary_types_allowed=True)
+    # Its fields have no texts below them, and to look for some takes as long as all else.
+    model_config = ConfigDict(arbitrary_types_allowed=True, use_attribute_docstrings=False)
 
 
 def model_of(build: Callable[..., object]) -> type[ControllerSettings]:

@@ -17,8 +17,9 @@ from multiprocessing.connection import Pipe
 from multiprocessing.context import BaseContext
 from types import ModuleType
 
-LOADED = ("cosim.running.execution", "libsumo", "pandas")
-"""What runs need; pandas is what pyarrow loads as soon as it makes an array."""
+LOADED = ("cosim.running.execution", "libsumo", "pandas", "controllers.strategies.vo_mpc")
+"""What runs need. Pandas is what pyarrow loads as soon as it makes an array, and on most of what the default
+controller stands on others stand, too."""
 
 _starting = threading.Lock()
 _BEGIN_WITHIN_S = 30.0

@@ -117,18 +117,26 @@ def commands() -> list[str]:
     return sorted(line for line in shown if line.startswith("cosim "))
 
 
+@cache
 def run_by_tests() -> set[str]:
     """Return those that ``tests/documentation`` runs."""
     found = (one for name in PAGES for one in command_blocks.of_page(name))
     return {shlex.join(one.words) for one in found if not one.excuse}
 
 
+@cache
+def all_commands() -> typer.core.TyperGroup:
+    """Return the command ``cosim``, whose signatures take a while to read."""
+    group = typer.main.get_command(app)
+    assert isinstance(group, typer.core.TyperGroup)
+    return group
+
+
 @pytest.mark.parametrize("line", commands())
 def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None:
     name, *arguments = shlex.split(line)[1:]
-    group = typer.main.get_command(app)
+    group = all_commands()
     with group.make_context("cosim", [name, *arguments]) as context:
-        assert isinstance(group, typer.core.TyperGroup)
         command = group.get_command(context, name)
         assert command is not None, f"there is no command {name!r}"
         with command.make_context(name, arguments, parent=context) as given:
@@ -154,8 +162,7 @@ def test_a_command_that_a_text_shows_is_one_that_can_be_given(line: str) -> None
 
 @pytest.mark.parametrize("name", PAGES)
 def test_commands_and_flags_within_a_sentence_exist(name: str) -> None:
-    group = typer.main.get_command(app)
-    assert isinstance(group, typer.core.TyperGroup)
+    group = all_commands()
     for text in re.findall(r"`cosim ([a-z][^`]*)`", (ROOT / name).read_text()):
         command, *others = text.split()
         with group.make_context("cosim", [command]) as context:

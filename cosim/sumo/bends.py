@@ -208,10 +208,11 @@ def _on_lanes(path: Path, points: FloatArray, near: slice) -> tuple[FloatArray, 
     near : samples of the path that are looked at
     """
     line, stations = path.samples[near], path.stations[near]
-    steps = np.diff(line, axis=0)
-    rest = points[:, None, :] - line[None, :-1, :]
-    share = np.clip((rest * steps).sum(axis=2) / (steps**2).sum(axis=1), 0.0, 1.0)
-    away = np.hypot(*(rest - share[:, :, None] * steps).transpose(2, 0, 1))
+    # Each axis by itself: sums over pairs take several times as long.
+    x_steps, y_steps = np.diff(line, axis=0).T
+    x_rest, y_rest = points.T[:, :, None] - line.T[:, None, :-1]
+    share = np.clip((x_rest * x_steps + y_rest * y_steps) / (x_steps**2 + y_steps**2), 0.0, 1.0)
+    away = np.hypot(x_rest - share * x_steps, y_rest - share * y_steps)
     nearest = away.argmin(axis=1)
     rows = np.arange(len(points))
     station = stations[nearest] + share[rows, nearest] * np.diff(stations)[nearest]

@@ -35,8 +35,10 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
     ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "15"),
     ("cosim", "run"): BRIEF,
-    ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2"),
+    ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2", "--to", "80"),
     ("cosim", "check", "suite:"): ONE_CASE,
+    # tests/cosim/search checks a whole folder of failures.
+    ("cosim", "check", "results/constant/failures"): ("--filter", "kind-01"),
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance", "--controller"): (),
     ("cosim", "conformance"): ("route",),
@@ -189,7 +191,11 @@ def _finished_study(folder: Path) -> None:
 def _runs(*controllers: str, of: Words = SHORT) -> Callable[[Path], None]:
     def make(folder: Path) -> None:
         for name in controllers:
-            _call("cosim", "run", "midblock_zebra", "--controller", name, *of)
+            # One that another page has needed is taken again.
+            made = folder.parent / f"{name}-{'-'.join(of)}"
+            if not made.exists():
+                _call("cosim", "run", "midblock_zebra", "--controller", name, *of, "--out", str(made))
+            shutil.copytree(made, folder / f"runs/midblock_zebra-{name}-1-1")
 
     return make
 
