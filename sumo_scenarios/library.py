@@ -20,10 +20,11 @@ from sumo_scenarios.parameters import (
     with_parameters,
 )
 from sumo_scenarios.preparation import Prepared, prepare
-from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S, defaults, read_table
+from sumo_scenarios.schema import defaults, read_table
 from sumo_scenarios.suites.build import load_case
 from sumo_scenarios.suites.case import is_reference
 from sumo_scenarios.sumo_installation import packaged_file
+from sumo_scenarios.sumo_options import is_true
 from sumo_scenarios.sumocfg import SumoConfiguration, read_sumocfg
 from sumo_scenarios.variant import variant
 
@@ -98,9 +99,9 @@ def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
     begin_s, step_s = 0.0, table.step_s or 0.1
     if table.network is None:
         sumocfg = packaged_file(table.packaged_sumocfg) if table.packaged_sumocfg else folder / table.sumocfg
-        configuration = read_sumocfg(sumocfg)
+        configuration = _microscopic(sumocfg)
         begin_s = configuration.begin_s
-        step_s = table.step_s or _checked_step(configuration)
+        step_s = table.step_s or configuration.step_s
     hybrid = HYBRID_LATERAL_RESOLUTION_M if table.actuation == "hybrid" else None
     demand = table.demand
     if table.warmup_s >= table.duration_s:
@@ -141,7 +142,7 @@ def _base_of(folder: Path, base: str) -> Scenario:
 
 
 def _from_sumocfg(path: Path) -> Scenario:
-    configuration = read_sumocfg(path)
+    configuration = _microscopic(path)
     end_s = configuration.end_s
     duration_s = DURATION_WITHOUT_END_S if end_s is None else end_s - configuration.begin_s
     if duration_s <= 0:
@@ -156,7 +157,7 @@ def _from_sumocfg(path: Path) -> Scenario:
         begin_s=configuration.begin_s,
         duration_s=duration_s,
         warmup_s=0.0,
-        step_s=_checked_step(configuration),
+        step_s=configuration.step_s,
         actuation="hybrid",
         lateral_resolution_m=configuration.lateral_resolution_m or HYBRID_LATERAL_RESOLUTION_M,
         vehicles_per_hour=None,
@@ -166,11 +167,9 @@ def _from_sumocfg(path: Path) -> Scenario:
     )
 
 
-def _checked_step(configuration: SumoConfiguration) -> float:
-    step_s = configuration.step_s
-    if not SHORTEST_STEP_S <= step_s <= LONGEST_STEP_S:
-        raise ScenarioError(
-            f"{configuration.path}: step-length is {step_s:g} s; "
-            f"expected {SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
-        )
-    return step_s
+def _microscopic(path: Path) -> SumoConfiguration:
+    """Return what a configuration says, unless vehicles would have no place on their lanes."""
+    configuration = read_sumocfg(path)
+    if is_true(configuration.options, "mesosim"):
+        raise ScenarioError(f"{path}: mesosim is set; expected a microscopic simulation: remove this option")
+    return configuration

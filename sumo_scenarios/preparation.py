@@ -19,6 +19,7 @@ from sumo_scenarios.pedestrian_tables import TrajectoryTable
 from sumo_scenarios.private_copy import private_configuration
 from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_file
 from sumo_scenarios.replaced_types import types_file, with_types
+from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
@@ -77,6 +78,9 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
+    if not SHORTEST_STEP_S <= scenario.step_s <= LONGEST_STEP_S:  # of the configuration: others are checked
+        limits = f"{SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
+        raise ScenarioError(f"{sumocfg}: step-length is {scenario.step_s:g} s; expected {limits}")
     configuration, types = read_sumocfg(sumocfg), types_file(scenario)
     demand = (*configuration.route_files, *configuration.additional_files)
     included = [file for path in demand for file in included_files(path)]

@@ -79,6 +79,15 @@ def long_name(name: str) -> str:
     return _LONG.get(name, name)
 
 
+def is_true(options: Mapping[str, str], name: str) -> bool:
+    """Return whether an option is set to one of the words that SUMO takes for true.
+
+    >>> is_true({"mesosim": "Yes"}, "mesosim"), is_true({"mesosim": "0"}, "mesosim"), is_true({}, "mesosim")
+    (True, False, False)
+    """
+    return options.get(name, "false").lower() in ("true", "1", "yes", "on", "t", "x")
+
+
 def kept_options(options: Mapping[str, str]) -> dict[str, str]:
     """Return the options, by their long names, without those that write files or belong to a window alone.
 

@@ -95,6 +95,7 @@ def inspect_source(source: Source) -> Inspection:
         *demand_findings.sorting(demand),
         options.step_length(source),
         *options.pedestrian_model(source),
+        *options.mesoscopic(source),
         *options.route_errors(source),
         *options.replaced(source),
     )

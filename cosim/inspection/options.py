@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from cosim.inspection.demand import seconds
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
+from sumo_scenarios.sumo_options import is_true
 
 COARSE_STEP_S = 0.2
 """In a longer step a pedestrian moves by more than their radius [s]."""
 NO_INTERACTION = "noninteracting"
-_TRUE = ("true", "1", "yes", "on", "t", "x")
 
 
 def step_length(source: Source) -> Finding:
@@ -42,9 +40,17 @@ def pedestrian_model(source: Source) -> list[Finding]:
     return [Finding("pedestrian model", Level.MISSING, text)]
 
 
+def mesoscopic(source: Source) -> list[Finding]:
+    """Report a simulation of queues, in which no vehicle has a place on its lane."""
+    if not is_true(source.options, "mesosim"):
+        return []
+    text = "vehicles have no place in their lane, and no run is possible; remove mesosim"
+    return [Finding("mesoscopic", Level.MISSING, text)]
+
+
 def route_errors(source: Source) -> list[Finding]:
     """Report an option that silently drops vehicles with broken routes."""
-    if not _is_true(source.options, "ignore-route-errors"):
+    if not is_true(source.options, "ignore-route-errors"):
         return []
     return [Finding("route errors", Level.DANGER, "ignore-route-errors silently drops broken routes")]
 
@@ -61,11 +67,11 @@ def replaced(source: Source) -> list[Finding]:
     action = options.get("collision.action", "teleport")
     if action != "warn":
         found.append(f"collision.action {action}")
-    if not _is_true(options, "collision.check-junctions"):
+    if not is_true(options, "collision.check-junctions"):
         found.append("no collision check in junctions, where the crossings are")
-    if _is_true(options, "step-method.ballistic"):
+    if is_true(options, "step-method.ballistic"):
         found.append("the ballistic step method")
-    if _is_true(options, "random"):
+    if is_true(options, "random"):
         found.append("a random seed from the clock")
     if (seconds(options.get("lanechange.duration", "0")) or 0.0) > 0.0:
         found.append("lanechange.duration, which excludes the sublane model")
@@ -73,7 +79,3 @@ def replaced(source: Source) -> list[Finding]:
         return []
     text = f"SUMO alone would use: {'; '.join(found)}. cosim run overrides these"
     return [Finding("options", Level.NOTE, text)]
-
-
-def _is_true(options: Mapping[str, str], key: str) -> bool:
-    return options.get(key, "false").lower() in _TRUE

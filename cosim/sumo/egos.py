@@ -179,10 +179,14 @@ class EgoSources:
                 f"{self._departed_seen} vehicles did, for instance {some}"
             )
         if self._egos.share and not any_ego:
-            raise SimulationError(
-                f"no ego: {self._cars_seen} passenger cars departed until {end:g} s, of "
-                f"{self._departed_seen} vehicles; expected cars of which {self._egos.share:g} can be egos"
+            seen = f"{self._cars_seen} passenger cars departed until {end:g} s"
+            told = (
+                f"{seen}, and none of them was drawn with a share of {self._egos.share:g}; expected a larger "
+                "share, another seed or more time"
+                if self._cars_seen
+                else f"{seen}, of {self._departed_seen} vehicles; expected cars of which a share can be egos"
             )
+            raise SimulationError(f"no ego: {told}")
 
 
 def is_private_car(sumo: Any, name: str) -> bool:

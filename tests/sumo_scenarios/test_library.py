@@ -165,7 +165,7 @@ def test_a_configuration_gives_times_and_files(tmp_path: Path) -> None:
     [
         ("b.net.xml", "", "b.net.xml: no such file"),
         ("", "", "names no network"),
-        ("a.net.xml", '<time><step-length value="2.0"/></time>', "step-length is 2 s; expected 0.05 to 1 s"),
+        ("a.net.xml", '<mesosim value="true"/>', "mesosim is set; expected a microscopic simulation"),
         ("a.net.xml", "<time>", "not well-formed XML"),
         ("a.net.xml", '<input><route-files value="r.xml"/></input>', "r.xml: no such file"),
         ("a.net.xml", '<time><begin value="soon"/></time>', "begin is 'soon'"),
@@ -176,6 +176,16 @@ def test_a_configuration_gives_times_and_files(tmp_path: Path) -> None:
 def test_a_bad_configuration_is_one_line(tmp_path: Path, net: str, more: str, expected: str) -> None:
     more = more or '<time><step-length value="0.1"/></time>'
     assert expected in message_of(str(write_configuration(tmp_path, net, more)))
+
+
+def test_a_step_out_of_bounds_is_refused_unless_another_is_asked_for(tmp_path: Path) -> None:
+    path = write_configuration(tmp_path, "a.net.xml", '<time><step-length value="2.0"/></time>')
+    scenario = load(str(path))
+    with pytest.raises(ScenarioError, match=r"step-length is 2 s; expected 0\.05 to 1 s"):
+        prepare(scenario, 1, tmp_path / "refused")
+    asked, _ = with_parameters(scenario, {"step_s": "0.1"})
+    options = prepare(asked, 1, tmp_path / "work").options
+    assert options[options.index("--step-length") + 1] == "0.1"
 
 
 def test_a_broken_gzip_is_one_line(tmp_path: Path) -> None:

@@ -195,6 +195,7 @@ def test_sumo_leaves_out_and_inserts_what_is_said(tmp_path: Path) -> None:
     ("options", "step", "check", "level", "words"),
     [
         ('<pedestrian.model value="nonInteracting"/>', "0.1", "pedestrian model", Level.MISSING, "through"),
+        ('<mesosim value="true"/>', "0.1", "mesoscopic", Level.MISSING, "remove mesosim"),
         ('<ignore-route-errors value="true"/>', "0.1", "route errors", Level.DANGER, "silently"),
         ('<step-method.ballistic value="true"/>', "0.1", "options", Level.NOTE, "ballistic"),
         ('<collision.action value="none"/>', "0.1", "options", Level.NOTE, "collision.action none"),

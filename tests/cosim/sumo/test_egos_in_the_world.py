@@ -68,6 +68,12 @@ def test_a_demand_without_cars_has_no_share(open_world: OpenWorld) -> None:
         drive(open_world("", Egos(share=0.5), duration_s=5.0))
 
 
+def test_cars_of_which_none_is_drawn_are_told_with_the_share(open_world: OpenWorld) -> None:
+    car = '<vehicle id="only" type="car" depart="0"><route edges="am mj"/></vehicle>'
+    with pytest.raises(SimulationError, match=r"1 passenger cars .* none of them was drawn .* 0\.001;"):
+        drive(open_world(car, Egos(share=0.001), duration_s=5.0))
+
+
 def test_an_ego_that_finds_no_place_is_told(open_world: OpenWorld) -> None:
     standing = "".join(
         f'<vehicle id="s{lane}" type="car" depart="0" departLane="{lane}" departPos="7">'
