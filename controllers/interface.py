@@ -31,6 +31,7 @@ from controllers.perception import (
     RoadAhead,
     Signal,
     SignalState,
+    StopSign,
     Vehicles,
 )
 
@@ -60,6 +61,7 @@ __all__ = [
     "Signal",
     "SignalState",
     "Solves",
+    "StopSign",
     "Vehicles",
     "constant_command",
 ]

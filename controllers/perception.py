@@ -246,6 +246,15 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
+class StopSign:
+    """A stop line with a stop sign: who comes to it stops, even where nobody has to be let pass."""
+
+    name: str
+    stop_line: float
+    """[m]"""
+
+
+@dataclass(frozen=True, slots=True)
 class JunctionFoe:
     """A vehicle whose path crosses the ego's inside a junction ahead."""
 
@@ -286,6 +295,7 @@ class RoadAhead:
     crossings: tuple[Crossing, ...] = ()
     """Ascending by entry; includes those the ego is on."""
     signals: tuple[Signal, ...] = ()
+    stop_signs: tuple[StopSign, ...] = ()
     foes: tuple[JunctionFoe, ...] = ()
     route_end: float = float("inf")
     """Along coordinate of the route's end; inf beyond the view [m]."""

@@ -1,4 +1,4 @@
-"""Where to stop because others go first: traffic lights, and vehicles whose path crosses the ego's."""
+"""Where to stop: traffic lights, stop signs, and vehicles whose path crosses the ego's and who go first."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ BEND_ACCELERATION = 2.0
 """Lateral acceleration with which the ego is expected to take the bend through the conflict [m/s^2]."""
 STANDING = 0.3
 """Slower is standing [m/s]."""
+AT_THE_SIGN = 4.0
+"""Who stands this near before a stop sign's line has stopped there [m]."""
 PATIENCE = 3.0
 """A foe that has stood for so long is taken to let the ego go [s]."""
 PATIENCE_INSIDE = 6.0
@@ -49,6 +51,7 @@ class RightOfWay:
         self._acceleration = acceleration
         self._standing_since: dict[str, float] = {}
         self._braking_for: set[str] = set()
+        self._stopped_at: set[str] = set()
         self.red_line = math.inf
         """The nearest line ahead at which a red light held the ego when last asked; inf for none [m]."""
 
@@ -58,7 +61,7 @@ class RightOfWay:
         self._watch(ego.time, road)
         lights = self._lights(perception)
         foes = [self._before(foe, perception) for foe in road.foes if self._yields(foe, perception)]
-        return lights + [stop for stop in foes if stop is not None]
+        return [*lights, *self._signs(perception), *(stop for stop in foes if stop is not None)]
 
     def _lights(self, perception: Perception) -> list[StopPlace]:
         """Return the lights to stop at.
@@ -78,6 +81,17 @@ class RightOfWay:
         ahead = (one.stop_line for one in red if one.stop_line >= ego.body.front)
         self.red_line = min(ahead, default=math.inf)
         return [StopPlace(one.name, one.stop_line) for one in held]
+
+    def _signs(self, perception: Perception) -> list[StopPlace]:
+        """Return the stop signs at which the ego has not stopped yet."""
+        ego, signs = perception.ego, perception.road.stop_signs
+        self._stopped_at &= {sign.name for sign in signs}
+        if ego.speed < STANDING:
+            at = (sign for sign in signs if sign.stop_line - ego.body.front < AT_THE_SIGN)
+            self._stopped_at |= {sign.name for sign in at}
+        ahead = [StopPlace(sign.name, sign.stop_line) for sign in signs if sign.name not in self._stopped_at]
+        hardest = HARD_SHARE * ego.drive.max_deceleration
+        return [stop for stop in ahead if _can_stop(stop.along + OVERSHOOT, ego, hardest)]
 
     def _watch(self, time: float, road: RoadAhead) -> None:
         standing = {foe.name for foe in road.foes if foe.foe_speed < STANDING}

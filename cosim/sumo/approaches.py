@@ -28,7 +28,7 @@ class Approaches:
         self._cars: Cars | None = None
         self._paces: dict[int, float] = {}
         self._came: dict[str, tuple[str, float]] = {}
-        """By vehicle: the lane at whose end it has come to a stop, and when."""
+        """By vehicle: the lane at whose end it has come to a stop, and when; −inf once it is inside."""
 
     def begin(self, cars: Cars, time: float) -> None:
         """Begin an instant."""
@@ -40,6 +40,9 @@ class Approaches:
             name = cars.names[row]
             known = self._came.get(name)
             if known is not None and known[0] != lane:
+                if lane in self._network.through:
+                    self._came[name] = (lane, -math.inf)
+                    continue
                 del self._came[name]
                 known = None
             if known is None and lane in self._in_order and cars.speed[row] < SLOW:
@@ -54,7 +57,7 @@ class Approaches:
         return self._paces[row]
 
     def goes_first(self, one: str, other: str) -> bool:
-        """Return whether one of two vehicles has come to an all-way stop before the other."""
+        """Return whether one of two vehicles has come to an all-way stop before the other, or is inside."""
         return one in self._came and self._order(one) < self._order(other)
 
     def _order(self, name: str) -> tuple[float, str]:

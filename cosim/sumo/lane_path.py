@@ -71,6 +71,14 @@ class PathSignal:
 
 
 @dataclass(frozen=True, slots=True)
+class PathStopSign:
+    """A stop sign at a path, named like the lane that ends there."""
+
+    name: str
+    stop_line: float
+
+
+@dataclass(frozen=True, slots=True)
 class PathJunction:
     """The passage of a path through a junction."""
 
@@ -150,6 +158,7 @@ class LanePath:
             self._limits = self._slowed(turning)
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
+        self.stop_signs: tuple[PathStopSign, ...] = ()
         self.junctions: tuple[PathJunction, ...] = ()
         self._offsets: dict[int, FloatArray] = {}
 
@@ -223,7 +232,7 @@ class LanePath:
         return starts, limits
 
     def meet(self, crossings: Sequence[NetCrossing], connections: Sequence[Connection]) -> None:
-        """Find the crossings, signals and junctions along the path.
+        """Find the crossings, signals, stop signs and junctions along the path.
 
         Parameters
         ----------
@@ -243,6 +252,9 @@ class LanePath:
             PathSignal(connection.signal, connection.signal_index, end)
             for connection, end, _ in left
             if connection.signal
+        )
+        self.stop_signs = tuple(
+            PathStopSign(connection.source, end) for connection, end, _ in left if connection.stop_sign
         )
         self.junctions = tuple(
             PathJunction(connection, end, via[-1].end, via[0].end if len(via) > 1 else None)

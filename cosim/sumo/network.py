@@ -71,6 +71,8 @@ class Connection:
     signal_index: int
     in_order: bool
     """Whether vehicles pass in the order in which they came to a stop: an all-way stop."""
+    stop_sign: bool
+    """Whether there is a stop sign, as all-way stops have at every approach."""
     permissions: Permissions
 
 

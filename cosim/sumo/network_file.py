@@ -28,6 +28,8 @@ from cosim.sumo.network import (
 
 DEFAULT_LANE_WIDTH = 3.2
 """SUMO's own default [m]."""
+STOP, ALLWAY_STOP = "s", "w"
+"""States of connections without a traffic light, at which vehicles have to stop."""
 
 
 def read_network(path: Path) -> Network:
@@ -237,7 +239,8 @@ class _Reader:
                     link.get("dir", "s"),
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
-                    link.get("state") == "w",
+                    link.get("state") == ALLWAY_STOP,
+                    link.get("state") in (STOP, ALLWAY_STOP) and "tl" not in link.attrib,
                     _permissions(link),
                 )
                 for link in links

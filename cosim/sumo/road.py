@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from controllers.interface import Crossing, JunctionFoe, Lane, RoadAhead, Signal, SignalState
+from controllers.interface import Crossing, JunctionFoe, Lane, RoadAhead, Signal, SignalState, StopSign
 from cosim.sumo.gaps import LaneLine
 from cosim.sumo.lane_path import PathCrossing, PathSignal
 from cosim.sumo.lights import Lights
@@ -85,6 +85,7 @@ def road_ahead(
         limit=np.minimum(limits[first:], own_limit),
         crossings=tuple([_crossing(crossing, origin, lights) for crossing in crossings]),
         signals=tuple([_signal(signal, origin, lights) for signal in signals]),
+        stop_signs=tuple([StopSign(sign.name, sign.stop_line - origin) for sign in frame.stop_signs()]),
         foes=tuple(foes),
         route_end=path.chain_end - origin if path.leads_to_end else math.inf,
     )

@@ -9,7 +9,7 @@ import numpy as np
 from cosim.arrays import FloatArray
 from cosim.step.frames import wrapped
 from cosim.step.plant import Plant
-from cosim.sumo.lane_path import LanePath, PathCrossing, PathJunction, PathSignal
+from cosim.sumo.lane_path import LanePath, PathCrossing, PathJunction, PathSignal, PathStopSign
 from cosim.sumo.route import VIEW
 from cosim.sumo.track import Track
 
@@ -53,6 +53,11 @@ class Frame:
         """Return the path's signals that the ego has not passed."""
         low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
         return [signal for signal in self.path.signals if low <= signal.stop_line < high]
+
+    def stop_signs(self) -> list[PathStopSign]:
+        """Return the path's stop signs that the ego has not passed."""
+        low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
+        return [sign for sign in self.path.stop_signs if low <= sign.stop_line < high]
 
     def junctions(self, reach: float) -> list[PathJunction]:
         """Return the junctions that the ego is in, or comes to within that distance [m]."""

@@ -15,10 +15,10 @@ from controllers.interface import Lane, Perception
 class BlockedLanes:
     """Watches standing vehicles; one per ego.
 
-    A vehicle in its lane that has stood for ``patience`` with no crossing, signal or duty to yield close
-    ahead of it is not waiting for anything. Its lane is then told as ending ``distance`` before it, so that
-    whatever leaves a lane that ends also goes round a parked vehicle, and stops where it still can. One that
-    stands across the lane, or faces the ego, may be waiting for the ego: it does not count.
+    A vehicle in its lane that has stood for ``patience`` with no crossing, signal, stop sign or duty to yield
+    close ahead of it is not waiting for anything. Its lane is then told as ending ``distance`` before it, so
+    that whatever leaves a lane that ends also goes round a parked vehicle, and stops where it still can. One
+    that stands across the lane, or faces the ego, may be waiting for the ego: it does not count.
 
     Parameters
     ----------
@@ -65,6 +65,7 @@ class BlockedLanes:
         road = perception.road
         reasons = [crossing.entry for crossing in road.crossings]
         reasons += [signal.stop_line for signal in road.signals]
+        reasons += [sign.stop_line for sign in road.stop_signs]
         reasons += [foe.stop_line for foe in road.foes]
         return any(-3.0 < place - front < self.reason for place in reasons)
 

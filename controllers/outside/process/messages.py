@@ -162,6 +162,13 @@ class Signal(_Message):
     state: Literal["red", "amber", "green"]
 
 
+class StopSign(_Message):
+    """A stop line with a stop sign: who comes to it stops."""
+
+    name: str
+    stop_line_m: Number
+
+
 class Foe(_Message):
     """A vehicle whose path crosses the ego's in a junction."""
 
@@ -192,6 +199,7 @@ class Road(_Message):
     """Speed limits, each from its limit_along_m on."""
     crossings: list[Crossing]
     signals: list[Signal]
+    stop_signs: list[StopSign]
     foes: list[Foe]
     route_end_m: Number | None
     """null: beyond the view."""

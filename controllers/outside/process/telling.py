@@ -203,6 +203,7 @@ def _road(road: RoadAhead) -> dict[str, Any]:
         "signals": [
             {"name": one.name, "stop_line_m": one.stop_line, "state": one.state.value} for one in road.signals
         ],
+        "stop_signs": [{"name": one.name, "stop_line_m": one.stop_line} for one in road.stop_signs],
         "foes": [
             {
                 "name": one.name,

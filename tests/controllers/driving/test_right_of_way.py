@@ -14,7 +14,7 @@ from controllers.driving.right_of_way import (
     must_stop,
     travel_time,
 )
-from controllers.interface import JunctionFoe, Perception, Signal, SignalState
+from controllers.interface import JunctionFoe, Perception, Signal, SignalState, StopSign
 from tests.controllers.scenes import ego, perception
 
 
@@ -44,6 +44,26 @@ def test_a_light_is_stopped_at_where_that_is_possible(state: SignalState, line: 
 
 def test_a_standing_car_a_little_over_the_line_stays_at_red() -> None:
     assert must_stop(Signal("tl", 3.0, SignalState.RED), ego(0.0))
+
+
+def _at_a_sign(speed: float, line: float) -> Perception:
+    seen = perception(ego(speed))
+    return replace(seen, road=replace(seen.road, stop_signs=(StopSign("sign", line),)))
+
+
+def test_at_a_stop_sign_the_ego_stops_once_and_then_drives_on() -> None:
+    way = RightOfWay(1.8)
+    assert way.stops(_at_a_sign(8.0, 30.0)) == [StopPlace("sign", 30.0)]
+    assert way.stops(_at_a_sign(0.0, 12.0)) == [StopPlace("sign", 12.0)], "it stands in the queue before it"
+    assert way.stops(_at_a_sign(2.0, 6.0)) == [StopPlace("sign", 6.0)]
+    assert way.stops(_at_a_sign(0.1, 4.5)) == []
+    assert way.stops(_at_a_sign(1.0, 4.4)) == [], "it sets off"
+    assert way.stops(perception(ego(8.0))) == []
+    assert way.stops(_at_a_sign(8.0, 30.0)) == [StopPlace("sign", 30.0)], "of the next round"
+
+
+def test_a_stop_sign_that_comes_too_late_is_passed() -> None:
+    assert RightOfWay(1.8).stops(_at_a_sign(10.0, 6.0)) == []
 
 
 def test_a_foe_that_arrives_with_the_ego_is_yielded_to_at_the_stop_line() -> None:

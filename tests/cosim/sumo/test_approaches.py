@@ -77,6 +77,21 @@ def test_who_came_to_an_all_way_stop_before_somebody_goes_first(all_way: Network
     assert not approaches.goes_first("ego", "other")
 
 
+def test_who_is_inside_an_all_way_stop_goes_before_those_who_wait(all_way: Network) -> None:
+    """Somebody let it go first: if it waited for them now, it would stand on the crossing."""
+    approaches = Approaches(all_way)
+    south, west = "B0B1_0", "A1B1_0"
+    (inside,) = next(one for one in all_way.connections[south] if one.target.startswith("B1B2")).via
+    approaches.begin(_cars(all_way, [("ego", south, 9.0, 3.0), ("other", west, 3.0, 0.0)]), 10.0)
+    approaches.begin(_cars(all_way, [("ego", south, 3.0, 0.0), ("other", west, 3.0, 0.0)]), 14.0)
+    assert approaches.goes_first("other", "ego")
+    approaches.begin(_cars(all_way, [("ego", inside, 9.0, 1.0), ("other", west, 3.0, 0.0)]), 20.0)
+    assert approaches.goes_first("ego", "other")
+    assert not approaches.goes_first("other", "ego")
+    approaches.begin(_cars(all_way, [("ego", "B1B2_0", 80.0, 5.0), ("other", west, 3.0, 0.0)]), 24.0)
+    assert not approaches.goes_first("ego", "other")
+
+
 def test_nobody_who_is_still_on_the_way_or_not_at_such_a_junction_goes_first(
     all_way: Network, town: Network
 ) -> None:

@@ -63,6 +63,31 @@ def test_in_an_unregulated_junction_everybody_whose_way_meets_is_yielded_to(tmp_
     assert {foe.source for foe, _ in foes} == {"A1B1_0", "B2B1_0", "C1B1_0"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "with_a_sign", "in_order"),
+    [
+        ("allway_stop", 12, True),
+        ("priority_stop", 6, False),
+        ("priority", 0, False),
+        ("traffic_light", 0, False),
+    ],
+)
+def test_stop_signs_are_where_the_network_has_them(
+    tmp_path: Path, kind: str, with_a_sign: int, in_order: bool
+) -> None:
+    path = tmp_path / "net.xml"
+    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={kind}"]
+    netgenerate = netconvert().with_name("netgenerate")
+    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
+    into = ("A1B1", "B0B1", "C1B1", "B2B1")
+    onward = [
+        one for lane, ways in read_network(path).connections.items() if lane[:4] in into for one in ways
+    ]
+    signs = [one for one in onward if one.stop_sign]
+    assert len(signs) == with_a_sign
+    assert all(one.in_order is in_order for one in signs)
+
+
 def test_the_measured_intersection_is_read(braunschweig: Network) -> None:
     assert len(braunschweig.crossings) == 8
     assert {crossing.kind for crossing in braunschweig.crossings.values()} == {CrossingKind.SIGNAL}
