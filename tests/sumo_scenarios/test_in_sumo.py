@@ -12,10 +12,10 @@ pytestmark = pytest.mark.sumo
 
 # Pedestrians wait for gaps and green; the first of the measured hour sets out 139 s after its beginning.
 UNTIL_S = {
-    "braunschweig": 220.0,
-    "braunschweig_calibrated": 220.0,
-    "midblock_unmarked": 180.0,
-    "signalised_junction": 180.0,
+    "braunschweig": 160.0,
+    "braunschweig_calibrated": 160.0,
+    "midblock_unmarked": 120.0,
+    "signalised_junction": 120.0,
 }
 
 # Where there is none, those who cross are scripted: tests/cosim/running/test_scripted_pedestrians.py.
