@@ -52,23 +52,25 @@ def reference_speeds(perception: Perception, positions: FloatArray, demands: Flo
     bend = np.maximum(np.abs(curvature), STRAIGHT)
     if len(limit) > 0 and limit_along[0] <= 0.0:
         # A limit holds everywhere: of the road's many points only bends slower than that matter.
-        slow = np.flatnonzero(bend * limit.max() ** 2 > demands[:, 0].min())
+        slow = (bend * limit.max() ** 2 > demands[:, 0].min()).nonzero()[0]
         along, bend = along[slow], bend[slow]
     points = np.concatenate((along, limit_along))
-    speeds = np.full((len(demands), len(positions)), np.inf)
     if len(points) == 0:
-        return speeds
+        return np.full((len(demands), len(positions)), np.inf)
     # A bend counts until the instant before has left it behind, or one between two instants would be
     # missed; a limit counts until the next one begins.
-    since = np.minimum(np.concatenate(((0.0,), positions[:-1])), positions)
-    ends = np.concatenate((limit_along[1:], (np.inf,)))[: len(limit_along)]
+    since = np.zeros(len(positions))
+    since[1:] = positions[:-1]
+    since = np.minimum(since, positions)
+    ends = np.full(len(limit_along), np.inf)
+    ends[:-1] = limit_along[1:]
     left = np.concatenate((along, ends))
     distance = np.maximum(points - positions.reshape(-1, 1), 0.0)
     gone = left < since.reshape(-1, 1)
     gone[:, len(along) :] = ends <= positions.reshape(-1, 1)
     distance = np.where(gone, np.inf, distance)
-    for i in range(len(demands)):
-        lateral, braking = demands[i]
-        squares = np.concatenate((lateral / bend, limit**2))
-        speeds[i] = np.sqrt(np.minimum((squares + 2.0 * braking * distance).min(axis=1), HIGHEST**2))
-    return speeds
+    squares = np.empty((len(demands), 1, len(points)))
+    squares[:, 0, : len(along)] = demands[:, :1] / bend
+    squares[:, 0, len(along) :] = limit**2
+    squares = squares + (2.0 * demands[:, 1]).reshape(-1, 1, 1) * distance
+    return np.asarray(np.sqrt(np.minimum(np.minimum.reduce(squares, axis=2), HIGHEST**2)))

@@ -63,13 +63,13 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     turning = ~box.same_way & (np.hypot(vehicles.along_speed, vehicles.across_speed) < TURNING_SPEED)
     right, left = _swung_out(perception, box, band, turning)
     soon, later = _ahead(vehicles, box, front, centres, right, left)
-    chosen = np.flatnonzero(soon | later)
+    chosen = (soon | later).nonzero()[0]
     if len(chosen) == 0:
         free = np.full(len(times), np.inf)
         return Blockade(free, free, free, "")
     rear, speed = _predicted(vehicles, box, chosen, times)
     rest = rear + speed**2 / (2.0 * HARD_BRAKING)
-    blocking = np.flatnonzero(soon[chosen])
+    blocking = soon[chosen].nonzero()[0]
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
     in_lane = (box.right < band[1]) & (box.left > band[0])  # those beside it need none to get out of it

@@ -77,8 +77,8 @@ def solve(
 
 def _solve(problem: Problem, settings: SolverSettings, memory: Memory, start: FloatArray | None) -> Solution:
     # Whatever is no number stays in, so that the certificate meets it.
-    rows = np.flatnonzero(problem.h != np.inf)
-    bounded = Rows(rows, problem.G[rows], problem.h[rows])
+    rows = (problem.h != np.inf).nonzero()[0]
+    bounded = Rows(rows, problem.G.take(rows, axis=0), problem.h.take(rows))
     if settings.name != OSQP:
         return _by_name(problem, bounded, settings.name)
     solution = _by_warm_osqp(problem, bounded, memory, start, settings.tolerance)

@@ -183,7 +183,7 @@ def _near(perception: Perception) -> NDArray[np.intp]:
     x, y = people.position[:, 0] - ego.x, people.position[:, 1] - ego.y
     if np.isnan(x).any():
         x, y = people.along, people.across - ego.across
-    return np.flatnonzero(np.hypot(x, y) < reach)
+    return np.asarray((np.hypot(x, y) < reach).nonzero()[0])
 
 
 def _joined(some: Discs, others: Discs) -> Discs:

@@ -44,8 +44,8 @@ class BlockedLanes:
         """Return the perception with lanes that end where they are blocked."""
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
-        standing = np.flatnonzero(np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING)
-        names = {vehicles.names[i]: int(i) for i in standing}
+        stands = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
+        names = {vehicles.names[i]: i for i in stands.nonzero()[0].tolist()}
         self._since = {name: self._since.get(name, time) for name in names}
         parked = [i for name, i in names.items() if time - self._since[name] >= self.patience]
         if not parked:

@@ -80,7 +80,7 @@ def people_beside(
     """
     places = _meeting_places(perception.ego, perception.road, perception.pedestrians)
     apart = np.hypot(places[:, :1] - way[0], places[:, 1:] - way[1]).min(axis=1)
-    who = np.flatnonzero(apart - perception.pedestrians.radius < aside)
+    who = (apart - perception.pedestrians.radius < aside).nonzero()[0]
     return who, places[who]
 
 

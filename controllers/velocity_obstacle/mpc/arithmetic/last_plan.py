@@ -68,4 +68,7 @@ def in_intervals(
 
 
 def _after(first: float, others: FloatArray) -> FloatArray:
-    return np.concatenate(((first,), others))
+    # Several times as fast for a few numbers as np.concatenate, which has to make an array of the first.
+    both = np.empty(len(others) + 1)
+    both[0], both[1:] = first, others
+    return both
