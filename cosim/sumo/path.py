@@ -119,6 +119,8 @@ class Path:
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""
+        if len(along) == 1:
+            return np.array([self._place(float(along[0]), float(across[0]))])
         segment = np.searchsorted(self.along, along, side="right") - 1
         rows = self.segments(np.minimum(np.maximum(segment, 0), len(self.points) - 2))
         px, py, cx, cy, tx, ty, turn_x, turn_y, start, length, _, _ = rows.T
@@ -130,6 +132,18 @@ class Path:
         places[:, 0] = px + share * cx - side * tangent_y
         places[:, 1] = py + share * cy + side * tangent_x
         return places
+
+    def _place(self, along: float, across: float) -> tuple[float, float]:
+        """Return what `at` returns of one point, in less time."""
+        segment = int(self.along.searchsorted(along, side="right")) - 1
+        row = self._segments[min(max(segment, 0), len(self.points) - 2)]
+        px, py, cx, cy, tx, ty, turn_x, turn_y, start, length, _, _ = row.tolist()
+        share = (along - start) / length
+        inner = min(max(share, 0.0), 1.0)
+        tangent_x, tangent_y = tx + inner * turn_x, ty + inner * turn_y
+        # NumPy's, as for many: Python's own may differ in the last digit.
+        side = across / float(np.hypot(tangent_x, tangent_y))
+        return px + share * cx - side * tangent_y, py + share * cy + side * tangent_x
 
     def place_near(self, x: float, y: float, guess: float) -> tuple[float, float]:
         """Return arc length and offset to the left [m] of one point not far from a guessed arc length.

@@ -38,6 +38,16 @@ def test_projection_is_the_inverse_of_placing(along: float, across: float) -> No
     assert found[1][0] == pytest.approx(across, abs=1e-6)
 
 
+@given(st.lists(st.tuples(st.floats(-70.0, 120.0), st.floats(-3.0, 3.0)), min_size=2, max_size=6))
+def test_one_point_is_placed_to_the_last_digit_where_it_is_among_others(
+    places: list[tuple[float, float]],
+) -> None:
+    path = Path(BEND, origin=-60.0)
+    along, across = np.array(places).T
+    one_by_one = [path.at(along[i : i + 1], across[i : i + 1])[0] for i in range(len(along))]
+    assert np.array_equal(path.at(along, across), one_by_one)
+
+
 @given(st.floats(-70.0, 90.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0))
 def test_a_guess_gives_the_same_place_as_a_search(along: float, across: float, error: float) -> None:
     path = Path(BEND, origin=-60.0)
