@@ -1,8 +1,11 @@
 """Whether a very long run ends, and in how much memory: twelve simulated hours on the Braunschweig junction.
 
 The network, its signals and one measured hour of traffic are those that SUMO ships (``fokr_bs_demo``). The
-hour's vehicles depart again every hour. The shipped flows of bicycles and pedestrians jam the junction before
-the first hour is over, so one of ten cyclists and one of four pedestrians comes.
+hour's vehicles and cyclists come again every hour. As shipped, each of the cyclists comes again every 25 s
+and each of the pedestrians every 15 s, which jams the junction within the hour even without egos; here one of
+four pedestrians comes.
+
+The run says every simulated hour, on the standard error stream, how far it has come.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ from sumo_scenarios.sumo_installation import packaged_file
 DEMO = "tools/game/fokr_bs_demo"
 VEHICLES, BICYCLES, PEOPLE = "15_16_veh.trips.xml.gz", "15_16_bicycle.trips.xml", "15_16_ped.trips.xml"
 BEGIN_S = 15 * HOUR_S
-PERIODS_S = {BICYCLES: 250.0, PEOPLE: 60.0}
+PERIODS_S = {BICYCLES: HOUR_S, PEOPLE: 60.0}
 """Between two of a flow; 25 and 15 as shipped."""
 HOURS, EGO_SHARE, STEP_S, SEED, CONTROLLER = 12.0, 0.2, 1.0, 1, "vo_mpc"
 SETTLED_S = 2.0 * HOUR_S
@@ -73,13 +76,36 @@ def long_demand(folder: Path) -> Path:
     return file
 
 
+class Hours:
+    """Says every simulated hour how far a run has come; a run that is stopped has told something."""
+
+    def __init__(self) -> None:
+        self._told = 0
+        self._since = time.perf_counter()
+
+    def tell(self, elapsed_s: float, looks: Looks) -> None:
+        """Say it, if an hour is over since the last time."""
+        if elapsed_s < (self._told + 1) * HOUR_S - 1e-6:
+            return
+        now, self._told = time.perf_counter(), self._told + 1
+        step_ms = 1e3 * (now - self._since) / (HOUR_S / STEP_S)
+        resident = looks.found["resident_mb"][-1]
+        print(f"{self._told} h: {step_ms:.0f} ms a step, {resident:.0f} MB", file=sys.stderr, flush=True)
+        self._since = now
+
+
 def watched(duration_s: float) -> dict[str, Any]:
     """Run and analyse; return resident memory over simulated time, at the end, and what came of the run."""
-    looks = Looks()
+    looks, hours = Looks(), Hours()
+
+    def progress(now: float, end: float | None) -> None:
+        looks.look(now - BEGIN_S)
+        hours.tell(now - BEGIN_S, looks)
+
     with TemporaryDirectory() as folder:
         file, out = long_demand(Path(folder)), Path(folder) / "run"
         request = RunRequest(str(file), CONTROLLER, SEED, duration_s=duration_s, ego_share=EGO_SHARE, out=out)
-        outcome = execute(request, lambda now, end: looks.look(now - BEGIN_S))
+        outcome = execute(request, progress)
         recorded = sum(part.stat().st_size for part in out.iterdir())
     row = outcome.row or {}
     wanted = (

@@ -55,7 +55,8 @@ def _mishaps(description: Mapping[str, Any]) -> list[str]:
     found = []
     given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
     if given_up:
-        text = f"{len(given_up)} egos left their path and were handed back to SUMO's driver"
+        why = "left their path, or stood for too long, and were handed back to SUMO's driver"
+        text = f"{len(given_up)} egos {why}"
         found.append(_with_first(text, given_up))
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:

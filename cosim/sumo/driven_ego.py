@@ -37,8 +37,10 @@ class DrivenEgo:
     handed_back: bool = False
     astray_for: float = 0.0
     """How long SUMO has had another route than the ego's own [s]."""
+    stood_for: float = 0.0
+    """How long it has stood [s]."""
     given_up: bool = False
-    """Handed back for good: it had left its way."""
+    """Handed back for good: it had left its way, or stood for too long."""
     frame: Frame | None = None
     """As last sensed."""
 

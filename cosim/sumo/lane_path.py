@@ -160,6 +160,8 @@ class LanePath:
         self.signals: tuple[PathSignal, ...] = ()
         self.stop_signs: tuple[PathStopSign, ...] = ()
         self.junctions: tuple[PathJunction, ...] = ()
+        self.signals_beside: tuple[PathSignal, ...] = ()
+        self.junctions_beside: tuple[PathJunction, ...] = ()
         self._offsets: dict[int, FloatArray] = {}
 
     @property
@@ -261,6 +263,21 @@ class LanePath:
             for connection, end, via in left
             if via
         )
+
+    def leave_beside(self, way: Connection, length: float) -> None:
+        """Take note of the way beside the end of these lanes, by which a vehicle may still follow its route.
+
+        Who changes over at the very end obeys the light of that way, and yields where it has to.
+
+        Parameters
+        ----------
+        way : of a lane beside the last one
+        length : of the way through the junction [m]
+        """
+        if way.signal:
+            self.signals_beside = (PathSignal(way.signal, way.signal_index, self.chain_end),)
+        if way.via:
+            self.junctions_beside = (PathJunction(way, self.chain_end, self.chain_end + length),)
 
     def _meeting(self, crossing: NetCrossing, ends: Sequence[float]) -> PathCrossing | None:
         axis = _lengthened(crossing.axis, 0.5)

@@ -123,6 +123,12 @@ class Route:
             default=None,
         )
 
+    def _onward_beside(self, step: int, index: int) -> Connection | None:
+        """Return the connection of the nearest lane that leads along the route, ``None`` for none."""
+        others = self.network.allowed_lanes(self.edges[step], self.vehicle_class)
+        found = (self._onward(step, other) for other in sorted(others, key=lambda one: abs(one - index)))
+        return next((connection for connection in found if connection is not None), None)
+
     def _backward(self, step: int, index: int) -> Connection | None:
         incoming = [
             connection
@@ -142,10 +148,12 @@ class Route:
         connections: list[Connection] = []
         beyond, at, lane = 0.0, step, index
         leads_to_end = step == len(self.edges) - 1
+        beside: Connection | None = None
         while beyond < VIEW:
             connection = self._onward(at, lane)
             if connection is None:
                 leads_to_end = at == len(self.edges) - 1
+                beside = self._onward_beside(at, lane)
                 break
             connections.append(connection)
             added = [self.network.lanes[name] for name in connection.via]
@@ -160,6 +168,8 @@ class Route:
         edges |= {part.edge for part in before if not part.internal}
         crossings = [c for c in self.network.crossings.values() if c.edges & edges]
         path.meet(crossings, [*entering, *connections])
+        if beside is not None:
+            path.leave_beside(beside, sum(self.network.lanes[name].shape_length for name in beside.via))
         return path
 
     def _before(self, step: int, index: int) -> tuple[list[NetLane], list[Connection], FloatArray]:

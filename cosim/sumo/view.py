@@ -15,6 +15,8 @@ from cosim.sumo.track import Track
 
 PASSED_LINE = 2.0
 """A stop line further behind the front bumper than this is forgotten [m]."""
+LANE_END = 12.0
+"""So near to the end of a lane that leads off the route the way beside it matters [m]."""
 
 
 class Frame:
@@ -52,7 +54,8 @@ class Frame:
     def signals(self) -> list[PathSignal]:
         """Return the path's signals that the ego has not passed."""
         low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
-        return [signal for signal in self.path.signals if low <= signal.stop_line < high]
+        found = self.path.signals + (self.path.signals_beside if self._at_lane_end() else ())
+        return [signal for signal in found if low <= signal.stop_line < high]
 
     def stop_signs(self) -> list[PathStopSign]:
         """Return the path's stop signs that the ego has not passed."""
@@ -62,4 +65,9 @@ class Frame:
     def junctions(self, reach: float) -> list[PathJunction]:
         """Return the junctions that the ego is in, or comes to within that distance [m]."""
         low, high = self.origin + self.back, self.origin + self.front + reach
-        return [junction for junction in self.path.junctions if junction.end > low and junction.start < high]
+        found = self.path.junctions + (self.path.junctions_beside if self._at_lane_end() else ())
+        return [junction for junction in found if junction.end > low and junction.start < high]
+
+    def _at_lane_end(self) -> bool:
+        """Return whether the lanes end, or lead off the route, right ahead of the front bumper."""
+        return self.path.chain_end - self.origin - self.front < LANE_END

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Command, Drive, Perception
 from cosim.arrays import FloatArray
 from cosim.errors import InputError, SimulationError
@@ -46,6 +47,8 @@ PATIENCE = 5.0
 """An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
 GIVEN_UP = 15.0
 """An ego further than this from where SUMO can have it on its way is handed back [m]."""
+STOOD = 240.0
+"""An ego that has stood for longer is handed back: after 300 s SUMO might take it off the road [s]."""
 
 
 class SumoWorld:
@@ -137,7 +140,7 @@ class SumoWorld:
         if self._steps % self._plan_every:
             return ()
         with self._connection.reporting(f"sensing at {self._time:.2f} s"):
-            egos = list(self._egos.values())
+            egos = [ego for ego in self._egos.values() if not ego.given_up]
             met = self._levels.met(self._surroundings, egos)
             known = self._knowledge.believed({ego.name: ego.plant for ego in egos}, self._time, met)
             return self._perceiver.perceive(egos, self._time, known)
@@ -285,7 +288,8 @@ class SumoWorld:
         for name in [name for name in self._egos if name not in there or name in teleporting]:
             ego = self._egos[name]
             # One that SUMO drives arrives as SUMO's own: also in a step in which it passed the last edges.
-            if name in teleporting or not (ego.handed_back or ego.track.on_last_edge):
+            arrived = ego.handed_back or ego.track.on_last_edge
+            if not ego.given_up and (name in teleporting or not arrived):
                 self._teleports += 1
             if name in teleporting:
                 self._remove(name)
@@ -318,7 +322,9 @@ class SumoWorld:
                 self._tight_bends[bend.lane] = max(bend.off, self._tight_bends.get(bend.lane, 0.0))
             astray = self._placement.astray(ego.name)
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
-            if ego.astray_for > PATIENCE:
+            standing = ego.executed.speed < VEHICLE_STANDING
+            ego.stood_for = ego.stood_for + self.step if standing else 0.0
+            if ego.astray_for > PATIENCE or ego.stood_for > STOOD:
                 self._give_up(ego)
             else:
                 self._off_the_way += self._placement.strayed(ego.name) > 0.0
@@ -329,7 +335,7 @@ class SumoWorld:
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _give_up(self, ego: DrivenEgo) -> None:
-        """Let SUMO drive an ego that has left its way, from where it was last on it."""
+        """Let SUMO drive an ego that has left its way, from where it was last on it, or that gets nowhere."""
         self._placement.release(ego.name)
         ego.handed_back = ego.given_up = True
         self._given_up.append(ego.name)

@@ -13,7 +13,8 @@ import numpy as np
 from controllers.driving.lanes.gap_acceptance import GapRule, blocker
 from controllers.driving.lanes.lane_for_route import lane_for_route
 from controllers.driving.lanes.pedestrian_change import open_for_pedestrians
-from controllers.interface import Crossing, Decision, Lane, Manoeuvre, Perception
+from controllers.driving.standing import STANDING
+from controllers.interface import Crossing, Decision, Lane, Manoeuvre, Perception, SignalState
 from controllers.velocity_obstacle import decision_rules
 from controllers.velocity_obstacle.decision_rules import Rule
 from controllers.velocity_obstacle.mpc.lane_manoeuvre import SETTLING, LaneManoeuvre
@@ -210,9 +211,27 @@ class LaneByCost:
         """Return the crossing that a change for the route would not end before; empty for none.
 
         Such a change may begin nearer to a crossing than others: a lane that ends there would never be left.
+        Who stands so near to the lane's end already that no better place comes begins where nobody is at the
+        crossings and the light is green.
         """
         needed = max(self._length_of_change(perception), self.settings.room - 1.0)
-        return "crossing" if _crossings_near(perception, perception.ego.body.front, needed) else ""
+        near = _crossings_near(perception, perception.ego.body.front, needed)
+        return "crossing" if near and not self._last_place(perception, near) else ""
+
+    def _last_place(self, perception: Perception, near: list[Crossing]) -> bool:
+        """Return whether the ego stands where its lane leaves no more room, and may go over the crossings."""
+        ego, road = perception.ego, perception.road
+        here = road.lane(road.reference)
+        if here is None or ego.speed >= STANDING:
+            return False
+        room = here.follows_route_for - ego.body.front
+        ahead = [signal for signal in road.signals if signal.stop_line > ego.body.front - OVER]
+        if room >= self.settings.room - 1.0 or any(
+            signal.state is not SignalState.GREEN and signal.stop_line - ego.body.front < self.settings.room
+            for signal in ahead
+        ):
+            return False
+        return not any(_somebody_at(perception, crossing) for crossing in near)
 
     def _near_crossing(self, perception: Perception) -> bool:
         """Return whether a change begun now would touch a crossing's surroundings."""
@@ -235,6 +254,13 @@ def _crossings_near(perception: Perception, front: float, needed: float) -> list
     """
     rear = front - perception.ego.body.length
     return [c for c in perception.road.crossings if c.exit > rear and c.entry - front < needed]
+
+
+def _somebody_at(perception: Perception, crossing: Crossing) -> bool:
+    """Return whether somebody is on a crossing, or waits there and has no red light."""
+    people = perception.pedestrians
+    comes = people.on_crossing | (people.waiting & (crossing.pedestrians_have_green is not False))
+    return bool((comes & (people.crossing == perception.road.crossings.index(crossing))).any())
 
 
 def _bends(perception: Perception, distance: float) -> bool:

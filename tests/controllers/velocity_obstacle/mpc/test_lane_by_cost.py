@@ -7,10 +7,10 @@ import math
 import pytest
 
 from controllers import catalog
-from controllers.interface import Body, Crossing, Manoeuvre
+from controllers.interface import Body, Crossing, Manoeuvre, Signal, SignalState
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
 from controllers.velocity_obstacle.mpc.lane_by_cost import LaneByCost
-from tests.controllers.scenes import Car, ego, lanes_that_follow, perception, straight_road, zebra
+from tests.controllers.scenes import Car, Walker, ego, lanes_that_follow, perception, straight_road, zebra
 
 ENDS = 60.0
 
@@ -65,3 +65,28 @@ def test_an_ego_that_stands_a_little_before_its_waiting_place_sets_out() -> None
         plan = controller.plan(seen, controller.decide(seen))
     assert plan.command.acceleration[0] > 0.3
     assert plan.along[-1] < 4.0
+
+
+@pytest.mark.parametrize(
+    ("speed", "ends", "light", "there", "begins"),
+    [
+        (0.0, 5.0, None, (), True),
+        (2.0, 5.0, None, (), False),
+        (0.0, 25.0, None, (), False),
+        (0.0, 5.0, SignalState.GREEN, (), True),
+        (0.0, 5.0, SignalState.RED, (), False),
+        (0.0, 5.0, SignalState.AMBER, (), False),
+        (0.0, 5.0, None, (Walker(7.0, -2.0, across_speed=1.3, crossing=0, on_crossing=True),), False),
+        (0.0, 5.0, None, (Walker(7.0, -6.0, crossing=0, waiting=True),), False),
+    ],
+)
+def test_at_the_very_end_of_its_lane_an_ego_that_stands_changes_over_the_crossing(
+    speed: float, ends: float, light: SignalState | None, there: tuple[Walker, ...], begins: bool
+) -> None:
+    """No better place comes; else it would wait for ever. It waits for whoever crosses, and for green."""
+    controller = catalog.build("vo_mpc", seed=1)
+    road = lanes_that_follow(straight_road(2, 1), {1: ends})
+    signals = () if light is None else (Signal("s", ends, light),)
+    seen = perception(ego(speed=speed), road, there, crossings=(zebra(7.0),), signals=signals)
+    begun = controller.decide(seen).manoeuvre is Manoeuvre.CHANGE_RIGHT
+    assert begun is begins

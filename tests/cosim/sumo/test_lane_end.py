@@ -1,0 +1,96 @@
+"""Egos that could wait for ever: at the end of a lane that leads off their route, and anywhere: runs in SUMO."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import sumo
+
+from cosim.running.request import RunRequest
+from cosim.running.simulation import run
+from cosim.sumo.world import STOOD
+
+pytestmark = pytest.mark.sumo
+
+NODES = (
+    '<node id="w" x="-100" y="0"/><node id="j" x="0" y="0" type="{type}"/><node id="e" x="150" y="0"/>'
+    '<node id="s" x="0" y="-150"/>'
+)
+EDGES = (
+    '<edge id="wj" from="w" to="j" numLanes="2" sidewalkWidth="2"/>'
+    '<edge id="jw" from="j" to="w" sidewalkWidth="2"/>'
+    '<edge id="je" from="j" to="e" sidewalkWidth="2"/><edge id="js" from="j" to="s" sidewalkWidth="2"/>'
+)
+CONNECTIONS = (
+    '<connection from="wj" to="js" fromLane="1" toLane="1"/>'
+    '<connection from="wj" to="je" fromLane="2" toLane="1"/><crossing node="j" edges="wj jw" priority="true"/>'
+)
+"""The right lane leads south only, and a crossing is right behind its end."""
+
+
+def build(folder: Path, junction: str, position_m: float, depart_s: float = 0.0) -> Path:
+    """Return a configuration whose only car departs in the right lane, so far along it, and goes east."""
+    parts = {
+        "node": f"<nodes>{NODES.format(type=junction)}</nodes>",
+        "edge": f"<edges>{EDGES}</edges>",
+        "connection": f"<connections>{CONNECTIONS}</connections>",
+    }
+    inputs: list[str | Path] = ["-o", folder / "n.net.xml"]
+    for kind, content in parts.items():
+        (folder / f"n.{kind}.xml").write_text(content)
+        inputs += [f"--{kind}-files", folder / f"n.{kind}.xml"]
+    netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
+    subprocess.run([netconvert, *inputs], check=True, capture_output=True)
+    (folder / "n.rou.xml").write_text(
+        f'<routes><vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" departSpeed="0">'
+        '<route edges="wj je"/></vehicle></routes>'
+    )
+    configuration = folder / "n.sumocfg"
+    configuration.write_text(
+        '<configuration><input><net-file value="n.net.xml"/><route-files value="n.rou.xml"/></input>'
+        '<time><step-length value="0.5"/></time></configuration>'
+    )
+    return configuration
+
+
+@pytest.mark.parametrize(("junction", "depart_s"), [("priority", 0.0), ("traffic_light", 76.0)])
+def test_an_ego_leaves_a_lane_that_leads_elsewhere_over_the_crossing_at_its_end(
+    tmp_path: Path, junction: str, depart_s: float
+) -> None:
+    """It stood there for ever: no change of lane began where it would have led over a crossing."""
+    configuration = build(tmp_path, junction, 86.0, depart_s)
+    out = tmp_path / "run"
+    result = run(RunRequest(str(configuration), "vo_mpc", duration_s=200.0, ego_vehicle="v", out=out))
+    assert result.valid, result.invalid_reason
+    egos = pd.read_parquet(out / "egos.parquet")
+    assert egos["edge"].iloc[-1] == "je"
+    assert not egos["handed_back"].any()
+    entering = egos[egos["edge"].str.startswith(":j")].iloc[0]
+    assert entering["signal_ahead"] != "red"
+    if junction == "traffic_light":
+        assert (egos["signal_ahead"] == "red").any(), "the light of the way beside it is seen"
+
+
+def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tmp_path: Path) -> None:
+    configuration = build(tmp_path, "priority", 20.0)
+    out = tmp_path / "run"
+    settings = {"speed_mps": "0"}
+    result = run(
+        RunRequest(
+            str(configuration),
+            "constant_speed",
+            settings=settings,
+            duration_s=STOOD + 120.0,
+            ego_vehicle="v",
+            out=out,
+        )
+    )
+    assert result.valid, result.invalid_reason
+    assert json.loads((out / "run.json").read_text())["egos_given_up"] == ["v"]
+    egos = pd.read_parquet(out / "egos.parquet")
+    driven = egos[~egos["handed_back"]]
+    assert driven["time_s"].iloc[-1] == pytest.approx(STOOD, abs=1.0)
+    assert not egos.loc[egos["handed_back"], "planned"].iloc[1:].any()
+    assert egos["edge"].iloc[-1] == "je"
