@@ -132,8 +132,8 @@ def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
         *("--collision.action", "warn"),
         *("--collision.check-junctions", "true"),
         *("--collision.mingap-factor", "0"),
-        # As by default. Egos that stand so long have been handed back to SUMO's driver before.
-        *("--time-to-teleport", "300"),
+        # A standing ego must stay where it is.
+        *("--time-to-teleport", "-1"),
         *("--no-step-log", "true"),
         *("--no-warnings", "true"),
         *("--duration-log.disable", "true"),

@@ -62,9 +62,8 @@ def replaced(source: Source) -> list[Finding]:
     options = source.options
     found: list[str] = []
     waiting = seconds(options.get("time-to-teleport", "300"))
-    if waiting is not None and waiting != 300.0:
-        never = "no teleporting" if waiting <= 0.0 else f"teleporting after {waiting:g} s of waiting"
-        found.append(never)
+    if waiting is not None and waiting > 0.0:
+        found.append(f"teleporting after {waiting:g} s of waiting")
     action = options.get("collision.action", "teleport")
     if action != "warn":
         found.append(f"collision.action {action}")

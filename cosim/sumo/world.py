@@ -48,7 +48,7 @@ PATIENCE = 5.0
 GIVEN_UP = 15.0
 """An ego further than this from where SUMO can have it on its way is handed back [m]."""
 STOOD = 240.0
-"""An ego that has stood for longer is handed back: after 300 s SUMO might take it off the road [s]."""
+"""An ego that has stood for longer is handed back: it might wait for who waits for it [s]."""
 
 
 class SumoWorld:

@@ -219,7 +219,10 @@ def test_options_that_matter_are_named(
 
 def test_options_that_are_all_set_well_are_not_mentioned(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
-    good = '<collision.action value="warn"/><collision.check-junctions value="true"/>'
+    good = (
+        '<time-to-teleport value="-1"/><collision.action value="warn"/>'
+        '<collision.check-junctions value="true"/>'
+    )
     found = inspect(configure(tmp_path, PERSONS + CARS, good))
     assert "options" not in {one.check for one in found.findings}
 
