@@ -139,6 +139,8 @@ def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) ->
         return False
     if any(light.state is SignalState.AMBER and light.stop_line < reach for light in road.signals):
         return False
+    if any(sign.stop_line < reach for sign in road.stop_signs):
+        return False  # to have stopped there is seen while planning
     if perception.eyesight is not None and len(perception.vehicles):
         return False  # they may hide somebody
     half = 0.5 * ego.body.width

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from controllers import catalog
+from controllers.interface import Perception, Signal, SignalState, StopSign
 from cosim.step.toy_road import Motion, ToyCrossing, ToyRoad, walk
+from cosim.step.toy_world import ToyWorld
 from tests.controllers.toy_runs import Ride, ride
 
 
@@ -71,6 +75,47 @@ def test_who_stops_ahead_and_who_cuts_in_are_planned_for_from_that_step_on(vehic
     before, after = _before_and_after(record, 2.0)
     assert before.mean() < 0.4
     assert after.all()
+
+
+def _lit(perception: Perception, state: SignalState, later: float = 0.0) -> Perception:
+    """Return the perception with a light 60 m ahead, and so much later [s]."""
+    ego = replace(perception.ego, time=perception.ego.time + later)
+    road = replace(perception.road, signals=(Signal("light", 60.0, state),))
+    return replace(perception, ego=ego, road=road)
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "rests"),
+    [
+        (SignalState.RED, SignalState.RED, True),
+        (SignalState.GREEN, SignalState.GREEN, True),
+        (SignalState.GREEN, SignalState.RED, False),
+        (SignalState.RED, SignalState.GREEN, False),
+        (SignalState.AMBER, SignalState.AMBER, False),
+    ],
+)
+def test_a_light_is_planned_for_when_it_changes_and_while_it_is_amber(
+    before: SignalState, now: SignalState, rests: bool
+) -> None:
+    world = ToyWorld(ToyRoad(), [], [], speed=10.0, duration=1.0)
+    perceptions = world.sense()
+    assert perceptions
+    driver = catalog.build("vo_mpc", idle_interval_s=0.5)
+    for told in (_lit(perceptions[0], before), _lit(perceptions[0], now, later=0.1)):
+        plan = driver.plan(told, driver.decide(told))
+    assert (len(plan.times) == 0) == rests
+
+
+def test_a_stop_sign_ahead_is_planned_for_at_every_step() -> None:
+    world = ToyWorld(ToyRoad(), [], [], speed=10.0, duration=1.0)
+    perceptions = world.sense()
+    assert perceptions
+    first = perceptions[0]
+    told = replace(first, road=replace(first.road, stop_signs=(StopSign("sign", 60.0),)))
+    later = replace(told, ego=replace(told.ego, time=told.ego.time + 0.1))
+    driver = catalog.build("vo_mpc", idle_interval_s=0.5)
+    plans = [driver.plan(one, driver.decide(one)) for one in (told, later)]
+    assert all(len(plan.times) for plan in plans)
 
 
 @pytest.mark.parametrize("interval", [-0.1, 0.6, float("nan")])
