@@ -18,6 +18,7 @@ from controllers.prediction.forecast import Forecast, Predictor
 from cosim.step.loop import run
 from cosim.step.toy_road import Motion, ToyPedestrian, ToyRoad
 from cosim.step.toy_world import ToyWorld
+from tests.controllers.brief_searches import BRIEF_SEARCHES
 from tests.controllers.scenes import golden
 from tests.controllers.toy_runs import Ride
 
@@ -96,7 +97,7 @@ def test_the_same_perceptions_and_seed_give_the_same_forecasts(name: str) -> Non
 @every_predictor
 def test_a_controller_keeps_its_promises_with_any_predictor(driver: str, name: str) -> None:
     """Where there is anybody to predict, and then where nobody is left; the crowd is predicted above."""
-    controller = catalog.build(driver, predictor=name)
+    controller = catalog.build(driver, predictor=name, **BRIEF_SEARCHES.get(driver, {}))
     met = [scene for scene in SCENES.values() if 0 < len(scene.pedestrians) < 100]
     for index, scene in enumerate([*met, SCENES["empty road"]]):
         seen = replace(scene, ego=replace(scene.ego, time=0.1 * index))

@@ -180,7 +180,7 @@ def test_an_alternative_is_compared_crossing_by_crossing(tmp_path: Path) -> None
     net = (tmp_path / "t.net.xml").read_text()
     (tmp_path / "slow.net.xml").write_text(net.replace('speed="13.89"', 'speed="5.00"'))
     slow.write_text(CONFIGURATION.replace("t.net.xml", "slow.net.xml"))
-    arguments = ("screen", configuration, "--seeds", "1-3", "--to", 60, "--against", slow, "--out", out)
+    arguments = ("screen", configuration, "--seeds", "1-3", "--to", 40, "--against", slow, "--out", out)
     told = ended(*arguments, "--min-pedestrians", 5)
     rows = {(row["crossing_id"], row["metric"]): row for row in read_csv(out / "crossing_changes.csv")}
     speed = rows["total", "vehicle_speed_mean_mps"]

@@ -16,6 +16,7 @@ from cosim.step.loop import ToWorld
 from cosim.step.toy_road import ToyCrossing, ToyPedestrian, ToyRoad, ToyVehicle, walk
 from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
+from tests.controllers.brief_searches import BRIEF_SEARCHES
 from tests.cosim.sensing.scenes import SITE, Walker, exactly, scene
 
 every_model = pytest.mark.parametrize("model", catalog.names())
@@ -63,7 +64,7 @@ def _drive(model: str, controller: str, seed: int = 1, duration: float = 2.5) ->
         seed=seed,
     )
     kept = _Kept()
-    loop.run(world, {"ego": controllers.build(controller)}, kept)
+    loop.run(world, {"ego": controllers.build(controller, **BRIEF_SEARCHES.get(controller, {}))}, kept)
     return kept
 
 
