@@ -37,6 +37,8 @@ DETOUR = 2.0
 """A way longer than the shortest by more radii than this goes round in circles."""
 FINE = 0.2
 """Distance of points on arcs [m]."""
+SOME = 8
+"""One of so many points on arcs is looked at first."""
 LATER = 0.02
 """So much further off the lanes [m] a way may get that leaves them a metre later."""
 EVENED = 0.02
@@ -164,7 +166,11 @@ def _drawn_anew(path: Path, tight: _Tight, room: tuple[float, float], turning: T
         for way in _ways(start, _pose(path, end), turning):
             points, headings = way.places(start, FINE)
             fronts = points + turning.front * np.column_stack([np.cos(headings), np.sin(headings)])
-            away, beside = _on_lanes(path, np.concatenate([points, fronts]), near)
+            swept = np.concatenate([points, fronts])
+            # Most ways are too far off at one of a few points already.
+            if _on_lanes(path, swept[::SOME], near)[0].max() + LATER * reach >= least:
+                continue
+            away, beside = _on_lanes(path, swept, near)
             cost = float(away.max()) + LATER * reach
             if cost < least:
                 least, found = cost, (begin, end, points, beside[: len(points)], float(away.max()))

@@ -226,7 +226,7 @@ def _policy(folder: Path) -> None:
     assert minute in training
     ten = "standard_normal((10, "
     assert ten in training
-    shorter = training.replace(minute, "SECONDS = 2.0").replace(ten, "standard_normal((3, ")
+    shorter = training.replace(minute, "SECONDS = 0.5").replace(ten, "standard_normal((3, ")
     (folder / "train.py").write_text(shorter)
 
 
