@@ -180,7 +180,7 @@ def test_a_route_an_ego_or_a_step_that_cannot_be_is_refused_and_leaves_no_folder
     assert "e1" in line
     assert "apart" in line
     assert "nobody" in refused(capsys, "run", "town.sumocfg", "--ego-vehicle", "nobody")
-    assert "0.5" in refused(capsys, "run", "town.sumocfg", "--ego-share", "0.5")
+    assert "0 passenger cars departed" in refused(capsys, "run", "town.sumocfg", "--ego-share", "0.5")
     configuration(tmp_path, step="2")
     assert "step-length" in refused(capsys, "run", "town.sumocfg", "--ego-route", "e1 e2")
     assert not list(tmp_path.glob("runs/*"))
