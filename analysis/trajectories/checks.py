@@ -101,7 +101,7 @@ def _metres(frame: pd.DataFrame, path: Path | str) -> None:
     if small and (moved or (x.min() > 0.0 and y.min() > 20.0 and not np.allclose(x, np.round(x)))):
         raise RecordingError(
             f"{path}: row {int(frame['row'].iloc[0])}: positions such as {x[0]:g}, {y[0]:g} look like "
-            "degrees; longitude and latitude go into columns lon_deg and lat_deg"
+            "degrees; longitude and latitude go into columns lon_deg and lat_deg, or take --crs EPSG:4326"
         )
 
 

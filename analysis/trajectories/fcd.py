@@ -1,4 +1,7 @@
-"""SUMO's output of floating car data, ``--fcd-output``: positions of front bumpers, degrees from north."""
+"""SUMO's output of floating car data, ``--fcd-output``: positions of front bumpers, degrees from north.
+
+SUMO writes it as XML, or, where the name of the file ends so, as a table: CSV or Parquet.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,14 @@ import numpy as np
 import pandas as pd
 
 from analysis.errors import RecordingError
-from analysis.trajectories.columns import class_of
+from analysis.trajectories.columns import class_of, numbers, require
 from analysis.trajectories.table import PEDESTRIAN, Trajectories
 
 ROOT = "fcd-export"
+MARK = "timestep_time"
+"""A column of the tables, and their first one."""
 _NEEDED = ("id", "x", "y", "angle", "speed")
+_COLUMNS = (MARK, *(f"vehicle_{name}" for name in (*_NEEDED, "type", "lane")))
 
 
 def read_fcd(path: Path) -> Trajectories:
@@ -37,7 +43,40 @@ def read_fcd(path: Path) -> Trajectories:
     except (OSError, EOFError) as error:
         raise RecordingError(f"{path}: cannot be read ({error})") from None
     names = ["id", "kind", "time_s", "x_m", "y_m", "heading_rad", "speed_mps", "row"]
-    made = pd.DataFrame(rows, columns=names)
+    return _trajectories(path, pd.DataFrame(rows, columns=names))
+
+
+def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
+    """Return the trajectories of floating car data that SUMO wrote as a table.
+
+    Such a table names persons as it does vehicles; they are those without a lane.
+
+    Parameters
+    ----------
+    path : for messages
+    table : as SUMO names its columns, and ``row``
+
+    Raises
+    ------
+    RecordingError
+        For a missing column, or what is no number.
+    """
+    require(path, (name for name in table.columns if name != "row"), _COLUMNS, "SUMO's floating car data")
+    walking = table["vehicle_lane"].isna() | (table["vehicle_lane"] == "")
+    kinds = {name: class_of(name) or "car" for name in table["vehicle_type"].astype(str).unique()}
+    names = table["vehicle_id"].astype(str)
+    made = pd.DataFrame({"id": names.where(~walking, "person " + names)})
+    made["kind"] = table["vehicle_type"].astype(str).map(kinds).where(~walking, PEDESTRIAN)
+    made["time_s"] = numbers(path, table, MARK)
+    made["x_m"], made["y_m"] = numbers(path, table, "vehicle_x"), numbers(path, table, "vehicle_y")
+    heading = np.radians(90.0 - numbers(path, table, "vehicle_angle"))
+    made["heading_rad"] = np.arctan2(np.sin(heading), np.cos(heading))
+    made["speed_mps"] = numbers(path, table, "vehicle_speed")
+    made["row"] = table["row"]
+    return _trajectories(path, made)
+
+
+def _trajectories(path: Path, made: pd.DataFrame) -> Trajectories:
     made["length_m"] = made["width_m"] = np.nan
     return Trajectories(made, str(path), None, "fcd", bodies_known=False, at_front=True)
 
@@ -56,7 +95,7 @@ def _rows(path: Path, file: BinaryIO) -> Iterator[tuple[Any, ...]]:
                 raise RecordingError(f"{path}: the root element is <{element.tag}>; expected <{ROOT}>")
             count += 1
             if element.tag == "timestep":
-                time = _number(path, element, "time", count)
+                time = _time(path, element, count)
             continue
         if element.tag in ("vehicle", "person"):
             yield _row(path, element, time, count)
@@ -77,6 +116,23 @@ def _row(path: Path, element: ElementTree.Element, time: float, number: int) -> 
     # A vehicle and a person may share an id.
     name = element.attrib["id"] if element.tag == "vehicle" else f"person {element.attrib['id']}"
     return name, kind, time, x, y, float(np.arctan2(np.sin(heading), np.cos(heading))), speed, number
+
+
+def _time(path: Path, element: ElementTree.Element, number: int) -> float:
+    """Return the time of a step, given as seconds or as days:hours:minutes:seconds [s]."""
+    parts = element.get("time", "").split(":")
+    if len(parts) == 1:
+        return _number(path, element, "time", number)
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        values = []
+    if not 3 <= len(values) <= 4:
+        text = element.get("time")
+        raise RecordingError(
+            f"{path}: element {number}: time of <timestep>: expected seconds or h:m:s, got {text!r}"
+        )
+    return sum(value * scale for value, scale in zip(reversed(values), (1, 60, 3600, 86400), strict=False))
 
 
 def _number(path: Path, element: ElementTree.Element, name: str, number: int) -> float:

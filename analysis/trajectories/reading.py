@@ -11,12 +11,11 @@ import numpy as np
 import pandas as pd
 
 from analysis.errors import RecordingError
-from analysis.trajectories import dlr, levelxd, plain_csv
+from analysis.trajectories import dlr, fcd, levelxd, plain_csv
 from analysis.trajectories.checks import sorted_and_checked
-from analysis.trajectories.fcd import read_fcd
 from analysis.trajectories.table import DEGREES, Trajectories, with_motion
 
-_GZIP, _ZIP = b"\x1f\x8b", b"PK"
+_GZIP, _ZIP, _PARQUET = b"\x1f\x8b", b"PK", b"PAR1"
 
 
 def read_trajectories(source: Path | str, crs: str | None = None) -> Trajectories:
@@ -58,8 +57,10 @@ def _read(path: Path) -> Trajectories:
             stack.enter_context(archive)
             source = stack.enter_context(member)
         elif start.startswith(_GZIP) or start.lstrip().startswith(b"<"):
-            return read_fcd(path)
-        table = _table(path, source)
+            return fcd.read_fcd(path)
+        table = _parquet(path) if start.startswith(_PARQUET) else _table(path, source, start)
+    if fcd.MARK in table.columns:
+        return fcd.of_table(path, table)
     if dlr.MARK in table.columns:
         return dlr.of_table(path, table)
     if levelxd.MARK in table.columns:
@@ -67,11 +68,21 @@ def _read(path: Path) -> Trajectories:
     return plain_csv.of_table(path, table)
 
 
-def _table(path: Path, source: Path | IO[bytes]) -> pd.DataFrame:
-    texts: dict[str, Any] = {"id": str, "trackId": str}
+def _table(path: Path, source: Path | IO[bytes], start: bytes) -> pd.DataFrame:
+    texts: dict[str, Any] = dict.fromkeys(("id", "trackId", "vehicle_id", "vehicle_lane"), str)
+    separator = ";" if start.startswith(f"{fcd.MARK};".encode()) else ","
     try:
-        table = pd.read_csv(source, dtype=texts)
+        table = pd.read_csv(source, dtype=texts, sep=separator)
     except (OSError, ValueError) as error:
         raise RecordingError(f"{path}: not a table of comma-separated values ({error})") from None
     table["row"] = np.arange(2, len(table) + 2)
+    return table
+
+
+def _parquet(path: Path) -> pd.DataFrame:
+    try:
+        table = pd.read_parquet(path)
+    except (OSError, ValueError) as error:
+        raise RecordingError(f"{path}: not a readable Parquet file ({error})") from None
+    table["row"] = np.arange(1, len(table) + 1)
     return table

@@ -123,7 +123,7 @@ def _segments(lanes: Sequence[NetLane]) -> tuple[FloatArray, FloatArray, IntArra
 
 
 class Walkways:
-    """The ground for pedestrians: sidewalks, crossings, walking areas.
+    """The ground for pedestrians: sidewalks, crossings, walking areas, and roads that they share with cars.
 
     Parameters
     ----------
@@ -131,10 +131,14 @@ class Walkways:
     """
 
     def __init__(self, network: Network) -> None:
-        lanes = [
+        on_foot = [lane for lane in network.lanes.values() if lane.permissions.allows("pedestrian")]
+        lanes = [lane for lane in on_foot if not lane.permissions.allows("passenger")]
+        beside = {lane.edge for lane in lanes}
+        # Where a road has no lane for them alone, SUMO lets them walk on it: a living street, for instance.
+        lanes += [
             lane
-            for lane in network.lanes.values()
-            if lane.permissions.allows("pedestrian") and not lane.permissions.allows("passenger")
+            for lane in on_foot
+            if lane.permissions.allows("passenger") and not lane.internal and lane.edge not in beside
         ]
         crossings, areas = network.crossings.values(), network.walking_areas.values()
         strips = [(lane.edge, lane.shape, lane.width) for lane in lanes]

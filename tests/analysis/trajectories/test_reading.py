@@ -129,6 +129,41 @@ def test_floating_car_data_has_front_bumpers_and_degrees_from_north(tmp_path: Pa
     assert "the root element is <routes>; expected <fcd-export>" in message(path)
 
 
+def test_times_of_floating_car_data_may_be_those_of_a_clock(tmp_path: Path) -> None:
+    path = tmp_path / "fcd.xml"
+    text = FCD.replace("SPEED", "5")
+    path.write_text(text.replace('time="0.', 'time="1:07:00:00.'))
+    times = read_trajectories(path).frame["time_s"].unique()
+    assert times == pytest.approx([111600.0, 111600.1, 111600.2])  # a day and seven hours
+    path.write_text(text.replace('time="0.1', 'time="7:0x:1'))
+    assert "time of <timestep>: expected seconds or h:m:s, got '7:0x:10'" in message(path)
+
+
+TABLE = """timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_type;vehicle_speed;vehicle_lane
+0.00;a;10.00;0.00;90.00;veh_bicycle;5.00;in_0
+0.10;a;10.50;0.00;90.00;veh_bicycle;5.00;in_0
+0.10;a;3.00;4.00;0.00;DEFAULT_PEDTYPE;1.40;
+0.20;a;11.00;0.00;90.00;veh_bicycle;5.00;in_0
+"""
+
+
+def test_floating_car_data_as_a_table_is_what_it_is_as_xml(tmp_path: Path) -> None:
+    xml, table, parquet = (tmp_path / name for name in ("fcd.xml", "fcd.csv", "fcd.parquet"))
+    xml.write_text(FCD.replace("SPEED", "5"))
+    table.write_text(TABLE)
+    pd.read_csv(table, sep=";").to_parquet(parquet)
+    expected = read_trajectories(xml)
+    for path in (table, parquet):
+        found = read_trajectories(path)
+        assert found.at_front
+        assert not found.bodies_known
+        pd.testing.assert_frame_equal(found.frame.drop(columns="row"), expected.frame.drop(columns="row"))
+    table.write_text(TABLE.replace("vehicle_lane", "vehicle_pos"))
+    assert "row 1: no column 'vehicle_lane' (SUMO's floating car data)" in message(table)
+    parquet.write_bytes(parquet.read_bytes()[:200])
+    assert "not a readable Parquet file" in message(parquet)
+
+
 def changed(tmp_path: Path, **columns: Any) -> Path:
     table = streets.car()
     for name, value in columns.items():

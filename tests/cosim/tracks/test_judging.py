@@ -13,7 +13,9 @@ from analysis.files import read_csv, read_json
 from analysis.trajectories.reading import read_trajectories
 from analysis.validation.statement import SENTENCE
 from cosim.errors import InputError
+from cosim.sumo.network_file import read_network
 from cosim.tracks.judging import Judged, TracksRequest, judge
+from cosim.tracks.lanes import Walkways
 from tests.analysis.trajectories import streets
 from tests.cosim.cli.commands import ended
 from tests.cosim.tracks import networks
@@ -167,6 +169,15 @@ def test_without_the_extra_the_command_says_what_to_install(
     location = projection.Location(tmp_path, (0.0, 0.0), "+proj=tmerc +lat_0=52.0 +lon_0=10.0")
     with pytest.raises(InputError, match="pyproj is not installed; run: pip install"):
         projection.onto_network(read_trajectories(path), location)
+
+
+def test_pedestrians_may_walk_on_a_road_that_has_no_sidewalk(tmp_path: Path) -> None:
+    edges = networks.EDGES.replace('speed="13.89" sidewalkWidth="2"', 'speed="1.5"', 1)
+    walkways = Walkways(read_network(networks.street(tmp_path, edges=edges)))
+    x = np.array([50.0, 150.0])
+    _, away = walkways.nearest(x, np.full(2, -1.6))  # on the eastbound lane: e1 has no sidewalk, e2 has one
+    assert away[0] == 0.0
+    assert away[1] > 0.4
 
 
 def test_a_street_without_crossings_is_judged_and_reported(tmp_path: Path) -> None:
