@@ -25,6 +25,9 @@ STANDING = 0.3
 """Slower is standing [m/s]."""
 AT_THE_SIGN = 4.0
 """Who stands this near before a stop sign's line has stopped there [m]."""
+SLOW_AT_THE_SIGN, STOPPING, AND_MORE = 2.5, 1.5, 0.5
+"""Who is as slow as this, and comes to stand so near to it with this deceleration, stops at once and does not
+creep up to the line [m/s, m/s^2, m]."""
 PATIENCE = 3.0
 """A foe that has stood for so long is taken to let the ego go [s]."""
 PATIENCE_INSIDE = 6.0
@@ -87,11 +90,17 @@ class RightOfWay:
         ego, signs = perception.ego, perception.road.stop_signs
         self._stopped_at &= {sign.name for sign in signs}
         if ego.speed < STANDING:
-            at = (sign for sign in signs if sign.stop_line - ego.body.front < AT_THE_SIGN)
-            self._stopped_at |= {sign.name for sign in at}
-        ahead = [StopPlace(sign.name, sign.stop_line) for sign in signs if sign.name not in self._stopped_at]
-        hardest = HARD_SHARE * ego.drive.max_deceleration
-        return [stop for stop in ahead if _can_stop(stop.along + OVERSHOOT, ego, hardest)]
+            near = (sign for sign in signs if sign.stop_line - ego.body.front < AT_THE_SIGN)
+            self._stopped_at |= {sign.name for sign in near}
+        slow, hardest = ego.speed < SLOW_AT_THE_SIGN, HARD_SHARE * ego.drive.max_deceleration
+        here = ego.body.front + ego.speed**2 / (2.0 * STOPPING) + AND_MORE
+        found: list[StopPlace] = []
+        for sign in signs:
+            if sign.name in self._stopped_at or not _can_stop(sign.stop_line + OVERSHOOT, ego, hardest):
+                continue
+            at_once = slow and sign.stop_line - here < AT_THE_SIGN - AND_MORE
+            found.append(StopPlace(sign.name, min(sign.stop_line, here) if at_once else sign.stop_line))
+        return found
 
     def _watch(self, time: float, road: RoadAhead) -> None:
         standing = {foe.name for foe in road.foes if foe.foe_speed < STANDING}

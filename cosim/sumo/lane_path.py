@@ -323,8 +323,12 @@ class LanePath:
                 continue
             share = np.clip((self.curve.points - start) @ way / length**2, 0.0, 1.0)
             away = np.hypot(*(self.curve.points - start - share[:, None] * way).T)
-            ahead = np.where(self.curve.along < -LEFT_BEHIND, np.inf, away)
-            number = int((ahead if ahead.min() <= PASSED_AXIS else away).argmin())
+            number = int(away.argmin())
+            first = int(self.curve.along.searchsorted(-LEFT_BEHIND))
+            again = first + int(away[first:].argmin())
+            # At the first place looked at it is that of a crossing still farther behind.
+            if again > first and away[again] <= PASSED_AXIS:
+                number = again
             if away[number] < distance:
                 distance, nearest = float(away[number]), (float(self.curve.along[number]), way / length)
         return nearest if distance <= PASSED_AXIS else None

@@ -55,11 +55,17 @@ def test_at_a_stop_sign_the_ego_stops_once_and_then_drives_on() -> None:
     way = RightOfWay(1.8)
     assert way.stops(_at_a_sign(8.0, 30.0)) == [StopPlace("sign", 30.0)]
     assert way.stops(_at_a_sign(0.0, 12.0)) == [StopPlace("sign", 12.0)], "it stands in the queue before it"
-    assert way.stops(_at_a_sign(2.0, 6.0)) == [StopPlace("sign", 6.0)]
+    assert way.stops(_at_a_sign(2.5, 6.0)) == [StopPlace("sign", 6.0)]
     assert way.stops(_at_a_sign(0.1, 4.5)) == []
     assert way.stops(_at_a_sign(1.0, 4.4)) == [], "it sets off"
     assert way.stops(perception(ego(8.0))) == []
     assert way.stops(_at_a_sign(8.0, 30.0)) == [StopPlace("sign", 30.0)], "of the next round"
+
+
+def test_who_is_slow_near_a_stop_sign_stops_at_once() -> None:
+    (stop,) = RightOfWay(1.8).stops(_at_a_sign(1.0, 7.0))
+    assert 4.0 < stop.along < 5.5, "not at the line, which would take it seconds"
+    assert RightOfWay(1.8).stops(_at_a_sign(3.0, 7.0)) == [StopPlace("sign", 7.0)]
 
 
 def test_a_stop_sign_that_comes_too_late_is_passed() -> None:
