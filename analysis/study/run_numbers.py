@@ -72,6 +72,17 @@ def table_text(folder: Path, table: Table = ENCOUNTERS) -> str:
     return text
 
 
+def arrow_file(content: bytes) -> pa.BufferReader:
+    """Return bytes as a file in Arrow's own memory.
+
+    Arrow's threads let go of what they have read when they please: of Python's memory while the interpreter
+    ends, which aborts the process.
+    """
+    sink = pa.BufferOutputStream()
+    sink.write(content)
+    return pa.BufferReader(sink.getvalue())
+
+
 def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[str, FloatArray]]:
     """Return the tallies of a run's encounters and the defined values of the encounter measures."""
     names = [measure.name for measure in encounter_measures()]
@@ -85,7 +96,7 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
         null_values=[""],
     )
     try:
-        table = pa_csv.read_csv(pa.BufferReader(text.encode()), convert_options=options)
+        table = pa_csv.read_csv(arrow_file(text.encode()), convert_options=options)
     except (pa.ArrowException, KeyError) as error:
         told = str(error).splitlines()[0]
         raise StudyError(f"{path}: cannot be read ({told}); cosim analyse makes it again") from None
