@@ -39,6 +39,9 @@ def sorted_and_checked(frame: pd.DataFrame, path: Path | str) -> pd.DataFrame:
     """
     if len(frame) == 0:
         raise RecordingError(f"{path}: no rows; expected samples of road users")
+    nameless = frame["id"].isna().to_numpy(bool)
+    if nameless.any():
+        raise RecordingError(f"{path}: row {row_of(frame, nameless)}: id: expected a name, found none")
     for column in ("time_s", "x_m", "y_m"):
         bad = ~np.isfinite(frame[column].to_numpy(np.float64))
         if bad.any():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from operator import index
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
@@ -91,14 +92,14 @@ def run(
     request = RunRequest(
         scenario=str(scenario),
         controller=_given(controller),
-        seed=int(seed),
+        seed=_seed(seed),
         settings={key: as_text(value) for key, value in parameters.items()},
-        duration_s=_number(duration_s),
-        step_s=_number(step_s),
+        duration_s=_number("duration_s", duration_s),
+        step_s=_number("step_s", step_s),
         actuation=actuation,
         ego_route=tuple(ego_route.split() if isinstance(ego_route, str) else ego_route),
-        ego_vehicle=ego_vehicle,
-        ego_share=_number(ego_share),
+        ego_vehicle=None if ego_vehicle is None else str(ego_vehicle),
+        ego_share=_number("ego_share", ego_share),
         sensing=sensing,
         record=record,
         out=None if out is None else Path(out),
@@ -113,5 +114,15 @@ def _given(controller: ControllerLike) -> str | Given:
         raise InputError(str(error)) from error
 
 
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
+def _seed(value: int) -> int:
+    try:
+        return index(value)
+    except TypeError:
+        raise InputError(f"seed: expected a whole number, got {value!r}") from None
+
+
+def _number(name: str, value: float | None) -> float | None:
+    try:
+        return None if value is None else float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: expected a number, got {value!r}") from None

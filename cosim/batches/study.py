@@ -162,6 +162,20 @@ def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:
     return found
 
 
+def check_seeds(seeds: str, name: str) -> None:
+    """Refuse seeds that are none, before anything expensive happens.
+
+    Raises
+    ------
+    InputError
+        ``name`` is named as who got them.
+    """
+    try:
+        parse_seeds(seeds)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}") from error
+
+
 def _from_ranges(text: str) -> list[int]:
     found: list[int] = []
     for part in text.split(","):

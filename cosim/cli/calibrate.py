@@ -58,10 +58,13 @@ def calibrate(
     """
     from cosim.batches.batch import prepared
     from cosim.batches.progress import shown_checks, shown_tally
+    from cosim.batches.study import check_seeds
     from cosim.validation.calibrate import CalibrationRequest, calibrated, held_out
     from cosim.validation.validate import finished, planned
 
     request = CalibrationRequest(scenario, tracks, split, out, crs, bodies)
+    if seeds.strip():
+        check_seeds(seeds, "cosim calibrate")
     done = calibrated(request)
     console = terminal.console()
     console.print(estimates_table(done.estimates.values()))

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from cosim.errors import InputError
@@ -73,6 +76,31 @@ def create_named(out: Path | None, name: str) -> Path:
                 return folder
     except OSError as error:
         raise InputError(f"cannot make the folder {out or DEFAULT_PARENT}: {error.strerror}") from error
+
+
+@contextmanager
+def left_as_it_was(folder: Path, existed: bool) -> Iterator[None]:
+    """Take away what was put into a new or empty folder on bad input.
+
+    Parameters
+    ----------
+    folder
+    existed : whether the user had it, so that it stays
+
+    Raises
+    ------
+    InputError
+        The one that was raised within.
+    """
+    empty = not folder.is_dir() or not any(folder.iterdir())
+    try:
+        yield
+    except InputError:
+        if empty and folder.is_dir():
+            shutil.rmtree(folder)
+            if existed:
+                folder.mkdir()
+        raise
 
 
 def discard(folder: Path) -> None:

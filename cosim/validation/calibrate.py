@@ -85,6 +85,12 @@ def calibrated(request: CalibrationRequest) -> Calibrated:
     """
     folder = request.folder
     folders.check(folder)
+    with folders.left_as_it_was(folder, folder.is_dir()):
+        return _calibrated(request)
+
+
+def _calibrated(request: CalibrationRequest) -> Calibrated:
+    folder = request.folder
     site = read_site(request.scenario, folder / WORK)
     tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
     found = read_on_network(tracks)

@@ -250,10 +250,14 @@ def drive(request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
     InputError
         For a vehicle or a controller that cannot be.
     """
+    existed = request.out is not None and request.out.is_dir()
     folder = folders.create_named(request.out, f"stand-in-{site.name}")
-    scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
-    run = RunRequest(str(scenario), request.controller, request.seed, request.settings, out=folder / "run")
-    outcome = execute(run)
+    with folders.left_as_it_was(folder, existed):
+        scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
+        run = RunRequest(
+            str(scenario), request.controller, request.seed, request.settings, out=folder / "run"
+        )
+        outcome = execute(run)
     egos = pd.read_parquet(folder / "run" / "egos.parquet")
     met = met_people(scenario, egos, read_csv(folder / "run" / "encounters.csv"))
     rows = [plain(TABLE, row_of(TABLE.columns, one)) for one in met]

@@ -16,7 +16,7 @@ from analysis.tables.datapackage import describe
 from analysis.validation.observed import observe
 from analysis.validation.table import VALIDATION, Compared, compared, rows
 from cosim.batches.batch import BatchRequest
-from cosim.batches.study import study_of
+from cosim.batches.study import check_seeds, study_of
 from cosim.errors import InputError, SimulationError
 from cosim.recording import folders
 from cosim.recording.folders import DEFAULT_PARENT
@@ -85,9 +85,16 @@ def planned(request: ValidationRequest) -> Plan:
     InputError
         For a scenario, tracks or a file of types that cannot be; nothing is simulated then.
     """
+    check_seeds(request.seeds, "cosim validate")
     folder = request.folder
     if not (folder / RECORD).is_file():
         folders.check(folder)
+    with folders.left_as_it_was(folder, folder.is_dir()):
+        return _planned(request)
+
+
+def _planned(request: ValidationRequest) -> Plan:
+    folder = request.folder
     given = read_types(request.types)
     site = read_site(request.scenario, folder / WORK)
     types = {**site.types, **given}

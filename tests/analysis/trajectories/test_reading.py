@@ -177,6 +177,12 @@ def test_missing_columns_are_named_with_those_that_exist(tmp_path: Path) -> None
     assert "there are id, x_m, y_m" in message(path)
 
 
+def test_a_road_user_without_an_id_is_refused_with_its_row(tmp_path: Path) -> None:
+    table = streets.car()
+    table.loc[5, "id"] = None
+    assert "row 7: id: expected a name, found none" in message(streets.write(tmp_path / "bad.csv", [table]))
+
+
 def test_time_that_runs_backwards_is_refused_with_its_row(tmp_path: Path) -> None:
     table = streets.car()
     table.loc[5, "time_s"] = 0.1

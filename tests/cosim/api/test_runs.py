@@ -159,6 +159,9 @@ def test_a_batch_gives_the_tables_of_a_study(folder: Path) -> None:
         ({"controller": lambda perception: float("nan")}, "finite"),
         ({"pedestrians": 3}, "no such parameter"),
         ({"seed": -1}, "--seed: expected a whole number"),
+        ({"seed": 1.5}, "seed: expected a whole number, got 1.5"),
+        ({"duration_s": "ten"}, "duration_s: expected a number, got 'ten'"),
+        ({"ego_share": [0.5]}, "ego_share: expected a number"),
     ],
 )
 def test_bad_input_is_one_line_before_the_first_step(

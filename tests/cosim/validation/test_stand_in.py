@@ -112,6 +112,7 @@ def test_bad_recordings_and_vehicles_are_refused(tmp_path: Path, driven: Path) -
         code=2,
     ).stderr
     assert "'nobody': no such vehicle in the tracks" in said
+    assert not (tmp_path / "out").exists()  # so that the mended command finds its folder free
     path = tmp_path / "vehicles.csv"
     path.write_text(HEADER + "a,passenger,e1,1,0,0,0,5,4.5,1.8\na,passenger,e1,0.5,0,0,0,5,4.5,1.8\n")
     with pytest.raises(ScenarioError, match=r"row 3: time_s of 'a' is 0.5, expected time to go on"):

@@ -106,6 +106,12 @@ def test_bad_requests_are_refused_in_one_line(tmp_path: Path, folder: Path) -> N
     assert "absent.csv: cannot be read" in said
     said = ended("validate", street, "--tracks", tracks, "--from", "90", "--to", "20", *out, code=2).stderr
     assert "expected a part of the recording" in said
+    for command in ("validate", "calibrate"):
+        said = ended(command, street, "--tracks", tracks, "--seeds", "1 to 5", *out, code=2).stderr
+        assert f'cosim {command}: seeds = "1 to 5"' in said
+        said = ended(command, "midblock_zebra", "--tracks", "absent.csv", *out, code=2).stderr
+        assert "absent.csv: cannot be read" in said
+        assert not (tmp_path / "out").exists()  # so that the mended command finds its folder free
     said = ended("calibrate", street, "--tracks", tracks, "--split", "9000", *out, code=2).stderr
     assert "expected a second within the recording" in said
 
