@@ -14,23 +14,14 @@ from analysis.polylines import arc_lengths
 from controllers.interface import CrossingKind
 from cosim.arrays import FloatArray
 from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
-from cosim.sumo.network import Connection, NetCrossing, NetLane
+from cosim.sumo.lane_chain import Piece, without_jogs
+from cosim.sumo.network import Connection, NetCrossing
 from cosim.sumo.path import Path, crossing_point
 
-STRAIGHT_ON = 60.0
-"""How far a path goes straight on where its lanes end [m]."""
 STOP_MARGIN = 1.0
 """Distance from a stop line to the crossing behind it [m]."""
 SAME_APPROACH = 8.0
 """A crossing that begins at most this far behind a lane's end is the one that lane stops for [m]."""
-JOG_LENGTH = 10.0
-"""An internal lane longer than this is a bend and no side step [m]."""
-JOG_REACH = 10.0
-"""How far before and behind it a side step is drawn out [m]."""
-JOG_TURN = math.radians(25.0)
-"""Edges in line differ by less than this."""
-JOG_ANGLE = math.radians(8.0)
-"""A side step leaves the direction of its edge by more than this."""
 PASSED_AXIS = 6.0
 """A crossing whose axis ends nearer to the path than this is on the path [m]."""
 LEFT_BEHIND = 30.0
@@ -103,17 +94,6 @@ class PathBend:
     """How far the vehicle gets from the middle of the lanes [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """The part of a path that one lane makes."""
-
-    lane: NetLane
-    step: int
-    """Index of the route's edge that the lane belongs to, or that its junction follows; −1 before it."""
-    start: float
-    end: float
-
-
 class LanePath:
     """One lane of one edge of a route and the lanes that continue it, with the objects along them.
 
@@ -129,7 +109,7 @@ class LanePath:
         step: int,
         turning: Turning = CAR,
     ) -> None:
-        self.curve, drawn_anew = widened(Path(*_without_jogs(polyline, origin, pieces)), turning)
+        self.curve, drawn_anew = widened(Path(*without_jogs(polyline, origin, pieces)), turning)
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:
@@ -339,78 +319,3 @@ def _lengthened(line: FloatArray, by: float) -> FloatArray:
     return np.concatenate(
         [[line[0] + by * first / np.hypot(*first)], line[1:-1], [line[-1] + by * last / np.hypot(*last)]]
     )
-
-
-def joined(
-    before: Sequence[tuple[NetLane, int]], ahead: Sequence[tuple[NetLane, int]], shift: FloatArray
-) -> tuple[FloatArray, float, list[Piece]]:
-    """Return one polyline over all lanes, the station of its first point, and where each lane lies.
-
-    Station 0 is where the first lane of ``ahead`` begins; those before are shifted. Gaps between lanes are
-    bridged straight.
-    """
-    points: list[FloatArray] = []
-    spans: list[tuple[NetLane, int, float, float]] = []
-    length, origin = 0.0, 0.0
-    everything = [*before, *ahead]
-    for number, (lane, step) in enumerate(everything):
-        if number == len(before):
-            origin = length
-        shape = lane.shape + shift if number < len(before) else lane.shape
-        if points:
-            jump = float(np.hypot(*(shape[0] - points[-1][-1])))
-            if jump < 0.05:
-                shape = shape[1:]
-                jump = 0.0
-            length += jump
-            if number == len(before):
-                origin = length
-        spans.append((lane, step, length, length + lane.shape_length))
-        points.append(shape)
-        length += lane.shape_length
-    polyline = np.concatenate([part for part in points if len(part)])
-    first, last = polyline[0] - polyline[1], polyline[-1] - polyline[-2]
-    head = polyline[0] + STRAIGHT_ON * first / np.hypot(*first)
-    tail = polyline[-1] + STRAIGHT_ON * last / np.hypot(*last)
-    polyline = np.concatenate([[head], polyline, [tail]])
-    pieces = [Piece(lane, step, start - origin, end - origin) for lane, step, start, end in spans]
-    return polyline, -origin - STRAIGHT_ON, pieces
-
-
-def _without_jogs(
-    polyline: FloatArray, origin: float, pieces: Sequence[Piece]
-) -> tuple[FloatArray, float, FloatArray]:
-    """Return points, origin and knots of a polyline whose sudden side steps are drawn out.
-
-    Where a network shifts lanes sideways between two edges in line, SUMO's cars slide over a few metres. No
-    car can, so the side step becomes a cubic that begins and ends `JOG_REACH` away. Stations stay.
-    """
-    knots = arc_lengths(polyline)
-    end = knots[-1]
-    for piece in pieces:
-        shape = piece.lane.shape
-        start, stop = piece.start - origin, piece.end - origin
-        low, high = start - JOG_REACH, stop + JOG_REACH
-        if not piece.lane.internal or stop - start > JOG_LENGTH or low <= 0.0 or high >= end:
-            continue
-        ends = np.column_stack([np.interp([low, start, stop, high], knots, polyline[:, i]) for i in (0, 1)])
-        inward, outward = (_unit(ends[1] - ends[0]), _unit(ends[3] - ends[2]))
-        middle = _unit(shape[-1] - shape[0])
-        if inward @ outward < math.cos(JOG_TURN) or inward @ middle > math.cos(JOG_ANGLE):
-            continue
-        share = np.linspace(0.0, 1.0, int(high - low) + 1)[:, None]
-        reach = float(np.hypot(*(ends[3] - ends[0])))
-        cubic = (
-            (2 * share**3 - 3 * share**2 + 1) * ends[0]
-            + (share**3 - 2 * share**2 + share) * reach * inward
-            + (3 * share**2 - 2 * share**3) * ends[3]
-            + (share**3 - share**2) * reach * outward
-        )
-        before, after = knots < low, knots > high
-        polyline = np.concatenate([polyline[before], cubic, polyline[after]])
-        knots = np.concatenate([knots[before], low + share[:, 0] * (high - low), knots[after]])
-    return polyline, origin, knots
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    return vector / max(float(np.hypot(*vector)), 1e-9)

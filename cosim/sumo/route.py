@@ -12,7 +12,8 @@ import numpy as np
 from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.sumo.bends import CAR, Turning
-from cosim.sumo.lane_path import LanePath, joined
+from cosim.sumo.lane_chain import joined
+from cosim.sumo.lane_path import LanePath
 from cosim.sumo.network import Connection, NetLane, Network
 
 VIEW = 250.0

@@ -53,20 +53,22 @@ class Frame:
 
     def signals(self) -> list[PathSignal]:
         """Return the path's signals that the ego has not passed."""
-        low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
         found = self.path.signals + (self.path.signals_beside if self._at_lane_end() else ())
-        return [signal for signal in found if low <= signal.stop_line < high]
+        return [signal for signal in found if self._is_ahead(signal.stop_line)]
 
     def stop_signs(self) -> list[PathStopSign]:
         """Return the path's stop signs that the ego has not passed."""
-        low, high = self.origin + self.front - PASSED_LINE, self.origin + VIEW
-        return [sign for sign in self.path.stop_signs if low <= sign.stop_line < high]
+        return [sign for sign in self.path.stop_signs if self._is_ahead(sign.stop_line)]
 
     def junctions(self, reach: float) -> list[PathJunction]:
         """Return the junctions that the ego is in, or comes to within that distance [m]."""
         low, high = self.origin + self.back, self.origin + self.front + reach
         found = self.path.junctions + (self.path.junctions_beside if self._at_lane_end() else ())
         return [junction for junction in found if junction.end > low and junction.start < high]
+
+    def _is_ahead(self, line: float) -> bool:
+        """Return whether the front bumper has not passed a line in view."""
+        return self.origin + self.front - PASSED_LINE <= line < self.origin + VIEW
 
     def _at_lane_end(self) -> bool:
         """Return whether the lanes end, or lead off the route, right ahead of the front bumper."""

@@ -135,8 +135,6 @@ def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) ->
         return False
     if any(foe.must_yield or foe.foe_entry <= ROOM for foe in road.foes):
         return False
-    if any(sign.stop_line < reach for sign in road.stop_signs):
-        return False
     if any(light.state is SignalState.AMBER and light.stop_line < reach for light in road.signals):
         return False
     if any(sign.stop_line < reach for sign in road.stop_signs):
