@@ -197,7 +197,7 @@ class CrossingKind(StrEnum):
     """Who has to wait at a crossing."""
 
     ZEBRA = "zebra"
-    """Pedestrians have priority."""
+    """Pedestrians have priority, or nothing is regulated and they wait for nobody."""
     UNMARKED = "unmarked"
     """Vehicles have priority."""
     SIGNAL = "signal"

@@ -116,6 +116,7 @@ class _Reader:
         self.links: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
         self.junctions: dict[str, frozenset[str]] = {}
         self.requests: list[Requests] = []
+        self.unregulated: set[str] = set()
         self.entries: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
         self.beside_area: defaultdict[str, set[str]] = defaultdict(set)
         self.geographic = False
@@ -134,7 +135,9 @@ class _Reader:
         lanes = tuple(element.get("intLanes", "").split())
         rows = sorted(element.iter("request"), key=lambda row: int(row.attrib["index"]))
         if not rows:
-            # SUMO's drivers mind nobody in such a junction; whose ways meet there is left to geometry.
+            # SUMO's drivers and pedestrians mind nobody in such a junction; whose ways meet there is left to
+            # geometry.
+            self.unregulated.add(element.attrib["id"])
             rows_of_everybody = ("1" * len(lanes),) * len(lanes)
             self.requests.append(Requests(lanes, rows_of_everybody, rows_of_everybody))
         elif len(rows) == len(lanes):
@@ -217,7 +220,9 @@ class _Reader:
             for key in ("linkIndex", "linkIndex2")
             if entry.get("tl") and int(entry.get(key, "-1")) >= 0
         }
-        zebra = any(entry.get("state") == "M" for entry in entries)
+        # Where nothing is regulated, SUMO's pedestrians cross without waiting, as they do at a zebra.
+        unregulated = self.junctions[name] <= self.unregulated
+        zebra = unregulated or any(entry.get("state") == "M" for entry in entries)
         kind = CrossingKind.SIGNAL if signal else CrossingKind.ZEBRA if zebra else CrossingKind.UNMARKED
         edges = self.crossing_edges[name]
         numbers = tuple(sorted(indices))

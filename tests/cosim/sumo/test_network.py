@@ -3,6 +3,7 @@
 import subprocess
 from pathlib import Path
 
+import libsumo
 import pytest
 
 from controllers.interface import CrossingKind
@@ -61,6 +62,39 @@ def test_in_an_unregulated_junction_everybody_whose_way_meets_is_yielded_to(tmp_
     foes = network.foes(own)
     assert all(yields for _, yields in foes)
     assert {foe.source for foe, _ in foes} == {"A1B1_0", "B2B1_0", "C1B1_0"}
+
+
+@pytest.mark.parametrize(
+    ("junctions", "kind", "waited"),
+    [("unregulated", CrossingKind.ZEBRA, False), ("priority", CrossingKind.UNMARKED, True)],
+)
+def test_pedestrians_wait_for_a_stream_of_cars_unless_nothing_is_regulated(
+    tmp_path: Path, junctions: str, kind: CrossingKind, waited: bool
+) -> None:
+    net, demand = tmp_path / "net.xml", tmp_path / "demand.rou.xml"
+    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={junctions}"]
+    walks = ["--sidewalks.guess", "--crossings.guess", "--walkingareas"]
+    netgenerate = netconvert().with_name("netgenerate")
+    subprocess.run([netgenerate, *options, *walks, "-o", net], check=True, capture_output=True)
+    demand.write_text(
+        """<routes>
+            <flow id="cars" from="A1B1" to="B1C1" begin="0" end="60" period="1.6" departSpeed="max"/>
+            <person id="one" depart="20" departPos="10"><walk edges="B1B0 B1A1"/></person>
+        </routes>"""
+    )
+    crossings = read_network(net).crossings.values()
+    (crossing,) = (one for one in crossings if one.edges == {"A1B1", "B1A1"} and ":B1" in one.name)
+    assert crossing.kind is kind
+    libsumo.start(["sumo", "-n", str(net), "-r", str(demand), "--no-step-log", "--end", "60"])
+    try:
+        on_it = False
+        while libsumo.simulation.getTime() < 60.0:
+            libsumo.simulationStep()
+            there = "one" in libsumo.person.getIDList()
+            on_it |= there and libsumo.person.getRoadID("one") == crossing.name
+    finally:
+        libsumo.close()
+    assert on_it is not waited
 
 
 @pytest.mark.parametrize(
