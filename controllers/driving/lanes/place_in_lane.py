@@ -1,4 +1,4 @@
-"""Where in its lane an ego drives: away from people who stay beside its way, as far as there is room."""
+"""Where in its lane an ego drives: away from people who stay beside its way, and vehicles that jut in."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
+from controllers.driving.lanes.vehicles_jutting_in import jutting_in, standing_beside
 from controllers.geometry.footprints import footprints
 from controllers.interface import EgoState, Lane, Perception
 
@@ -31,6 +32,8 @@ OVER, OVER_S = 3.0, 2.0
 """And gets there within this distance or this time, whatever is longer [m, s]."""
 TO_VEHICLES = 0.3
 """And this far from vehicles beside [m]."""
+NEARER = 0.2
+"""Vehicles that jut into the lane are made room for like people who are so much farther away [m]."""
 BESIDE = 10.0
 """Vehicles from this far behind the rear axle on count as beside [m]."""
 
@@ -44,7 +47,7 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
     stays : who of the pedestrians is not expected to enter the ego's way
     """
     lane = perception.road.lane(perception.road.reference)
-    if lane is None or not stays.any():
+    if lane is None:
         return perception
     moved = _shift(perception, lane, stays)
     if moved == 0.0:
@@ -86,9 +89,17 @@ def kept(
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
     """Return how far to move, left positive [m]."""
     half = 0.5 * perception.ego.body.width
-    if way_into_lane.nobody_near(perception, lane.offset, LOOK_AHEAD, half + WANTED + ASIDE):
+    aside = half + WANTED + ASIDE
+    people = stays.any() and not way_into_lane.nobody_near(perception, lane.offset, LOOK_AHEAD, aside)
+    vehicles = standing_beside(perception, lane, LOOK_AHEAD, aside)
+    if not people and not vehicles.any():
         return 0.0
-    beside, gap = _passed(perception, lane, stays)
+    way = way_into_lane.along_lane(perception, lane.offset, LOOK_AHEAD)
+    beside, gap = jutting_in(perception, lane, vehicles, way)
+    gap = gap + NEARER
+    if people:
+        who = _passed(perception, way, stays)
+        beside, gap = np.concatenate((beside, who[0])), np.concatenate((gap, who[1]))
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, half)
     from_right = _wanted(gap[beside < 0.0], room, to_left)
@@ -98,14 +109,15 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     return from_right - from_left
 
 
-def _passed(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+def _passed(
+    perception: Perception, way: FloatArray, stays: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
     """Return on which side those are who stay near the way, when the body is beside them, and the gap to it.
 
     In a bend the front swings out and the rear cuts in, so that is told from the body's places along it. The
     gap is inf where the body never is beside somebody.
     """
     body = perception.ego.body
-    way = way_into_lane.along_lane(perception, lane.offset, LOOK_AHEAD)
     who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
     who, at = who[stays[who]], at[stays[who]]
     dx, dy = at[:, :1] - way[0], at[:, 1:] - way[1]

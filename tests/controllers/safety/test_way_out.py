@@ -183,7 +183,7 @@ def test_vehicles_that_stand_are_gone_round_too_or_waited_for() -> None:
 @pytest.mark.parametrize("ahead", [4.0, 6.5])
 def test_a_vehicle_that_stands_across_the_lane_before_a_crossing_is_gone_round(ahead: float) -> None:
     """It may wait for the ego: neither the room left to it nor the crossing behind it keeps the ego there."""
-    nose = Car(BODY.front + ahead, 2.3, heading_error=-2.6)
+    nose = Car(BODY.front + ahead, 1.6, heading_error=-2.6)
     driver = catalog.build("vo_mpc")
     status = ""
     for tick in range(int(10 * PATIENCE) + 10):

@@ -85,3 +85,22 @@ def test_a_steering_plan_keeps_to_it_from_three_metres_on() -> None:
     assert right == pytest.approx([-0.55] * 4), "the place itself"
     assert left == pytest.approx([0.0, -0.225, -0.45, -0.45])
     assert place_in_lane.kept(corridor, 0.0, ego(), along) is corridor
+
+
+def _nose(over: float, along: float = 20.0, speed: float = 0.0) -> Car:
+    """A car across the road on the right, with its nose so far over the right flank of the ego [m]."""
+    middle = over - 0.5 * BODY.width - 0.5 * 4.5
+    return Car(along, middle, across_speed=speed, heading_error=0.5 * np.pi, length=4.5)
+
+
+def test_a_standing_car_that_juts_in_is_passed_beside() -> None:
+    assert _offset([], [_nose(0.0)]) == pytest.approx(place_in_lane.WANTED - place_in_lane.NEARER)
+    assert _offset([], [_nose(0.9)]) == pytest.approx(0.9 + place_in_lane.TO_VEHICLES)
+    assert _offset([], [_nose(-0.7)]) == 0.0, "it is far enough away"
+
+
+def test_a_car_that_juts_in_too_far_or_drives_or_is_followed_is_not() -> None:
+    assert _offset([], [_nose(1.6)]) == 0.0
+    assert _offset([], [_nose(0.9, speed=1.0)]) == 0.0
+    assert _offset([], [_nose(0.9, along=80.0)]) == 0.0
+    assert _offset([], [Car(20.0, -0.8)]) == 0.0
