@@ -37,6 +37,13 @@ class Blockade(NamedTuple):
     name: str
     """Nearest vehicle now; empty for none."""
 
+    @property
+    def pace(self) -> FloatArray:
+        """Predicted speed of the nearest vehicle in the way; 0 where nobody is [m/s]."""
+        braking_distance = np.zeros(len(self.rear))
+        np.subtract(self.rest, self.rear, out=braking_distance, where=np.isfinite(self.rear))
+        return np.asarray(np.sqrt(2.0 * HARD_BRAKING * np.maximum(braking_distance, 0.0)))
+
 
 def blockade(perception: Perception, band: tuple[float, float], times: FloatArray) -> Blockade:
     """Return what vehicles ahead, in the band or about to be in it, leave free.

@@ -94,7 +94,7 @@ class SpeedTask(NamedTuple):
     command: float
     """Acceleration commanded last [m/s^2]."""
     reference: FloatArray
-    """Wanted speed [m/s]."""
+    """Speed to be kept: the wanted one, or less on the way to where the ego stops [m/s]."""
     expected: FloatArray
     """Speed about which the braking distance is linearised [m/s]."""
     upper: FloatArray
@@ -104,7 +104,10 @@ class SpeedTask(NamedTuple):
     headway: FloatArray
     """Position plus time gap times speed must stay below this; inf without a vehicle ahead."""
     ceiling: FloatArray | None = None
-    """Speed not to be exceeded, however late the ego is; ``None`` for the wanted speed's maximum [m/s]."""
+    """Speed not to be exceeded, however late the ego is; ``None``: the largest that is to be kept [m/s]."""
+    wanted: FloatArray | None = None
+    """Speed without anybody to stop for, against which plans are priced, so that whoever has to stop pays for
+    it; ``None`` for the one to be kept [m/s]."""
 
 
 class SpeedPlan(NamedTuple):
@@ -220,6 +223,11 @@ class LongitudinalProgram:
         found : whether that is a solution
         """
         states, constant = speed_program.states(free, self._gain, z, task.reference, self.dt, self._tracking)
+        if task.wanted is not None:
+            speed = states[SPEED]
+            constant += self.weights.speed * float(
+                self.dt @ ((speed - task.wanted) ** 2 - (speed - task.reference) ** 2)
+            )
         slack = z[self.steps :]
         return SpeedPlan(
             found=found,

@@ -29,7 +29,7 @@ from controllers.velocity_obstacle.mpc.longitudinal import (
 from controllers.velocity_obstacle.mpc.passing_classes import ClassBounds
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
-from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, swept
+from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, stopping_within, swept
 
 REACHED = 0.3
 """A bound nearer to a plan than this has shaped it [m]."""
@@ -250,7 +250,7 @@ class SpeedPlanner:
             task.upper,
             self.memory.times,
             speed,
-            task.reference,
+            task.reference if task.wanted is None else task.wanted,
             limits.acceleration,
             limits.comfortable_braking,
         )
@@ -311,11 +311,14 @@ class SpeedPlanner:
         line = keep_clear_of_people(perception, *stops)
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
+        stoppable = np.minimum(bounds.freeze[behind], max(line - front, 0.0))
+        positions, _ = self.memory.expected(perception.ego)
         return task._replace(
+            reference=np.minimum(task.reference, stopping_within(stoppable - positions)),
             upper=upper,
             # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
             lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),
-            stoppable=np.minimum(task.stoppable, np.minimum(bounds.freeze[behind], max(line - front, 0.0))),
+            stoppable=np.minimum(task.stoppable, stoppable),
         )
 
     def _priced(self, plan: SpeedPlan, short: float) -> SpeedPlan:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from controllers.arrays import FloatArray
+from controllers.arrays import BoolArray, FloatArray
 from controllers.conflicts import hidden_pedestrians
 from controllers.conflicts.expected_behaviour import Watch
 from controllers.driving import road_speeds
@@ -15,6 +15,7 @@ from controllers.driving.keep_clear import keep_clear_line
 from controllers.driving.right_of_way import RightOfWay, StopPlace
 from controllers.driving.standing import VEHICLE_STANDING
 from controllers.driving.vehicles_ahead import Blockade, blockade
+from controllers.driving.waiting_for_the_ego import WaitingForTheEgo, in_queue
 from controllers.geometry.footprints import footprints
 from controllers.interface import Lane, Perception
 from controllers.velocity_obstacle.mpc.arithmetic import position_bounds
@@ -42,8 +43,8 @@ LATEST_FOR_THE_ROAD, LATEST_FOR_PEOPLE = 3.3, 2.0
 """Decelerations with which those ceilings are met [m/s^2]."""
 SPEEDING_UP = 1.0
 """How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
-MOVING_UP = 1.5
-"""Deceleration with which a slow ego comes to where it stops again [m/s^2]."""
+STOPPING = 2.0
+"""Deceleration with which the ego comes to where it stops [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
 
@@ -59,6 +60,8 @@ class SpeedTasks:
     stops: list[StopPlace] = field(default_factory=list)
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    _watched: WaitingForTheEgo = field(default_factory=WaitingForTheEgo)
+    _wait_for_the_ego: BoolArray = field(init=False)
     _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
     # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
@@ -72,6 +75,8 @@ class SpeedTasks:
     def look(self, perception: Perception, waiting_place: float) -> None:
         """Take note of signals and of vehicles with priority."""
         self.stops = self.right_of_way.stops(perception)
+        if perception.ego.speed < SLOW:
+            self._wait_for_the_ego = self._watched.look(perception)
         self.waiting_place = waiting_place
 
     def task(
@@ -121,13 +126,16 @@ class SpeedTasks:
                 reference = np.minimum(reference, _without_a_run_up(slow, times))
                 latest = hidden_pedestrians.reached(*limit, positions, LATEST_FOR_PEOPLE)
                 ceiling = np.minimum(ceiling, latest)
-        if ego.speed < SLOW:
-            reference = np.minimum(reference, _up_to(stoppable - positions))
+        comes_to = np.minimum(
+            stopping_within(line - position_bounds.BEFORE_LINE - front - positions),
+            stopping_within(ahead.rear - s.standstill_gap - front - positions, ahead.pace),
+        )
         task = SpeedTask(
             speed=ego.speed,
             acceleration=ego.acceleration,
             command=self.memory.commanded(ego)[0],
-            reference=reference,
+            reference=np.minimum(reference, comes_to),
+            wanted=reference,
             expected=expected,
             ceiling=ceiling,
             upper=upper,
@@ -161,7 +169,8 @@ class SpeedTasks:
     def _waits_at(self, perception: Perception, lane: Lane | None) -> float:
         """Return the line, or the vehicle of its own lane, where the ego has to wait; inf for nowhere.
 
-        A vehicle that stands across its way may wait for the ego, and no waiting helps.
+        A vehicle that stands across its way, or beside it with nothing ahead, waits for the ego: no waiting
+        helps.
         """
         vehicles = perception.vehicles
         standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
@@ -169,6 +178,7 @@ class SpeedTasks:
         box = footprints(vehicles)
         right, left = swept(perception, lane)
         ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
+        ahead &= in_queue(perception, lane) | ~self._wait_for_the_ego
         leader = float(box.rear[ahead].min(initial=np.inf))
         others = [stop for stop in self.stops if stop.name not in stand]
         line, _ = self._line(perception, lane, np.full(len(self.memory.times), leader), others)
@@ -189,17 +199,19 @@ class SpeedTasks:
         return nearest, name if np.isfinite(nearest) else ""
 
 
-def _up_to(room: FloatArray) -> FloatArray:
-    """Return wanted speeds of a slow ego that moves up to where it must be able to stop [m/s].
+def stopping_within(room: FloatArray, then: float | FloatArray = 0.0) -> FloatArray:
+    """Return the speeds from which the ego stops comfortably, ``sqrt(then^2 + 2 b room)``, shape (N,) [m/s].
 
-    One that would like to be fast everywhere sets out late, to be fast at the end of the horizon, and planned
-    anew it never does.
+    On the way to a place that is not to be passed, it is cheapest to use all the time that the horizon has.
+    Planned anew at every step, the ego slows down far away and creeps; and one that stands sets out late, to
+    be fast at the end of the horizon, and never does.
 
     Parameters
     ----------
-    room : from the expected positions on, shape (N,) [m]
+    room : from the expected positions to where the ego stops, shape (N,) [m]
+    then : speed there, of somebody who drives on [m/s]
     """
-    return np.asarray(np.sqrt(2.0 * MOVING_UP * np.maximum(room, 0.0)))
+    return np.asarray(np.sqrt(np.square(then) + 2.0 * STOPPING * np.maximum(room, 0.0)))
 
 
 def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:

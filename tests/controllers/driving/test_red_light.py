@@ -13,11 +13,11 @@ from cosim.step.plant import CAR_DRIVE, Plant
 from tests.controllers.scenes import FRONT, ego, perception
 
 
-def _drive(speed: float, distance: float) -> tuple[float, float]:
-    """Return how far beyond the line the front bumper is after 6 s of red [m], and the speed [m/s]."""
+def _drive(speed: float, distance: float, duration: float = 6.0) -> tuple[float, float]:
+    """Return how far beyond the line the front bumper is after so long a red [m], and the speed [m/s]."""
     controller = catalog.build("vo_mpc")
     plant, line = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, speed), FRONT + distance
-    for step in range(60):
+    for step in range(round(10.0 * duration)):
         state = ego(plant.speed, time=0.1 * step, acceleration=plant.acceleration, steering=plant.steering)
         seen = perception(state, signals=[Signal("tl", line - plant.x, SignalState.RED)])
         plan = controller.plan(seen, controller.decide(seen))
@@ -33,6 +33,15 @@ def test_the_ego_stops_before_the_line_where_its_brakes_can_do_that(speed: float
     beyond, left = _drive(speed, distance)
     assert left == 0.0
     assert -1.0 < beyond <= 0.0
+
+
+def test_it_comes_to_the_line_without_creeping() -> None:
+    # 51 m at 12.5 m/s and then 39 m at -2 m/s² would take 10.3 s.
+    beyond, _ = _drive(12.5, 90.0, 10.0)
+    assert beyond > -4.0
+    beyond, speed = _drive(12.5, 90.0, 13.5)
+    assert -1.0 < beyond <= 0.0
+    assert speed == 0.0
 
 
 def test_it_does_not_brake_first_and_drive_through_then() -> None:

@@ -73,6 +73,14 @@ def test_on_a_free_road_the_wanted_speed_is_kept_and_costs_nothing() -> None:
     assert plan.cost == pytest.approx(0.0, abs=1e-2)
 
 
+def test_a_plan_is_priced_by_the_wanted_speed_and_keeps_to_the_other() -> None:
+    task = _task(8.0, wanted=8.0)
+    dearer = task._replace(wanted=np.full(N, 13.0))
+    plan, other = _program().solve(task), _program().solve(dearer)
+    assert (other.speed == plan.speed).all()
+    assert other.cost - plan.cost == pytest.approx(SpeedWeights().speed * TIMES[-1] * 5.0**2, rel=1e-2)
+
+
 def test_a_slow_ego_speeds_up_within_its_limits_and_does_not_overshoot() -> None:
     task = _task(5.0)
     plan = _program().solve(task)
