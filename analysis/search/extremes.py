@@ -9,12 +9,12 @@ estimate that anything may rest on.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.arrays import FloatArray
+from analysis.arrays import FloatArray, IntArray
 
 SHARE = 0.1
 """Of the margins, the smallest ones, which are the peaks."""
@@ -64,30 +64,61 @@ def extrapolated(margins: Sequence[float] | FloatArray, seed: int) -> Extrapolat
     inside = np.abs(found) < 1.0
     distances[inside] = found[inside] / (1.0 - np.abs(found[inside]))
     distances[found <= -1.0] = -np.inf
-    fitted = _tail(distances)
-    if fitted is None:
+    order = np.argsort(distances)
+    tails = _Tails(distances[order])
+    fitted = tails.fitted([np.ones(distances.size, dtype=np.int64)])
+    if not fitted:
         return None
-    generator = np.random.default_rng(seed)
-    again = [_tail(generator.choice(distances, distances.size)) for _ in range(RESAMPLES)]
-    low, high = np.quantile([one[0] for one in again if one is not None], (0.025, 0.975))
-    probability, peaks, shape = fitted
-    return Extrapolated(probability, float(low), float(high), distances.size, peaks, shape)
+    generator, size = np.random.default_rng(seed), distances.size
+    resamples = (np.bincount(generator.integers(size, size=size), minlength=size) for _ in range(RESAMPLES))
+    again = tails.fitted(counts[order] for counts in resamples)
+    low, high = np.quantile([probability for probability, _, _ in again], (0.025, 0.975))
+    probability, peaks, shape = fitted[0]
+    return Extrapolated(probability, float(low), float(high), size, peaks, shape)
 
 
-def _tail(distances: FloatArray) -> tuple[float, int, float] | None:
-    """Return the probability of a distance below 0, the number of peaks, and the shape of the tail."""
-    if not distances.size:
-        return None
-    threshold = float(np.quantile(distances, SHARE, method="higher"))
-    below = distances[distances < threshold]
-    near = below[below > 0.0]
-    if not np.isfinite(threshold) or threshold <= 0.0 or near.size < FEWEST_PEAKS:
-        return None
-    # Maximum likelihood in one dimension. With shape ξ, scale σ and s the log of 1 + ξ · threshold / σ, the
-    # best ξ for an s is a mean. Of an event only that it is beyond 0 is used: its margin has another scale.
-    of_near = np.log1p(_RATIOS[:, None] * (1.0 - near / threshold)).sum(axis=1)
-    shapes = (of_near + (below.size - near.size) * _LOGS) / near.size
-    likelihoods = near.size * np.log(_RATIOS / shapes) - of_near
-    best = int(np.argmax(np.where(shapes > LEAST_SHAPE, likelihoods, -np.inf)))
-    beyond = math.exp(-_LOGS[best] / shapes[best])
-    return below.size / distances.size * beyond, int(below.size), float(shapes[best])
+@dataclass(frozen=True, slots=True)
+class _Tails:
+    """Tails of samples of the same distances, in each of which a distance may be there several times."""
+
+    distances: FloatArray
+    """In their order, shape (n,)."""
+
+    def fitted(self, samples: Iterable[IntArray]) -> list[tuple[float, int, float]]:
+        """Return the probability of a distance below 0, the number of peaks, and the shape of each tail.
+
+        Samples, given as how often each distance is in them, that have no tail are left out.
+        """
+        size = len(self.distances)
+        if not size:
+            return []
+        rank = math.ceil((size - 1) * SHARE)
+        # Few distances are the threshold of all samples, and what depends on it alone is computed once.
+        by_threshold: dict[int, list[IntArray]] = {}
+        for counts in samples:
+            at = int(np.searchsorted(np.cumsum(counts), rank, side="right"))
+            by_threshold.setdefault(at, []).append(counts[:at].copy())
+        return [one for at, counts in by_threshold.items() for one in self._beyond(at, np.array(counts))]
+
+    def _beyond(self, at: int, counts: IntArray) -> Iterator[tuple[float, int, float]]:
+        """Yield the tails of samples with the same threshold, given what is nearer, shape (samples, at)."""
+        threshold = float(self.distances[at])
+        if not np.isfinite(threshold) or threshold <= 0.0:
+            return
+        first = int(np.searchsorted(self.distances, 0.0, side="right"))
+        end = int(np.searchsorted(self.distances, threshold))
+        # Maximum likelihood in one dimension. With shape ξ, scale σ and s the log of 1 + ξ · threshold / σ,
+        # the best ξ for an s is a mean. Of an event only that it is beyond 0 is used: its margin has another
+        # scale.
+        logs = np.log1p(_RATIOS[:, None] * (1.0 - self.distances[first:end] / threshold))
+        # Not by BLAS, whose sums depend on the machine.
+        of_near = np.einsum("rn,kn->kr", logs, counts[:, first:end].astype(np.float64))
+        belows, nears = (counts[:, at:end].sum(axis=1).tolist() for at in (0, first))
+        for below, near, sums in zip(belows, nears, of_near, strict=True):
+            if near < FEWEST_PEAKS:
+                continue
+            shapes = (sums + (below - near) * _LOGS) / near
+            likelihoods = near * np.log(_RATIOS / shapes) - sums
+            best = int(np.argmax(np.where(shapes > LEAST_SHAPE, likelihoods, -np.inf)))
+            beyond = math.exp(-_LOGS[best] / shapes[best])
+            yield below / len(self.distances) * beyond, below, float(shapes[best])

@@ -180,11 +180,14 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
     if not known:
         return list(p_values)
     # It looks for garbage each time: not among all that is there, which takes far longer than the correction.
-    gc.freeze()
+    frozen = gc.get_freeze_count() > 0  # by the program, which keeps what it chose
+    if not frozen:
+        gc.freeze()
     try:
         corrected = iter(multipletests(known, method="holm")[1].tolist())
     finally:
-        gc.unfreeze()
+        if not frozen:
+            gc.unfreeze()
     return [None if p is None else float(next(corrected)) for p in p_values]
 
 

@@ -150,13 +150,16 @@ def rarely_collected() -> Iterator[None]:
     """Let Python look for garbage seldom, and not among what has been there before.
 
     A world and its network are a hundred thousand objects that stay. To look through them again and again
-    takes a twentieth of the time of a step with many egos, and a tenth of a second at once.
+    takes a twentieth of the time of a step with many egos, and a tenth of a second at once. A program that
+    has frozen objects itself keeps those that it chose: there is no way to unfreeze some of them.
     """
-    before = gc.get_threshold()
-    gc.freeze()
+    before, frozen = gc.get_threshold(), gc.get_freeze_count() > 0
+    if not frozen:
+        gc.freeze()
     gc.set_threshold(_NEW_OBJECTS, *before[1:])
     try:
         yield
     finally:
         gc.set_threshold(*before)
-        gc.unfreeze()
+        if not frozen:
+            gc.unfreeze()
