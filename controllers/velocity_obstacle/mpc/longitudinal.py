@@ -95,6 +95,8 @@ class SpeedTask(NamedTuple):
     """Acceleration commanded last [m/s^2]."""
     reference: FloatArray
     """Speed to be kept: the wanted one, or less on the way to where the ego stops [m/s]."""
+    positions: FloatArray
+    """Where the rear axle is expected, by the plan before [m]."""
     expected: FloatArray
     """Speed about which the braking distance is linearised [m/s]."""
     upper: FloatArray

@@ -312,9 +312,8 @@ class SpeedPlanner:
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
         stoppable = np.minimum(bounds.freeze[behind], max(line - front, 0.0))
-        positions, _ = self.memory.expected(perception.ego)
         return task._replace(
-            reference=np.minimum(task.reference, stopping_within(stoppable - positions)),
+            reference=np.minimum(task.reference, stopping_within(stoppable - task.positions)),
             upper=upper,
             # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
             lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),

@@ -136,6 +136,7 @@ class SpeedTasks:
             command=self.memory.commanded(ego)[0],
             reference=np.minimum(reference, comes_to),
             wanted=reference,
+            positions=positions,
             expected=expected,
             ceiling=ceiling,
             upper=upper,
