@@ -1,8 +1,9 @@
-"""How probable an event is: crude Monte Carlo, subset simulation and importance sampling by OpenTURNS.
+"""How probable an event is: crude Monte Carlo, subset simulation, and importance sampling by OpenTURNS.
 
 The inputs are independent standard normal numbers; the event is a margin below 0. The last two methods need
 a margin that says how near the event is. Their own intervals rest on approximations, so each is run several
-times from other random numbers, and the interval comes from the scatter of these replications.
+times from other random numbers, and the interval comes from the scatter of these replications. They scatter
+by factors: an estimate is a product over levels, near lognormal.
 """
 
 from __future__ import annotations
@@ -16,16 +17,14 @@ import numpy as np
 from scipy.stats import t as student
 
 from analysis.arrays import FloatArray
+from analysis.search.subset import subset_simulation
 from analysis.statistics.intervals import share_interval
 
 METHODS = ("crude", "subset", "importance")
 BLOCK = 100
 """Margins that are asked for at a time."""
-BLOCKS_OF_LEVEL = {"importance": 4, "subset": 10}
-"""Blocks of each level of a replication. Of 400 margins, subset simulation goes on from 40: where the event
-has two regions, one of them often dies out on the way."""
-PROPOSAL = 3.0
-"""Width of the steps of subset simulation, in standard deviations; 2 is the library's own."""
+BLOCKS_OF_LEVEL = 4
+"""Blocks of each level of a replication."""
 LEVEL = 0.1
 """Conditional probability of each level."""
 FEWEST_REPLICATIONS = 4
@@ -134,7 +133,7 @@ def estimate(
     Raises
     ------
     ModuleNotFoundError
-        Without OpenTURNS, for the methods that need it.
+        Without OpenTURNS, for importance sampling.
     """
     counting = _Counting(evaluate, 2 * most)
     if method == "crude":
@@ -191,7 +190,7 @@ def _replicated(
             break
     mean = float(np.mean(found)) if found else 0.0
     scatter = _variation_of_mean(found)
-    low, high = _interval(mean, scatter, len(found))
+    low, high = _interval(found)
     return Probability(
         method,
         mean,
@@ -213,16 +212,41 @@ def _variation_of_mean(values: list[float]) -> float | None:
     return float(np.std(values, ddof=1) / np.mean(values) / math.sqrt(len(values)))
 
 
-def _interval(mean: float, scatter: float | None, count: int) -> tuple[float, float]:
-    """Return the 95 % interval of a positive number that scatters by factors."""
-    if scatter is None:
+def _interval(values: list[float]) -> tuple[float, float]:
+    """Return the 95 % interval of the mean of positive numbers that scatter by factors.
+
+    Cox's interval of a lognormal mean, with Student's t [Olsson2005]. Its second term is what an interval
+    from the scatter of the mean leaves out: few numbers of a skewed distribution often miss the rare large
+    ones, and then mean and scatter are both too small.
+    """
+    count = len(values)
+    if count < 2:
         return 0.0, 1.0
-    wide = float(student.ppf(0.975, count - 1)) * math.sqrt(math.log1p(scatter**2))
+    mean, variance = float(np.mean(values)), float(np.var(np.log(values), ddof=1))
+    deviation = math.sqrt(variance / count + variance**2 / (2.0 * (count - 1)))
+    wide = float(student.ppf(0.975, count - 1)) * deviation
     return mean * math.exp(-wide), min(1.0, mean * math.exp(wide))
 
 
 def _replication(method: str, counting: _Counting, dimension: int, seed: int) -> float | None:
-    """Return one estimate; ``None`` where the method finds none."""
+    """Return one estimate, above 0; ``None`` where the method finds none."""
+    counting.begin(BLOCK * BLOCKS_OF_LEVEL)  # both begin with a level of crude sampling
+    try:
+        if method == "importance":
+            return _importance(counting, dimension, seed) or None
+        level = BLOCK * BLOCKS_OF_LEVEL
+        return subset_simulation(counting, dimension, level=level, share=LEVEL, seed=seed) or None
+    except _GivenUp:
+        return None
+
+
+def _importance(counting: _Counting, dimension: int, seed: int) -> float:
+    """Return an estimate; 0 where there is no event.
+
+    Raises
+    ------
+    _GivenUp
+    """
     import openturns as ot
 
     ot.RandomGenerator.SetSeed(seed)
@@ -231,19 +255,17 @@ def _replication(method: str, counting: _Counting, dimension: int, seed: int) ->
     )
     inputs = ot.RandomVector(ot.Normal(dimension))
     event = ot.ThresholdEvent(ot.CompositeRandomVector(function, inputs), ot.Less(), 0.0)
-    algorithm = ot.SubsetSampling(event, PROPOSAL, LEVEL) if method == "subset" else ot.NAIS(event, LEVEL)
+    algorithm = ot.NAIS(event, LEVEL)
     algorithm.setBlockSize(BLOCK)
-    algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL[method])
-    counting.begin(BLOCK * BLOCKS_OF_LEVEL[method])  # both begin with a level of crude sampling
+    algorithm.setMaximumOuterSampling(BLOCKS_OF_LEVEL)
     before = counting.events
     try:
         algorithm.run()
     except (TypeError, RuntimeError):
         if counting.error is not None:
             raise counting.error from None
-        return None  # given up, or its own estimate of the variance was below 0
-    # Subset simulation that has stopped short of the event has an estimate, too.
-    return float(algorithm.getResult().getProbabilityEstimate()) if counting.events > before else None
+        raise _GivenUp from None  # by the count, or its own estimate of the variance was below 0
+    return float(algorithm.getResult().getProbabilityEstimate()) if counting.events > before else 0.0
 
 
 _UNITS = (

@@ -117,7 +117,7 @@ def prepared_estimate(request: EstimateRequest) -> tuple[Subject, str]:
         raise InputError(f"--variation: expected a number above 0 and below 1, got {request.variation:g}")
     if request.budget < FEWEST:
         raise InputError(f"--budget {request.budget}: expected at least {FEWEST} runs")
-    if request.method != "crude" and find_spec("openturns") is None:
+    if request.method == "importance" and find_spec("openturns") is None:
         raise missing("openturns")
     subject = read_subject(
         request.scenario, request.controller, request.settings, request.space, request.criteria
