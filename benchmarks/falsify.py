@@ -2,7 +2,7 @@
 
 ``python benchmarks/falsify.py faults | toy | sumo FOLDER | estimate | extremes | time | agreement FOLDER``
 prints a table each; ``toy 0.005`` only the rows of that volume, ``sumo FOLDER 200`` with so many runs,
-``estimate 100 7`` with 100 repeats from seed 7.
+``estimate 100 7`` with 100 repeats from seed 7, ``time 40 1`` with one search of 40 trials.
 """
 
 from __future__ import annotations
@@ -229,40 +229,53 @@ def _limit(shape: str, probability: float) -> Callable[[Any], Any]:
     return lambda inputs: far - np.abs(inputs[:, 0])
 
 
-def time_of_search(budget: int = 200) -> None:
-    """Print the wall time of a search against that of its runs in turn in one process."""
+def time_of_search(budget: int = 200, rounds: int = 3) -> None:
+    """Print the wall time of a search, one run at a time, against that of its runs in turn in one process.
+
+    Parameters
+    ----------
+    budget
+        Trials of a search.
+    rounds
+        Of both in turn, so that what else the machine does falls on both.
+    """
     from cosim.running.execution import execute
     from cosim.running.request import RunRequest
     from cosim.search.search import FalsifyRequest, prepared, silent
 
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "space.toml").write_text(SPACE)
-        rows: list[Row] = []
-        for jobs in (1, 2):
-            out = folder / f"search-{jobs}"
+    rows: list[Row] = []
+    for number in range(1, rounds + 1):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "space.toml").write_text(SPACE)
             request = FalsifyRequest(
                 "jaywalk_arterial",
                 "aeb",
                 budget,
                 settings={"vehicles_per_hour": "100"},
                 space=folder / "space.toml",
-                out=out,
-                jobs=jobs,
+                out=folder / "search",
+                jobs=1,
                 shrink=False,
             )
             started = perf_counter()
             prepared(request).run(silent())
-            rows.append({"what": f"search, --jobs {jobs}", "s": round(perf_counter() - started, 1)})
-        scenarios = sorted((folder / "search-1/trials/scenarios").iterdir())
-        started = perf_counter()
-        for number, scenario in enumerate(scenarios):
-            execute(RunRequest(str(scenario), "aeb", seed=1, out=folder / f"run-{number}"))
-        in_turn = perf_counter() - started
-        rows.append({"what": "the same runs in turn in one process", "s": round(in_turn, 1)})
-        for row in rows:
-            row["times that"] = round(float(row["s"]) / in_turn, 2)
-        print(table_of(rows))
+            search_s = perf_counter() - started
+            started = perf_counter()
+            for scenario in sorted((folder / "search/trials/scenarios").iterdir()):
+                execute(RunRequest(str(scenario), "aeb", seed=1, out=folder / scenario.stem))
+            in_turn_s = perf_counter() - started
+        rows.append(
+            {
+                "round": number,
+                "search [s]": round(search_s, 1),
+                "its runs in turn [s]": round(in_turn_s, 1),
+                "ratio": round(search_s / in_turn_s, 3),
+            }
+        )
+        print(rows[-1], file=sys.stderr, flush=True)
+    print(table_of(rows))
+    print(f"median ratio: {median(float(row['ratio']) for row in rows):.2f}")
 
 
 def agreement(folder: Path, runs: int = 5000) -> None:
@@ -308,13 +321,20 @@ def agreement(folder: Path, runs: int = 5000) -> None:
     print(table_of(rows))
 
 
-if __name__ == "__main__":
-    if sys.argv[1] in ("agreement", "sumo"):
-        {"agreement": agreement, "sumo": sumo}[sys.argv[1]](Path(sys.argv[2]), *map(int, sys.argv[3:]))
-        sys.exit()
-    if sys.argv[1] == "toy" and len(sys.argv) > 2:
-        toy([float(one) for one in sys.argv[2:]])
-    elif sys.argv[1] == "estimate":
-        estimates(*map(int, sys.argv[2:]))
+WITH_FOLDER = {"agreement": agreement, "sumo": sumo}
+ALONE = {"faults": faults, "estimate": estimates, "extremes": extremes, "time": time_of_search}
+
+
+def main() -> None:
+    """Print the table that is asked for."""
+    name, *rest = sys.argv[1:]
+    if name in WITH_FOLDER:
+        WITH_FOLDER[name](Path(rest[0]), *map(int, rest[1:]))
+    elif name == "toy":
+        toy(*([[float(one) for one in rest]] if rest else []))
     else:
-        {"faults": faults, "toy": toy, "extremes": extremes, "time": time_of_search}[sys.argv[1]]()
+        ALONE[name](*map(int, rest))
+
+
+if __name__ == "__main__":
+    main()
