@@ -46,7 +46,7 @@ def test_margins_that_are_nearly_all_equal_lead_on_from_the_few_that_differ() ->
 
     # Each estimate has fewer seeds than chains at first: 400 · Φ(−2) = 9.
     ones = [subset_simulation(margin, 3, level=400, share=0.1, seed=seed) for seed in range(300)]
-    deviation = np.std(ones) / math.sqrt(len(ones))
+    deviation = float(np.std(ones)) / math.sqrt(len(ones))
     assert np.mean(ones) == pytest.approx(norm.cdf(-3.5), abs=3.5 * deviation)
     assert deviation < 0.1 * norm.cdf(-3.5)
 
