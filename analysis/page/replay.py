@@ -282,10 +282,10 @@ def _grounds(junctions: Iterable[Sequence[FloatArray]]) -> list[dict[str, Any]]:
 
 
 def _numbers(values: Any) -> list[float | None]:
-    array = np.asarray(values, dtype=np.float64)
-    if np.isfinite(array).all():
-        return [round(value, DECIMALS) + 0.0 for value in array.tolist()]
-    return [_number(value) for value in array.tolist()]
+    rounded = np.round(np.asarray(values, dtype=np.float64), DECIMALS) + 0.0
+    if np.isfinite(rounded).all():
+        return list(rounded.tolist())
+    return [value if math.isfinite(value) else None for value in rounded.tolist()]
 
 
 def _number(value: float) -> float | None:

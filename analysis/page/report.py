@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -171,8 +172,9 @@ def _origin(study: Study, root: Path | None, out: Path) -> dict[str, Any]:
     }
 
 
+@cache
 def environment() -> Environment:
-    """Return what fills the templates of this package."""
+    """Return what fills the templates of this package, which compiles each of them once."""
     found = Environment(
         loader=PackageLoader("analysis.page", "."),
         autoescape=True,

@@ -24,9 +24,9 @@ pytestmark = pytest.mark.sumo
     ],
 )
 def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
-    behaviour: str, told: str, tmp_path: Path
+    behaviour: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    environment = unruly.install(tmp_path / "plugin")
+    unruly.use(tmp_path / "plugin", monkeypatch)
     study = write_study(
         tmp_path,
         controllers=["unruly"],
@@ -34,7 +34,7 @@ def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
         set={"behaviour": behaviour, "at_s": 0.0, "warmup_s": 2.0, "duration_s": 6.0},
         run_timeout_s=5,
     )
-    done = batch(study, "--out", "out", "--jobs", 1, code=2, folder=tmp_path, environment=environment)
+    done = batch(study, "--out", "out", "--jobs", 1, code=2, folder=tmp_path)
     (line,) = done.stderr.strip().splitlines()
     assert line.startswith("cosim: ")
     assert told in line
