@@ -21,6 +21,7 @@ import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import process_time
 from typing import Any
 
 from measuring import results
@@ -28,8 +29,9 @@ from measuring.bars import Bar, show
 from measuring.command import options
 from measuring.resident import HOUR_S, Looks, in_process, settled, slope
 
-from cosim.running.execution import execute
+from analysis.results.analyse import analyse_run
 from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from sumo_scenarios.sumo_installation import packaged_file
 
 DEMO = "tools/game/fokr_bs_demo"
@@ -94,20 +96,31 @@ class Hours:
         self._since = now
 
 
-def watched(duration_s: float) -> dict[str, Any]:
-    """Run and analyse; return resident memory over simulated time, at the end, and what came of the run."""
+def simulated(folder: Path, duration_s: float) -> dict[str, Any]:
+    """Simulate and record into ``folder / "run"``; return resident memory over simulated time."""
     looks, hours = Looks(), Hours()
 
     def progress(now: float, end: float | None) -> None:
         looks.look(now - BEGIN_S)
         hours.tell(now - BEGIN_S, looks)
 
-    with TemporaryDirectory() as folder:
-        file, out = long_demand(Path(folder)), Path(folder) / "run"
-        request = RunRequest(str(file), CONTROLLER, SEED, duration_s=duration_s, ego_share=EGO_SHARE, out=out)
-        outcome = execute(request, progress)
-        recorded = sum(part.stat().st_size for part in out.iterdir())
-    row = outcome.row or {}
+    file = long_demand(folder)
+    request = RunRequest(
+        str(file), CONTROLLER, SEED, duration_s=duration_s, ego_share=EGO_SHARE, out=folder / "run"
+    )
+    result = run(request, progress)
+    return {
+        **looks.found,
+        "invalid_reason": result.description["invalid_reason"],
+        "egos_given_up": len(result.description["egos_given_up"]),
+        "recorded_mb": sum(part.stat().st_size for part in result.folder.iterdir()) / 1e6,
+    }
+
+
+def judged(folder: Path) -> dict[str, Any]:
+    """Judge what was recorded; return the most memory, the processor time, and what came of the run."""
+    began = process_time()
+    row = analyse_run(folder / "run").run
     wanted = (
         "ego_count",
         "n_encounters",
@@ -117,24 +130,33 @@ def watched(duration_s: float) -> dict[str, Any]:
         "deadlock",
     )
     return {
-        **looks.found,
-        "invalid_reason": outcome.invalid_reason,
-        "recorded_mb": recorded / 1e6,
-        "analysed_mb": looks.most_mb(),
+        "analysed_mb": Looks.most_mb(),
+        "judging_cpu_s": process_time() - began,
         **{name: row.get(name) for name in wanted},
     }
 
 
+def measured(place: Path, duration_s: float) -> dict[str, Any]:
+    """Simulate and judge, each in a process of its own, so that each has a peak of its own."""
+    began = time.perf_counter()
+    seen = in_process(__file__, "--simulate", str(place), f"{duration_s}")
+    simulated_s = time.perf_counter() - began
+    return {**seen, "took_s": simulated_s, **in_process(__file__, "--judge", str(place))}
+
+
 def main() -> None:
     """Measure, print and publish."""
-    if sys.argv[1:2] == ["--watch"]:
-        print(json.dumps(watched(float(sys.argv[2]))))
+    if sys.argv[1:2] == ["--simulate"]:
+        print(json.dumps(simulated(Path(sys.argv[2]), float(sys.argv[3]))))
+        return
+    if sys.argv[1:2] == ["--judge"]:
+        print(json.dumps(judged(Path(sys.argv[2]))))
         return
     given = options(__doc__)
     duration_s = 120.0 if given.quick else HOURS * HOUR_S
     settled_s = 60.0 if given.quick else SETTLED_S
-    began = time.perf_counter()
-    seen = in_process(__file__, "--watch", f"{duration_s}")
+    with TemporaryDirectory() as place:
+        seen = measured(Path(place), duration_s)
     times, sizes = settled(seen, settled_s)
     found: dict[str, Any] = {
         "controller": CONTROLLER,
@@ -142,7 +164,6 @@ def main() -> None:
         "step_s": STEP_S,
         "simulated_s": duration_s,
         "settled_s": settled_s,
-        "took_s": time.perf_counter() - began,
         "mb_per_hour": slope(times, sizes),
         **seen,
     }
@@ -158,7 +179,7 @@ def main() -> None:
             at_most=MOST_MB_PER_HOUR,
             unit="MB/h",
             note=f"{sizes[0]:.0f} MB at first, {sizes[-1]:.0f} MB at the end, {seen['analysed_mb']:.0f} MB "
-            "at most while it is analysed",
+            "at most in the process that judges it",
         )
     ]
     show(bars)

@@ -20,7 +20,6 @@ The driver follows the path that the ego drove, and the pedestrian moves as reco
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +29,7 @@ from analysis.encounters.contacts import Contact
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.encounters.line_of_sight import is_visible
 from analysis.geometry import pairs_within, signed_distance, time_to_contact, to_frame
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Grid, There, Track
 from analysis.thresholds import Thresholds
 
 _LOOK_BACK_S = 30.0
@@ -81,7 +80,7 @@ def replay_contact(
     person: Track,
     contact: Contact,
     limit: FloatArray,
-    vehicles: Sequence[Track],
+    vehicles: There,
     grid: Grid,
     thresholds: Thresholds,
 ) -> Replay:
@@ -95,7 +94,7 @@ def replay_contact(
         The recorded contact.
     limit : FloatArray
         Speed limit at the samples of the ego's track; nan or inf where there is none [m/s].
-    vehicles : Sequence[Track]
+    vehicles : There
         All vehicles that may hide somebody; the ego itself is left out.
     grid : Grid
     thresholds : Thresholds
@@ -122,12 +121,13 @@ def eye_of(ego: Track, samples: slice, thresholds: Thresholds) -> tuple[FloatArr
     return ego.x[samples] + ahead * np.cos(heading), ego.y[samples] + ahead * np.sin(heading)
 
 
-def _observable(scene: Scene, vehicles: Sequence[Track], thresholds: Thresholds) -> BoolArray:
+def _observable(scene: Scene, vehicles: There, thresholds: Thresholds) -> BoolArray:
     ego = scene.ego
     eye_x, eye_y = eye_of(ego, scene.own, thresholds)
     x, y = scene.person.x[scene.other], scene.person.y[scene.other]
     near = np.hypot(x - eye_x, y - eye_y) <= thresholds.r157_view_m
-    others = [one for one in vehicles if one.name != ego.name]
+    last = scene.first + len(scene.time) - 1
+    others = [one for one in vehicles(scene.first, last) if one.name != ego.name]
     return np.asarray(near & is_visible(eye_x, eye_y, x, y, scene.first, others))
 
 

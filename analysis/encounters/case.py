@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
+from analysis.encounters import vehicle_conflicts, vehicle_overlaps
 from analysis.encounters.careful_driver import Replay, replay_contact
 from analysis.encounters.contacts import Approach, Contact, closest_approaches, find_contacts
 from analysis.encounters.crossings import Traversal, traversals
@@ -20,7 +21,7 @@ from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
 from analysis.recording.ego_steps import EgoSteps, ego_steps
 from analysis.recording.knowledge import Knowledge, knowledge_of
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid, Track, ego_tracks, make_grid, object_tracks
+from analysis.recording.tracks import Grid, There, Track, Tracks, ego_tracks, make_grid
 from analysis.thresholds import Thresholds
 
 Values = Mapping[str, Any]
@@ -36,8 +37,13 @@ class Case:
     grid: Grid
     egos: Sequence[Track]
     persons: Sequence[Track]
-    vehicles: Sequence[Track]
+    """Pedestrians whose encounters these are."""
+    crowd: Tracks
+    """All recorded pedestrians: a long run is judged some of them at a time."""
+    vehicles: Tracks
     """All recorded vehicles; egos are among them while another ego is near."""
+    bystanders: Sequence[Track]
+    """Egos of other parts of the run that were there meanwhile; none where the run is judged at once."""
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
     encounters: Sequence[Encounter]
     samples: Samples
@@ -65,6 +71,10 @@ class Case:
 
     def __len__(self) -> int:
         return len(self.encounters)
+
+    def bodies(self, first: int, last: int) -> Sequence[Track]:
+        """Return all that may be in the way or hide somebody between two samples; some are there twice."""
+        return _there(self.vehicles, self.egos, self.bystanders)(first, last)
 
     def collisions(self) -> Sequence[Contact]:
         """Return the contacts with the ego moving."""
@@ -103,21 +113,25 @@ class Case:
         return gap
 
 
+SAMPLES_AT_ONCE = 400_000
+"""Vehicles and pedestrians with more samples of the fine grid are judged some at a time; of pedestrians those
+beside each ego count."""
+
+
 def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
     """Return the case of a recorded run."""
-    thresholds = thresholds or Thresholds()
-    grid = make_grid(run, thresholds)
-    egos, vehicles = ego_tracks(run, grid, thresholds), object_tracks(run, grid, "vehicle")
-    return _case(
-        run,
-        thresholds,
-        grid,
-        egos,
-        vehicles,
-        find_encounters,
-        find_overlaps(egos, vehicles, grid, run.levels),
-        find_vehicle_conflicts(egos, vehicles, grid, run.levels, thresholds),
-    )
+    rides = _rides(run, thresholds or Thresholds())
+    return _case(rides, list(rides.crowd), find_encounters)
+
+
+def prepare_in_parts(run: RecordedRun, thresholds: Thresholds) -> Iterator[Case]:
+    """Yield cases of a recorded run, or of a part of it that :class:`analysis.recording.rides.Rides` gives.
+
+    Each holds the encounters with some of the pedestrians, and everything else; there is at least one.
+    """
+    rides = _rides(run, thresholds)
+    for persons in rides.crowd.some(SAMPLES_AT_ONCE, rides.egos) if len(rides.crowd) else ([],):
+        yield _case(rides, persons, find_encounters)
 
 
 def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
@@ -129,26 +143,61 @@ def prepare_traffic(run: RecordedRun, thresholds: Thresholds | None = None) -> C
         All or a part of what :class:`analysis.recording.traffic.Traffic` gives.
     thresholds : Thresholds
     """
-    thresholds = thresholds or Thresholds()
+    rides = _rides(run, thresholds or Thresholds())
+    return _case(rides, list(rides.crowd), find_in_traffic)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rides:
+    """What the cases of a run have in common."""
+
+    run: RecordedRun
+    thresholds: Thresholds
+    grid: Grid
+    egos: Sequence[Track]
+    bystanders: Sequence[Track]
+    crowd: Tracks
+    vehicles: Tracks
+    traversals: Mapping[tuple[str, str], Sequence[Traversal]]
+    steps: EgoSteps
+    overlaps: Sequence[VehicleOverlap]
+    vehicle_conflicts: Sequence[VehicleConflict]
+    knowledge: Mapping[tuple[str, str], Knowledge] | None
+
+
+def _rides(run: RecordedRun, thresholds: Thresholds) -> _Rides:
     grid = make_grid(run, thresholds)
-    return _case(run, thresholds, grid, ego_tracks(run, grid, thresholds), (), find_in_traffic)
+    egos, vehicles = ego_tracks(run, grid, thresholds), Tracks(run, grid, "vehicle")
+    overlaps: list[VehicleOverlap] = []
+    conflicts: list[VehicleConflict] = []
+    for some in vehicles.some(SAMPLES_AT_ONCE):
+        overlaps += find_overlaps(egos, some, grid, run.levels)
+        conflicts += find_vehicle_conflicts(egos, some, grid, run.levels, thresholds, run.largest[0])
+    others = run.bystanders
+    return _Rides(
+        run=run,
+        thresholds=thresholds,
+        grid=grid,
+        egos=egos,
+        bystanders=() if others is None else ego_tracks(run, grid, thresholds, others),
+        crowd=Tracks(run, grid, "pedestrian"),
+        vehicles=vehicles,
+        traversals=traversals(egos, run, grid),
+        steps=ego_steps(run, egos, grid, thresholds),
+        overlaps=vehicle_overlaps.in_order(overlaps),
+        vehicle_conflicts=vehicle_conflicts.in_order(conflicts),
+        knowledge=knowledge_of(run),
+    )
 
 
 def _case(
-    run: RecordedRun,
-    thresholds: Thresholds,
-    grid: Grid,
-    egos: Sequence[Track],
-    vehicles: Sequence[Track],
+    rides: _Rides,
+    persons: Sequence[Track],
     find: Callable[[Sequence[Track], Sequence[Track], Surroundings], list[Encounter]],
-    overlaps: Sequence[VehicleOverlap] = (),
-    vehicle_conflicts: Sequence[VehicleConflict] = (),
 ) -> Case:
-    persons = object_tracks(run, grid, "pedestrian")
-    passed = traversals(egos, run, grid)
+    run, grid, thresholds = rides.run, rides.grid, rides.thresholds
     kinds = {area.name: area.crossing_kind for area in run.crossings()}
-    around = Surroundings(run, grid, thresholds, passed, kinds)
-    encounters = find(egos, persons, around)
+    encounters = find(rides.egos, persons, Surroundings(run, grid, thresholds, rides.traversals, kinds))
     samples = gather(encounters, run, grid, thresholds)
     areas = [one.area for one in encounters]
     contacts = _once(
@@ -160,25 +209,27 @@ def _case(
         run=run,
         thresholds=thresholds,
         grid=grid,
-        egos=egos,
+        egos=rides.egos,
         persons=persons,
-        vehicles=vehicles,
-        traversals=passed,
+        crowd=rides.crowd,
+        vehicles=rides.vehicles,
+        bystanders=rides.bystanders,
+        traversals=rides.traversals,
         encounters=encounters,
         samples=samples,
         predicted=predict_area(samples, thresholds.longitudinal_angle_deg),
         contacts=contacts,
-        replays=_replays(run, grid, thresholds, encounters, contacts, [*vehicles, *egos]),
+        replays=_replays(rides, encounters, contacts),
         approach=closest_approaches(samples),
-        steps=ego_steps(run, egos, grid, thresholds),
-        overlaps=overlaps,
-        vehicle_conflicts=vehicle_conflicts,
+        steps=rides.steps,
+        overlaps=rides.overlaps,
+        vehicle_conflicts=rides.vehicle_conflicts,
         ego_rows=[_ego_rows(one, grid) for one in encounters],
         ego_enter=np.array([np.nan if area is None else area.ego.enter for area in areas]),
         ego_leave=np.array([np.nan if area is None else area.ego.leave for area in areas]),
         person_enter=np.array([np.nan if area is None else area.person.enter for area in areas]),
         person_leave=np.array([np.nan if area is None else area.person.leave for area in areas]),
-        knowledge=knowledge_of(run),
+        knowledge=rides.knowledge,
         entered=_entered(encounters, samples, contacts),
     )
 
@@ -215,21 +266,27 @@ def _once(contacts: Sequence[Contact], encounters: Sequence[Encounter], separati
 
 
 def _replays(
-    run: RecordedRun,
-    grid: Grid,
-    thresholds: Thresholds,
-    encounters: Sequence[Encounter],
-    contacts: Sequence[Contact],
-    vehicles: Sequence[Track],
+    rides: _Rides, encounters: Sequence[Encounter], contacts: Sequence[Contact]
 ) -> Mapping[Contact, Replay]:
-    limits = run.egos.numbers["speed_limit_mps"]
+    limits = rides.run.egos.numbers["speed_limit_mps"]
+    there = _there(rides.vehicles, rides.egos, rides.bystanders)
     found = {}
     for contact in contacts:
         one = encounters[contact.encounter]
         found[contact] = replay_contact(
-            one.ego, one.person, contact, limits[one.ego.rows], vehicles, grid, thresholds
+            one.ego, one.person, contact, limits[one.ego.rows], there, rides.grid, rides.thresholds
         )
     return found
+
+
+def _there(vehicles: Tracks, *own: Sequence[Track]) -> There:
+    """Return what gives the vehicles, and the egos, that are recorded between two samples."""
+
+    def there(first: int, last: int) -> list[Track]:
+        egos = [track for tracks in own for track in tracks if track.first <= last and first <= track.last]
+        return [*vehicles.during(first, last), *egos]
+
+    return there
 
 
 def _ego_rows(encounter: Encounter, grid: Grid) -> IntArray:

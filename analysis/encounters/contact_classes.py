@@ -5,7 +5,6 @@ By geometry and recorded motion alone; right of way plays no part.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,7 @@ from analysis.encounters.contacts import Contact
 from analysis.encounters.line_of_sight import is_visible
 from analysis.encounters.moments import stopping_distance
 from analysis.geometry import signed_distance, to_frame
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Grid, There, Track
 from analysis.thresholds import Thresholds
 
 CLASSES = ("ego", "rolled_off", "walked_in", "appeared", "touching_at_start")
@@ -45,7 +44,7 @@ class Circumstances:
         return max(self.ego.first, self.person.first)
 
 
-def contact_class(one: Circumstances, vehicles: Sequence[Track]) -> str:
+def contact_class(one: Circumstances, vehicles: There) -> str:
     """Return the class of a contact.
 
     ``touching_at_start``
@@ -75,7 +74,7 @@ def _had_stood(one: Circumstances) -> bool:
     return bool(np.all(one.ego.speed[before] <= one.thresholds.standing_speed_mps))
 
 
-def _appeared(one: Circumstances, vehicles: Sequence[Track]) -> bool:
+def _appeared(one: Circumstances, vehicles: There) -> bool:
     limits = one.thresholds
     own, other = slice(*_at(one.ego, one.first)), slice(*_at(one.person, one.first))
     needed = stopping_distance(
@@ -84,7 +83,7 @@ def _appeared(one: Circumstances, vehicles: Sequence[Track]) -> bool:
     if _gap(one.ego, own.start, one.person, other.start) >= needed[0]:
         return False
     eye_x, eye_y = eye_of(one.ego, own, limits)
-    others = [vehicle for vehicle in vehicles if vehicle.name != one.ego.name]
+    others = [vehicle for vehicle in vehicles(one.first, one.first) if vehicle.name != one.ego.name]
     seen = is_visible(eye_x, eye_y, one.person.x[other], one.person.y[other], one.first, others)
     return bool(seen[0])
 

@@ -46,7 +46,7 @@ class Places:
 
 def places_of(run: RecordedRun) -> Places:
     """Return the areas of a run's map."""
-    used = {*run.egos.texts["lane"].names, *run.neighbours.texts["edge_or_lane"].names}
+    used = {*run.places, *run.egos.texts["lane"].names, *run.neighbours.texts["edge_or_lane"].names}
     lanes = [area for area in run.areas if area.kind == "lane"]
     return Places(
         crossings=Areas(run.crossings()),

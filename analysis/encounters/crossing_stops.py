@@ -8,14 +8,12 @@ ego never left it. Whoever moved at that instant does not count: this is a lower
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from analysis.encounters.crossings import Traversal
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.geometry import clearance, rectangle_separation, to_frame
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Grid, There, Track
 from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 
@@ -28,16 +26,14 @@ def count_stops(passage: Traversal, grid: Grid, limits: Thresholds) -> int:
     return sum(bool(time[end] - time[start] >= limits.stopped_on_crossing_s) for start, end in stands)
 
 
-def was_foreseeable(
-    passage: Traversal, vehicles: Sequence[Track], persons: Sequence[Track], limits: Thresholds
-) -> bool:
+def was_foreseeable(passage: Traversal, vehicles: There, persons: There, limits: Thresholds) -> bool:
     """Return whether somebody stood in the way when the ego could still have stopped before the crossing.
 
     Parameters
     ----------
     passage : Traversal
         During which the ego stopped.
-    vehicles, persons : Sequence
+    vehicles, persons : There
         Everybody; the ego itself is left out of the vehicles.
     limits : Thresholds
     """
@@ -47,7 +43,10 @@ def was_foreseeable(
         return False
     way = _way_over(passage)
     instant = ego.first + decided
-    others = (*(one for one in vehicles if one.name != ego.name), *persons)
+    others = (
+        *(one for one in vehicles(instant, instant) if one.name != ego.name),
+        *persons(instant, instant),
+    )
     there = [(one, instant - one.first) for one in others if one.first <= instant <= one.last]
     return any(one.speed[at] <= limits.standing_speed_mps and _is_in(way, one, at) for one, at in there)
 

@@ -73,7 +73,7 @@ def find_encounters(egos: Sequence[Track], persons: Sequence[Track], around: Sur
             if _may_meet(ego, person, around.thresholds.encounter_range_m):
                 areas = conflict_areas(ego, person, around.grid, around.thresholds.visit_pairing_s)
                 found.extend(_of_pair(ego, person, areas, around))
-    return sorted(found, key=_order)
+    return sorted(found, key=place_in_run)
 
 
 def find_in_traffic(
@@ -96,10 +96,11 @@ def find_in_traffic(
         areas = [] if meeting is None else _areas_near(vehicle, person, meeting, grid, within)
         of_pair = _of_pair(vehicle, person, areas, around)
         found.extend(one for one in of_pair if one.area is not None or one.traversal is not None)
-    return sorted(found, key=_order)
+    return sorted(found, key=place_in_run)
 
 
-def _order(one: Encounter) -> tuple[int, str, str, int]:
+def place_in_run(one: Encounter) -> tuple[int, str, str, int]:
+    """Return by what the encounters of a run are sorted: beginning, ego, pedestrian, end."""
     return one.first, one.ego.name, one.person.name, one.last
 
 

@@ -11,7 +11,7 @@ vehicle follows show it. Each pair is one conflict for each kind in which it cam
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,21 +64,31 @@ class VehicleConflict:
 
 
 def find_vehicle_conflicts(
-    egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid, levels: Levels, thresholds: Thresholds
+    egos: Sequence[Track],
+    vehicles: Sequence[Track],
+    grid: Grid,
+    levels: Levels,
+    thresholds: Thresholds,
+    largest: float = 0.0,
 ) -> list[VehicleConflict]:
     """Return all conflicts, sorted by time and names.
 
     Listed are pairs with a TTC or, crossing, a PET of at most the limits of slight severity, and followers
-    who would have to brake harder than the limit of DRAC.
+    who would have to brake harder than the limit of DRAC. ``largest`` is as for `encroachments`.
     """
     if not egos or not vehicles:
         return []
-    crossed = encroachments(egos, vehicles, grid, levels, thresholds)
+    crossed = encroachments(egos, vehicles, grid, levels, thresholds, largest)
     found: list[VehicleConflict] = []
     for i, ego in enumerate(egos):
         for j, vehicle in enumerate(vehicles):
             if vehicle.name != ego.name:
                 found.extend(_of_pair(ego, vehicle, crossed.get((i, j)), grid, levels, thresholds))
+    return in_order(found)
+
+
+def in_order(found: Iterable[VehicleConflict]) -> list[VehicleConflict]:
+    """Return conflicts by time and names."""
     return sorted(found, key=lambda one: (one.start, one.ego_id, one.vehicle_id, one.kind))
 
 

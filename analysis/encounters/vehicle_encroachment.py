@@ -30,14 +30,20 @@ class Encroachment:
 
 
 def encroachments(
-    egos: Sequence[Track], vehicles: Sequence[Track], grid: Grid, levels: Levels, thresholds: Thresholds
+    egos: Sequence[Track],
+    vehicles: Sequence[Track],
+    grid: Grid,
+    levels: Levels,
+    thresholds: Thresholds,
+    largest: float = 0.0,
 ) -> dict[tuple[int, int], Encroachment]:
     """Return by numbers of ego and vehicle who drove over the same ground, crossing, within the PET limit.
 
-    To the sample; footprints are those of rectangles about 0.25 m apart.
+    To the sample; footprints are those of rectangles about 0.25 m apart. ``largest`` is half the diagonal of
+    a vehicle that is not among these, but whose places were looked up as these are [m].
     """
     limit = thresholds.severity_pet_slight_s
-    reach = max(float(np.hypot(one.length, one.width)) for one in (*egos, *vehicles))
+    reach = max(2.0 * largest, *(float(np.hypot(one.length, one.width)) for one in (*egos, *vehicles)))
     reach += 2.0 * VEHICLE_SPACING_M
     scale = reach / (limit + STAY_S)
     own, other = (places_on(tracks, grid, VEHICLE_SPACING_M, scale) for tracks in (egos, vehicles))

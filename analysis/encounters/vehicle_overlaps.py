@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +47,11 @@ def find_overlaps(
     for ego in egos:
         for vehicle in vehicles:
             found.extend(_of_pair(ego, vehicle, grid, levels))
+    return in_order(found)
+
+
+def in_order(found: Iterable[VehicleOverlap]) -> list[VehicleOverlap]:
+    """Return overlaps by time and names."""
     return sorted(found, key=lambda one: (one.start, one.ego_id, one.vehicle_id))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.contacts import closest_approaches
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "m"
@@ -37,7 +38,7 @@ def compute(case: Case) -> Values:
     return {"clearance_min_m": closest_approaches(case.samples, moving).distance}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return smallest value and low percentiles of the defined ones."""
     values = np.asarray(columns["clearance_min_m"])
     known = values[np.isfinite(values)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "m/s"
@@ -30,7 +31,7 @@ def compute(case: Case) -> Values:
     return {"close_pass_speed_mps": samples.largest(np.where(near, samples.ego_speed, -np.inf))[0]}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the number of close passes."""
-    fast = np.asarray(columns["close_pass_speed_mps"]) > case.thresholds.close_pass_speed_mps
+    fast = np.asarray(columns["close_pass_speed_mps"]) > whole.thresholds.close_pass_speed_mps
     return {"n_close_passes": int(np.count_nonzero(fast))}

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "ms"
@@ -22,9 +23,9 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return median, 95th and 99th percentile."""
-    spent = case.run.timing.numbers["compute_ms"]
+    spent = whole.run.timing.numbers["compute_ms"]
     if len(spent) == 0:
         return {}
     return {f"compute_p{p}_ms": float(np.percentile(spent, p)) for p in (50, 95, 99)}

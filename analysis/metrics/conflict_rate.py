@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.severity_scale import CONFLICTS, severity_levels
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1/km"
@@ -22,11 +23,16 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def collect_encounters(case: Case) -> Values:
+    """Return the conflicts of a part of the run, by their levels."""
+    return {"conflicts": [level for level in severity_levels(case) if level in CONFLICTS]}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return both rates."""
-    conflicts = sum(level in CONFLICTS for level in severity_levels(case))
-    kilometres = float(case.steps.distance.sum()) / 1000.0
-    persons = len({one.person.name for one in case.encounters})
+    conflicts = len(columns["conflicts"])
+    kilometres = float(whole.steps.distance.sum()) / 1000.0
+    persons = len({one.person_id for one in whole.encounters})
     return {
         "n_conflicts": conflicts,
         "conflicts_per_veh_km": conflicts / kilometres if kilometres > 0.0 else None,

@@ -28,6 +28,7 @@ from analysis.encounters.case import Case, Values
 from analysis.encounters.contact_classes import CLASSES, MOVERS, Circumstances, contact_class, moved_by
 from analysis.encounters.contact_places import PLACES, Places, place_of, places_of
 from analysis.encounters.contacts import Contact
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -114,14 +115,19 @@ def _kind(case: Case, contact: Contact, areas: Places) -> tuple[str, str | None,
     return (
         place_of(encounter.person, contact.time, case.run, case.grid, areas),
         moved_by(one),
-        contact_class(one, [*case.vehicles, *case.egos]),
+        contact_class(one, case.bodies),
     )
 
 
-def summarise(case: Case, columns: Values) -> Values:
-    """Count the collisions of each kind."""
+def collect_encounters(case: Case) -> Values:
+    """Return place, mover and class of every collision."""
     areas = places_of(case.run)
-    kinds = [_kind(case, contact, areas) for contact in case.collisions()]
+    return {"kinds": [_kind(case, contact, areas) for contact in case.collisions()]}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
+    """Count the collisions of each kind."""
+    kinds = columns["kinds"]
     places, movers, classes = zip(*kinds, strict=True) if kinds else ((), (), ())
     return {
         **{f"n_collisions_{place}": places.count(place) for place in PLACES},

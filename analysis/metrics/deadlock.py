@@ -13,10 +13,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 from analysis.tables import column
@@ -59,9 +61,14 @@ def first_stand(told: str) -> Stand | None:
     return found and Stand(found["ego"], float(found["start"]), float(found["end"]), found["place"])
 
 
-def compute(case: Case) -> Values:
-    """Return the number of stretches, and what they were."""
-    stands = [one for track in case.egos for one in _stands(case, track)]
+def collect_rides(case: Case) -> Values:
+    """Return the stretches of a part's egos."""
+    return {"stands": [one for track in case.egos for one in _stands(case, track)]}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
+    """Return the number of stretches, and what they were, by ego and time."""
+    stands = sorted(columns["stands"], key=attrgetter("ego_id", "start_s"))
     return {"deadlock": len(stands), "deadlock_where": "; ".join(map(str, stands)) or None}
 
 

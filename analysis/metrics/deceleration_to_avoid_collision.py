@@ -17,6 +17,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.required_deceleration import drac
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import DRAC_LIMIT_MPS2
 
@@ -49,7 +50,7 @@ def compute(case: Case) -> Values:
     return {"drac_max_mps2": np.where(status == "ok", np.maximum(high, 0.0), np.nan), "drac_status": status}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unbounded ones and collisions included."""
     status = np.asarray(columns["drac_status"])
     beyond = np.isin(status, ("unbounded", "collision"))

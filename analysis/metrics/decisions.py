@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -39,7 +40,7 @@ def compute(case: Case) -> Values:
     }
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the numbers of the run."""
-    rule = case.run.egos.texts["rule"]
+    rule = whole.run.egos.texts["rule"]
     return {f"n_{name}": int(rule.equal(name).sum()) for name in _RULES}

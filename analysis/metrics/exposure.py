@@ -9,7 +9,8 @@ Undefined: never.
 
 from __future__ import annotations
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -26,14 +27,15 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the denominators."""
+    met = whole.encounters
     return {
-        "ego_count": len({track.name for track in case.egos}),
-        "ego_dist_km": float(case.steps.distance.sum()) / 1000.0,
-        "ego_time_h": float(case.steps.duration.sum()) / 3600.0,
-        "ped_count": len({one.person.name for one in case.encounters}),
-        "n_encounters": len(case),
-        "n_entered": int(case.entered.sum()),
-        "n_passages": len({one.passage_id for one in case.encounters if one.traversal is not None}),
+        "ego_count": len(whole.egos),
+        "ego_dist_km": float(whole.steps.distance.sum()) / 1000.0,
+        "ego_time_h": float(whole.steps.duration.sum()) / 3600.0,
+        "ped_count": len({one.person_id for one in met}),
+        "n_encounters": len(met),
+        "n_entered": sum(one.entered for one in met),
+        "n_passages": len({one.passage_id for one in met if one.passage_id}),
     }

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
 from analysis.encounters.vehicle_conflicts import FOLLOWED
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_TTC_S, in_name
 
@@ -36,9 +37,9 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count the followers of egos in conflict, and return the extremes."""
-    followers = [one for one in case.vehicle_conflicts if one.kind == FOLLOWED]
+    followers = [one for one in whole.vehicle_conflicts if one.kind == FOLLOWED]
     ttc = np.array([one.min_ttc for one in followers])
     drac = np.array([one.max_drac for one in followers])
     return {

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -18,11 +19,16 @@ SOURCE = "own definition"
 RUN_COLUMNS = (column.count("n_hard_brake", "hard braking manoeuvres", required=True),)
 
 
-def compute(case: Case) -> Values:
-    """Return the number of hard braking manoeuvres."""
-    count = 0
+def collect_rides(case: Case) -> Values:
+    """Return the number of hard braking manoeuvres of each track of an ego."""
+    counts = []
     for track in case.egos:
         rows = track.rows[:: case.grid.factor]
         hard = case.steps.deceleration[rows] > case.thresholds.hard_brake_mps2
-        count += int((hard & ~np.concatenate([[False], hard[:-1]])).sum())
-    return {"n_hard_brake": count}
+        counts.append(int((hard & ~np.concatenate([[False], hard[:-1]])).sum()))
+    return {"counts": counts}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
+    """Return the number of hard braking manoeuvres."""
+    return {"n_hard_brake": sum(columns["counts"])}

@@ -18,6 +18,7 @@ from analysis.encounters.careful_driver import eye_of
 from analysis.encounters.case import Case, Values
 from analysis.encounters.line_of_sight import is_visible
 from analysis.encounters.severity_scale import CONFLICTS, severity_levels
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -69,11 +70,11 @@ def _hidden(case: Case, i: int, instant: float) -> bool:
         return False
     own = slice(first - ego.first, last - ego.first + 1)
     there = slice(first - person.first, last - person.first + 1)
-    others = [one for one in (*case.vehicles, *case.egos) if one.name != ego.name]
+    others = [one for one in case.bodies(first, last) if one.name != ego.name]
     seen = is_visible(*eye_of(ego, own, case.thresholds), person.x[there], person.y[there], first, others)
     return not seen.all()
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count conflicts with somebody hidden."""
     return {"n_hidden_before_conflict": int(np.nansum(columns["hidden_before_conflict"]))}

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -40,6 +41,6 @@ def compute(case: Case) -> Values:
     }
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the sum over the run's collisions."""
     return {"sum_p_fatal_rosen2009": float(np.nansum(columns["p_fatal_rosen2009"]))}

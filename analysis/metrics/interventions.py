@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.recording.columns import INTERVENTIONS
 from analysis.tables import column
 
@@ -36,9 +37,9 @@ def compute(case: Case) -> Values:
     return {"n_interventions": np.array([int(flag[rows].sum()) for rows in case.ego_rows], dtype=np.int64)}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the number of steps in the run, all and by cause."""
-    egos = case.run.egos
+    egos = whole.run.egos
     causes = egos.texts["intervention_cause"]
     return {
         "n_interventions": int(egos.flags["intervention"].sum()),

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "m/s^3"
@@ -32,7 +33,7 @@ def compute(case: Case) -> Values:
     return {"ego_max_abs_jerk_mps3": value}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the 95th percentile over all steps."""
-    jerk = np.abs(case.steps.jerk[np.isfinite(case.steps.jerk)])
+    jerk = np.abs(whole.steps.jerk[np.isfinite(whole.steps.jerk)])
     return {"p95_abs_jerk_mps3": np.percentile(jerk, 95.0) if len(jerk) else None}

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -19,11 +20,11 @@ SOURCE = "own definition"
 RUN_COLUMNS = (column.count("n_lane_changes", "completed lane changes", required=True),)
 
 
-def compute(case: Case) -> Values:
-    """Return the number of lane changes."""
+def collect_rides(case: Case) -> Values:
+    """Return the number of lane changes of each ego."""
     number, time = case.run.egos.numbers["lane_number"], case.run.egos.numbers["time_s"]
     hold = case.thresholds.lane_change_hold_s
-    count = 0
+    counts = []
     for name in sorted({track.name for track in case.egos}):
         rows = np.concatenate([t.rows[:: case.grid.factor] for t in case.egos if t.name == name])
         rows = rows[np.isfinite(number[rows])]
@@ -34,5 +35,10 @@ def compute(case: Case) -> Values:
         stays = ends - time[rows[starts]] >= hold - 1e-9
         stays[-1] = True
         lanes = number[rows[starts]][stays]
-        count += int((np.diff(lanes) != 0.0).sum())
-    return {"n_lane_changes": count}
+        counts.append(int((np.diff(lanes) != 0.0).sum()))
+    return {"counts": counts}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
+    """Return the number of lane changes."""
+    return {"n_lane_changes": sum(columns["counts"])}

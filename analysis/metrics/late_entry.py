@@ -12,6 +12,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.moments import entries
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -33,6 +34,6 @@ def compute(case: Case) -> Values:
     return {"late_entry": np.where(np.isnan(seen.time), np.nan, seen.distance < needed)}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count late entries."""
     return {"n_late_entries": int(np.nansum(columns["late_entry"]))}

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "m/s^2"
@@ -29,6 +30,6 @@ def compute(case: Case) -> Values:
     return {"ego_max_decel_mps2": np.array([braking[rows].max(initial=0.0) for rows in case.ego_rows])}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the largest deceleration of all steps of the run."""
-    return {"max_decel_mps2": case.steps.deceleration.max(initial=0.0)}
+    return {"max_decel_mps2": whole.steps.deceleration.max(initial=0.0)}

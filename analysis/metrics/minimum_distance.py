@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "m"
@@ -29,7 +30,7 @@ def compute(case: Case) -> Values:
     return {"min_dist_m": case.approach.distance, "t_min_dist_s": case.approach.time}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the smallest distance of the run."""
     distance = np.asarray(columns["min_dist_m"])
     return {"min_dist_m": distance.min() if len(distance) else None}

@@ -13,6 +13,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.required_deceleration import drac
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import DRAC_LIMIT_MPS2
 
@@ -52,7 +53,7 @@ def compute(case: Case) -> Values:
     }
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unavoidable ones and collisions included."""
     status = np.asarray(columns["mdrac_status"])
     beyond = np.isin(status, ("unavoidable_at_PRT", "collision"))

@@ -11,10 +11,9 @@ method_acts_where_applies_share also if the condition never holds.
 
 from __future__ import annotations
 
-import numpy as np
-
 from analysis.arrays import BoolArray
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -38,10 +37,10 @@ RUN_COLUMNS = (
 _FLAGS = ("applies", "acts", "deviates", "overridden")
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the shares of the run."""
-    rows = np.unique(np.concatenate([*case.ego_rows, np.zeros(0, dtype=np.int64)])).astype(np.int64)
-    flags = case.run.egos.flags
+    rows = whole.near
+    flags = whole.run.egos.flags
     near = rows[flags["planned"][rows]]
     said: dict[str, BoolArray] = {one: flags[f"method_{one}"][near] for one in _FLAGS}
     known = flags["method_stated"][near]

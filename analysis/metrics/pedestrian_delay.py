@@ -16,6 +16,7 @@ from analysis.encounters import crossing_walks
 from analysis.encounters.case import Case, Values
 from analysis.encounters.hcm import level_of_service
 from analysis.encounters.moments import crossing_stay, phase_samples
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "s"
@@ -41,13 +42,13 @@ def compute(case: Case) -> Values:
     return {"ped_delay_s": delay}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return mean and 95th percentile over persons and crossings, and the level of service."""
     values = np.asarray(columns["ped_delay_s"])
     once: dict[tuple[str, str], float] = {}
-    for one, value in zip(case.encounters, values.tolist(), strict=True):
+    for one, value in zip(whole.encounters, values.tolist(), strict=True):
         if value == value:
-            once[(one.person.name, one.crossing_id)] = value
+            once[(one.person_id, one.crossing_id)] = value
     if not once:
         return {"n_ped_delay_defined": 0}
     known = np.array(list(once.values()))

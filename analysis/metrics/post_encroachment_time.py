@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import PET_LIMITS_S, in_name
 
@@ -61,7 +62,7 @@ def compute(case: Case) -> Values:
     return {"pet_area_s": pet, "pet_status": status}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters below the limits."""
     pet = np.asarray(columns["pet_area_s"])
     known = pet[np.isfinite(pet)]

@@ -26,6 +26,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.moments import entries, stopping_distance
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -57,7 +58,11 @@ def compute(case: Case) -> Values:
     return {"preventable_r157": values}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def collect_encounters(case: Case) -> Values:
+    """Return of every collision whether the careful driver prevents it."""
+    return {"prevented": [case.replays[contact].prevented for contact in case.collisions()]}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count the collisions that the careful driver prevents."""
-    prevented = [case.replays[contact].prevented for contact in case.collisions()]
-    return {"n_collisions_preventable": sum(prevented)}
+    return {"n_collisions_preventable": sum(columns["prevented"])}

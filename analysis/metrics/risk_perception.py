@@ -13,6 +13,7 @@ import numpy as np
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.moments import ride_of
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "s"
@@ -38,7 +39,7 @@ def compute(case: Case) -> Values:
     return {"k_mean_s": mean}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the mean over encounters."""
     values = np.asarray(columns["k_mean_s"])
     known = values[np.isfinite(values)]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.severity_scale import LEVELS, severity_levels
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -42,7 +43,7 @@ def compute(case: Case) -> Values:
     return {"severity": severity_levels(case)}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters by level."""
     found = list(columns["severity"])
     return {f"n_severity_{level}": found.count(level) for level in LEVELS if level != "collision"}

@@ -8,7 +8,8 @@ Undefined: never; 0 for controllers without such a check.
 
 from __future__ import annotations
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -17,6 +18,6 @@ SOURCE = "own definition"
 RUN_COLUMNS = (column.count("n_shielded", "plans that the last check replaced by braking", required=True),)
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count them."""
-    return {"n_shielded": int(case.run.egos.texts["plan_status"].equal("shielded").sum())}
+    return {"n_shielded": int(whole.run.egos.texts["plan_status"].equal("shielded").sum())}

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -31,9 +32,14 @@ def compute(case: Case) -> Values:
     return {"side_changes": np.array(counts, dtype=np.int64)}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def collect_rides(case: Case) -> Values:
+    """Return every change of a part's egos."""
+    return {"changes": _changes(case)}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the number of changes in the run."""
-    return {"side_changes": len(_changes(case))}
+    return {"side_changes": len(columns["changes"])}
 
 
 def sides(text: str) -> dict[str, str]:

@@ -7,8 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.arrays import IntArray
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
+from analysis.recording.reading import RecordedRun
 from analysis.tables import column
+from analysis.thresholds import Thresholds
 
 UNIT = "1"
 WORSE = "higher"
@@ -20,16 +24,16 @@ RUN_COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violat
 
 def compute(case: Case) -> Values:
     """Return the share of each encounter."""
-    return {"slack_share": np.array([_share(case, rows) for rows in case.ego_rows])}
+    return {"slack_share": np.array([_share(case.run, rows, case.thresholds) for rows in case.ego_rows])}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the share of the run."""
-    return {"slack_share": _share(case, np.arange(len(case.run.egos)))}
+    return {"slack_share": _share(whole.run, np.arange(len(whole.run.egos)), whole.thresholds)}
 
 
-def _share(case: Case, rows: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
-    planned = rows[case.run.egos.flags["planned"][rows]]
+def _share(run: RecordedRun, rows: IntArray, thresholds: Thresholds) -> float:
+    planned = rows[run.egos.flags["planned"][rows]]
     if len(planned) == 0:
         return np.nan
-    return float((case.run.egos.numbers["slack_m"][planned] > case.thresholds.slack_m).mean())
+    return float((run.egos.numbers["slack_m"][planned] > thresholds.slack_m).mean())

@@ -9,6 +9,7 @@ Undefined: never; 0 for controllers that solve nothing.
 from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -38,10 +39,10 @@ def compute(case: Case) -> Values:
     return {"controller_status": status}
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count plans, and those that were not solved."""
-    planned = case.run.egos.flags["planned"]
+    planned = whole.run.egos.flags["planned"]
     return {
         "n_plans": int(planned.sum()),
-        "n_solver_fail": int((planned & ~case.run.egos.flags["solved"]).sum()),
+        "n_solver_fail": int((planned & ~whole.run.egos.flags["solved"]).sum()),
     }

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from analysis.encounters.case import Case, Values
 from analysis.encounters.crossing_stops import count_stops, was_foreseeable
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -25,13 +26,20 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
-    """Return the number of stops, and of those that could have been foreseen."""
-    limits, vehicles = case.thresholds, [*case.vehicles, *case.egos]
-    stops = foreseeable = 0
+def collect_rides(case: Case) -> Values:
+    """Return of every stop whether it could have been foreseen."""
+    limits = case.thresholds
+    foreseeable: list[bool] = []
     for passage in (one for passed in case.traversals.values() for one in passed):
-        count = count_stops(passage, case.grid, limits)
-        stops += count
-        if count and was_foreseeable(passage, vehicles, case.persons, limits):
-            foreseeable += count
-    return {"n_stopped_on_crossing": stops, "n_stopped_on_crossing_foreseeable": foreseeable}
+        if count := count_stops(passage, case.grid, limits):
+            foreseeable += [was_foreseeable(passage, case.bodies, case.crowd.during, limits)] * count
+    return {"foreseeable": foreseeable}
+
+
+def summarise(whole: WholeRun, columns: Values) -> Values:
+    """Return the number of stops, and of those that could have been foreseen."""
+    foreseeable = columns["foreseeable"]
+    return {
+        "n_stopped_on_crossing": len(foreseeable),
+        "n_stopped_on_crossing_foreseeable": sum(foreseeable),
+    }

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import TTC_EXPOSURE_LIMITS_S, in_name
 
@@ -35,6 +36,6 @@ def compute(case: Case) -> Values:
     }
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the sum over all encounters."""
     return {"tit_1p5_s2": float(np.sum(columns["tit_1p5_s2"]))}

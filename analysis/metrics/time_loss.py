@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "s"
@@ -23,12 +24,12 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return sum and mean over the egos."""
-    limit = case.run.egos.numbers["speed_limit_mps"]
+    limit = whole.run.egos.numbers["speed_limit_mps"]
     known = np.isfinite(limit) & (limit > 0.0)
     if not known.any():
         return {}
-    lost = (case.steps.duration - case.steps.distance / np.where(known, limit, 1.0))[known].sum()
-    egos = len({track.name for track in case.egos})
+    lost = (whole.steps.duration - whole.steps.distance / np.where(known, limit, 1.0))[known].sum()
+    egos = len(whole.egos)
     return {"ego_time_loss_s": float(lost), "ego_delay_mean_s": float(lost) / egos}

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import TTC_LIMITS_S, in_name
 
@@ -69,7 +70,7 @@ def compute(case: Case) -> Values:
     }
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters below the limits; percentiles are those of the defined values."""
     ttc = np.asarray(columns["min_ttc_s"])
     known = ttc[np.isfinite(ttc)]

@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
 from analysis.encounters.vehicle_conflicts import BESIDE, CROSSING, FOLLOWING, ONCOMING
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 from analysis.thresholds import LOW_PET_S, LOW_TTC_S
 
@@ -36,10 +37,10 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count the conflicts of each kind."""
-    close = [one.kind for one in case.vehicle_conflicts if one.min_ttc < LOW_TTC_S or one.pet < LOW_PET_S]
-    pet = np.array([one.pet for one in case.vehicle_conflicts])
+    close = [one.kind for one in whole.vehicle_conflicts if one.min_ttc < LOW_TTC_S or one.pet < LOW_PET_S]
+    pet = np.array([one.pet for one in whole.vehicle_conflicts])
     return {
         **{f"n_vehicle_conflicts_{kind}": close.count(kind) for kind in _COUNTED},
         "min_vehicle_pet_s": np.fmin.reduce(pet, initial=np.nan),

@@ -10,7 +10,8 @@ artefact of the heading.
 
 from __future__ import annotations
 
-from analysis.encounters.case import Case, Values
+from analysis.encounters.case import Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -22,9 +23,9 @@ RUN_COLUMNS = (
 )
 
 
-def compute(case: Case) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return the number of overlaps, and of those that the ego closed."""
     return {
-        "n_vehicle_overlaps": len(case.overlaps),
-        "n_vehicle_overlaps_ego_closed": sum(one.closed_by == "ego" for one in case.overlaps),
+        "n_vehicle_overlaps": len(whole.overlaps),
+        "n_vehicle_overlaps_ego_closed": sum(one.closed_by == "ego" for one in whole.overlaps),
     }

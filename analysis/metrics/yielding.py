@@ -16,6 +16,7 @@ import numpy as np
 from analysis.encounters.case import Case, Values
 from analysis.encounters.finding import Encounter
 from analysis.encounters.moments import crossing_stay, phase_samples, ride_of
+from analysis.encounters.whole_run import WholeRun
 from analysis.tables import column
 
 UNIT = "1"
@@ -65,7 +66,7 @@ def _yielded(case: Case, one: Encounter) -> float:
     return float(stay is not None and time[one.person.first + stay[0]] < ego_enters)
 
 
-def summarise(case: Case, columns: Values) -> Values:
+def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count yields and chances to yield."""
     yielded = np.asarray(columns["yielded"])
     known = yielded[np.isfinite(yielded)]

@@ -18,7 +18,7 @@ from analysis.errors import AnalysisError
 from analysis.plots.ground import EGO, PERSON, PLAN, VEHICLE, draw_ground, limits, rectangle
 from analysis.plots.plans import PlannedPath, read_plans
 from analysis.plots.scene import Scene
-from analysis.recording.tracks import Track, object_tracks
+from analysis.recording.tracks import Track
 
 FORMATS = ("gif", "mp4")
 FRAMES_PER_SECOND = 10
@@ -87,7 +87,7 @@ class Film:
         self.axes.set_ylim(self.low[1], self.high[1])
         self.axes.set_xlabel("x [m]")
         self.axes.set_ylabel("y [m]")
-        self.vehicles = object_tracks(case.run, case.grid, "vehicle")
+        self.vehicles = list(case.vehicles)
         self.met = {one.person.name for one in scene.encounters}
         self.plans = read_plans(case.run.folder, scene.ego)
         self._plan_times = [plan.time_s for plan in self.plans]

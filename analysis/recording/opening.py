@@ -33,6 +33,8 @@ def opened_table(path: Path) -> Iterator[pq.ParquetFile]:
         cut = path.with_name(path.name + PART)
         hint = f" (the run was cut off: {cut.name} is there)" if cut.exists() else ""
         raise RecordingError(f"{path}: no such file{hint}") from None
+    except MemoryError:  # of Arrow, too, where it is an ArrowException
+        raise
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise RecordingError(f"{path}: truncated or not Parquet ({reason})") from None

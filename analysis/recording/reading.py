@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,14 @@ class Texts:
         code = int(self.codes[row])
         return self.names[code] if code >= 0 else ""
 
+    def picked(self, rows: IntArray) -> Texts:
+        """Return some of the rows, and of the names those that are left."""
+        codes = self.codes[rows]
+        left = np.unique(codes[codes >= 0])
+        anew = np.full(len(self.names) + 1, -1, dtype=np.int64)  # the last for -1
+        anew[left] = np.arange(len(left))
+        return Texts(anew[codes], tuple(self.names[code] for code in left.tolist()))
+
 
 @dataclass(frozen=True, slots=True)
 class Columns:
@@ -64,6 +72,14 @@ class Columns:
 
     def __len__(self) -> int:
         return len(self.numbers["time_s"])
+
+    def picked(self, rows: IntArray) -> Columns:
+        """Return some of the rows."""
+        return Columns(
+            {name: values[rows] for name, values in self.numbers.items()},
+            {name: values[rows] for name, values in self.flags.items()},
+            {name: values.picked(rows) for name, values in self.texts.items()},
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +117,10 @@ class RecordedRun:
     largest: tuple[float, float] = (0.0, 0.0)
     """Of a part of a recording, what is largest in all of it: half the diagonal of a vehicle, half the width
     of a pedestrian [m]."""
+    places: Set[str] = frozenset()
+    """Of a part of a recording, the edges and lanes on which somebody was in all of it."""
+    bystanders: Columns | None = None
+    """Of a part of a recording, egos of other parts that were there meanwhile."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""
@@ -120,6 +140,21 @@ def read_run(folder: Path) -> RecordedRun:
         When a file is missing, truncated, of another schema version, lacks a column, has no rows, an
         undefined number where one is needed, or time going backwards.
     """
+    run = read_rides(folder)
+    neighbours = read_table(folder, NEIGHBOURS)
+    sensing = read_table(folder, SENSING) if senses(run) else None
+    times = all_times(run.times, neighbours.numbers["time_s"])
+    return replace(run, times=times, neighbours=neighbours, sensing=sensing)
+
+
+def read_rides(folder: Path) -> RecordedRun:
+    """Read and check a run folder, but for what was near its egos and what they knew of it.
+
+    Raises
+    ------
+    RecordingError
+        As `read_run`.
+    """
     if not folder.is_dir():
         raise RecordingError(f"{folder}: no such run folder")
     meta = _read_json(folder / "run.json")
@@ -138,14 +173,22 @@ def read_run(folder: Path) -> RecordedRun:
     egos = read_table(folder, EGOS)
     if len(egos) == 0 and meta.get("record") != EVERYBODY:
         raise RecordingError(f"{folder / EGOS.file}: no rows")
-    neighbours = read_table(folder, NEIGHBOURS)
     timing = read_table(folder, TIMING)
-    times = np.unique(np.round(np.concatenate([egos.numbers["time_s"], neighbours.numbers["time_s"]]), 6))
     areas = read_map(folder)
-    perfect = str(meta.get("sensing") or _PERFECT) == _PERFECT
-    sensing = None if perfect else read_table(folder, SENSING)
     levels = levels_of({_edge_of(area): area.crossed for area in areas if area.crossed})
-    return RecordedRun(folder, meta, float(step_s), times, egos, neighbours, timing, areas, levels, sensing)
+    times = all_times(egos.numbers["time_s"])
+    nobody = declared_columns(NEIGHBOURS, 0, Columns({}, {}, {}))
+    return RecordedRun(folder, meta, float(step_s), times, egos, nobody, timing, areas, levels)
+
+
+def all_times(*times: FloatArray) -> FloatArray:
+    """Return recorded instants, ascending, each once [s]."""
+    return np.unique(np.round(np.concatenate(times), 6))
+
+
+def senses(run: RecordedRun) -> bool:
+    """Return whether what egos knew of pedestrians is recorded, because it was not the truth."""
+    return str(run.meta.get("sensing") or _PERFECT) != _PERFECT
 
 
 def _read_json(path: Path) -> dict[str, Any]:
@@ -176,8 +219,41 @@ def read_table(folder: Path, declared: RecordedTable) -> Columns:
     path = folder / declared.file
     with opened_table(path) as file:
         checked_schema(path, declared, file)
-        table = completed(declared, file.read())
-    return checked_rows(path, declared, table)
+        return all_rows(path, declared, file)
+
+
+def all_rows(path: Path, declared: RecordedTable, file: pq.ParquetFile) -> Columns:
+    """Return the judged columns of an opened file, whose schema was checked.
+
+    Raises
+    ------
+    RecordingError
+        As `checked_rows`.
+    """
+    return checked_rows(path, declared, completed(declared, file.read(judged_names(declared, file))))
+
+
+def judged_names(declared: RecordedTable, file: pq.ParquetFile) -> list[str]:
+    """Return the names of the columns of a file that are judged."""
+    present = set(file.schema_arrow.names)
+    return [column.name for column in declared.columns if column.judged and column.name in present]
+
+
+def declared_columns(declared: RecordedTable, count: int, given: Columns) -> Columns:
+    """Return the judged columns of a table; those that are not given are undefined."""
+    judged = [column for column in declared.columns if column.judged]
+    undefined, never = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)  # shared: nobody writes there
+    undefined.flags.writeable = never.flags.writeable = False
+    numbers: dict[str, FloatArray] = {}
+    for column in judged:
+        if column.kind in ("number", "integer"):
+            numbers[column.name] = given.numbers.get(column.name, undefined)
+    nothing = Texts(np.full(count, -1, dtype=np.int64), ())
+    return Columns(
+        numbers,
+        {one.name: given.flags.get(one.name, never) for one in judged if one.kind == "boolean"},
+        {one.name: given.texts.get(one.name, nothing) for one in judged if one.kind == "string"},
+    )
 
 
 def checked_schema(path: Path, declared: RecordedTable, file: pq.ParquetFile) -> None:
@@ -200,9 +276,9 @@ def checked_schema(path: Path, declared: RecordedTable, file: pq.ParquetFile) ->
 
 
 def completed(declared: RecordedTable, table: pa.Table) -> pa.Table:
-    """Return rows with the columns that recordings did not have from the beginning."""
+    """Return rows with the judged columns that recordings did not have from the beginning."""
     for column in declared.columns:
-        if column.name not in table.column_names:
+        if column.judged and column.name not in table.column_names:
             table = table.append_column(column.name, pa.nulls(len(table), column.dtype))
     return table
 

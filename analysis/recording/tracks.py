@@ -7,9 +7,10 @@ object that is out of the recording for an instant, or that jumps, continues as 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
+from typing import overload
 
 import numpy as np
 
@@ -77,14 +78,29 @@ _ARRAYS = tuple(
 )
 
 
+def samples_per_step(run: RecordedRun, thresholds: Thresholds) -> int:
+    """Return how many samples of the fine grid there are in a recorded step."""
+    return max(1, math.ceil(run.step_s / thresholds.substep_s - 1e-9))
+
+
 def make_grid(run: RecordedRun, thresholds: Thresholds) -> Grid:
     """Return the fine grid of a run."""
-    factor = max(1, math.ceil(run.step_s / thresholds.substep_s - 1e-9))
+    factor = samples_per_step(run, thresholds)
     return Grid(factor, _refine(run.times, factor))
 
 
-def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Track]:
+def ego_tracks(
+    run: RecordedRun, grid: Grid, thresholds: Thresholds, rows: Columns | None = None
+) -> list[Track]:
     """Return the egos' tracks: cubic Hermite in the rear axle's position and velocity, linear heading.
+
+    Parameters
+    ----------
+    run : RecordedRun
+    grid : Grid
+    thresholds : Thresholds
+    rows : Columns
+        Of egos; those of the run by default.
 
     Notes
     -----
@@ -92,7 +108,7 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
     exceed three times the mean slope), which happens when a vehicle stops within the step.
     """
     tracks = []
-    rows = run.egos
+    rows = run.egos if rows is None else rows
     levels = run.levels.of_all(rows.texts["lane"].names, rows.texts["lane"].codes)
     for name, index in _by_name(rows, "ego_id"):
         number = {key: values[index] for key, values in rows.numbers.items()}
@@ -140,48 +156,125 @@ def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Tra
     return tracks
 
 
-def object_tracks(run: RecordedRun, grid: Grid, kind: str) -> list[Track]:
-    """Return the tracks of all pedestrians or all vehicles, straight between recorded instants."""
-    rows = run.neighbours
-    places = rows.texts["edge_or_lane"]
-    levels = run.levels.of_all(places.names, places.codes)
-    chosen = np.flatnonzero(rows.texts["object_kind"].equal(kind))
-    tracks = []
-    for name, index in _by_name(rows, "object_id", chosen):
-        number = {key: values[index] for key, values in rows.numbers.items()}
-        speed = np.hypot(number["x_speed_mps"], number["y_speed_mps"])
-        reach = speed if kind == "vehicle" else np.full_like(speed, _PERSON_SPEED_MPS)
-        for piece in _pieces(run, number["time_s"], number["x_m"], number["y_m"], reach):
-            length, width = float(number["length_m"][piece][0]), float(number["width_m"][piece][0])
-            x, y = _refine(number["x_m"][piece], grid.factor), _refine(number["y_m"][piece], grid.factor)
-            if kind == "vehicle":
-                heading = _refine(np.unwrap(number["heading_rad"][piece]), grid.factor)
-                x = x - 0.5 * length * np.cos(heading)
-                y = y - 0.5 * length * np.sin(heading)
-            else:
-                heading = np.full_like(x, np.nan)
-            x_speed = _refine(number["x_speed_mps"][piece], grid.factor)
-            y_speed = _refine(number["y_speed_mps"][piece], grid.factor)
-            tracks.append(
-                Track(
-                    name=name,
-                    kind=rows.texts["object_type"].at(int(index[piece][0])),
-                    first=_step(run, number["time_s"][piece][0]) * grid.factor,
-                    rows=_row_of_sample(index[piece], grid.factor),
-                    x=x,
-                    y=y,
-                    heading=heading,
-                    x_speed=x_speed,
-                    y_speed=y_speed,
-                    speed=np.hypot(x_speed, y_speed),
-                    acceleration=np.full_like(x, np.nan),
-                    path=arc_lengths(np.column_stack([x, y])),
-                    level=levels[_row_of_sample(index[piece], grid.factor)],
-                    length=length,
-                    width=width,
-                )
-            )
-    return tracks
+There = Callable[[int, int], Sequence[Track]]
+"""Gives the tracks with a sample between two of the fine grid, both included, or what of them lies there."""
+
+
+class Tracks(Sequence[Track]):
+    """The tracks of all pedestrians or all vehicles, straight between recorded instants.
+
+    Each is made when it is asked for, and not kept: on the fine grid they are many times as large as what is
+    recorded.
+
+    Parameters
+    ----------
+    run : RecordedRun
+    grid : Grid
+    kind : str
+        ``pedestrian`` or ``vehicle``.
+    """
+
+    def __init__(self, run: RecordedRun, grid: Grid, kind: str) -> None:
+        self._rows, self._grid, self._moves = run.neighbours, grid, kind == "vehicle"
+        places = self._rows.texts["edge_or_lane"]
+        self._levels = run.levels.of_all(places.names, places.codes)
+        self._pieces: list[tuple[str, IntArray]] = []
+        chosen = np.flatnonzero(self._rows.texts["object_kind"].equal(kind))
+        for name, index in _by_name(self._rows, "object_id", chosen):
+            number = {key: values[index] for key, values in self._rows.numbers.items()}
+            speed = np.hypot(number["x_speed_mps"], number["y_speed_mps"])
+            reach = speed if self._moves else np.full_like(speed, _PERSON_SPEED_MPS)
+            pieces = _pieces(run, number["time_s"], number["x_m"], number["y_m"], reach)
+            self._pieces += [(name, index[piece]) for piece in pieces]
+        headings = self._rows.numbers["heading_rad"]
+        self._headings = [np.unwrap(headings[index]) for _, index in self._pieces] if self._moves else []
+        begins = self._rows.numbers["time_s"][[int(index[0]) for _, index in self._pieces]]
+        self._firsts = np.searchsorted(run.times, np.round(begins, 6)) * grid.factor
+        self._sizes = np.array([(len(index) - 1) * grid.factor + 1 for _, index in self._pieces], np.int64)
+
+    def __len__(self) -> int:
+        return len(self._pieces)
+
+    @overload
+    def __getitem__(self, index: int) -> Track: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Track]: ...
+    def __getitem__(self, index: int | slice) -> Track | list[Track]:
+        numbers = range(len(self))[index]
+        return self._track(numbers) if isinstance(numbers, int) else [self._track(one) for one in numbers]
+
+    def __iter__(self) -> Iterator[Track]:
+        return map(self._track, range(len(self)))
+
+    def during(self, first: int, last: int) -> list[Track]:
+        """Return the tracks between two samples of the fine grid, of each no more than what lies there."""
+        factor, found = self._grid.factor, []
+        for number in np.flatnonzero((self._firsts <= last) & (self._firsts + self._sizes > first)).tolist():
+            own = int(self._firsts[number])
+            begin, end = max(0, first - own) // factor, -(-(last - own) // factor)
+            found.append(self._track(number, slice(begin, end + 1)))
+        return found
+
+    def some(self, samples: int, beside: Sequence[Track] = ()) -> Iterator[list[Track]]:
+        """Yield all tracks some at a time; those of one name are not parted.
+
+        Parameters
+        ----------
+        samples : int
+            About so many there are at a time, those that a track has beside each of some others included.
+        beside : Sequence
+            The others.
+        """
+        begin, count = 0, 0
+        for end in range(1, len(self) + 1):
+            count += int(self._sizes[end - 1]) + self._samples_beside(end - 1, beside)
+            parted = end < len(self) and self._pieces[end][0] == self._pieces[end - 1][0]
+            if end == len(self) or (not parted and count >= samples):
+                yield self[begin:end]
+                begin, count = end, 0
+
+    def _samples_beside(self, number: int, others: Sequence[Track]) -> int:
+        first, last = int(self._firsts[number]), int(self._firsts[number] + self._sizes[number]) - 1
+        return sum(max(0, min(last, one.last) - max(first, one.first) + 1) for one in others)
+
+    def _track(self, number: int, steps: slice = slice(None)) -> Track:
+        """Return a track, or some recorded steps of it."""
+        name, index = self._pieces[number]
+        factor = self._grid.factor
+        heading = self._headings[number][steps] if self._moves else np.zeros(0)
+        index = index[steps]
+        recorded = {key: self._rows.numbers[key][index] for key in _OF_OBJECTS}
+        length, width = float(recorded["length_m"][0]), float(recorded["width_m"][0])
+        x, y = _refine(recorded["x_m"], factor), _refine(recorded["y_m"], factor)
+        if self._moves:
+            heading = _refine(heading, factor)
+            x = x - 0.5 * length * np.cos(heading)
+            y = y - 0.5 * length * np.sin(heading)
+        else:
+            heading = np.full_like(x, np.nan)
+        x_speed = _refine(recorded["x_speed_mps"], factor)
+        y_speed = _refine(recorded["y_speed_mps"], factor)
+        rows = _row_of_sample(index, factor)
+        return Track(
+            name=name,
+            kind=self._rows.texts["object_type"].at(int(index[0])),
+            first=int(self._firsts[number]) + factor * (steps.start or 0),
+            rows=rows,
+            x=x,
+            y=y,
+            heading=heading,
+            x_speed=x_speed,
+            y_speed=y_speed,
+            speed=np.hypot(x_speed, y_speed),
+            acceleration=np.full_like(x, np.nan),
+            path=arc_lengths(np.column_stack([x, y])),
+            level=self._levels[rows],
+            length=length,
+            width=width,
+        )
+
+
+_OF_OBJECTS = ("x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m")
 
 
 def _by_name(rows: Columns, key: str, chosen: IntArray | None = None) -> Iterator[tuple[str, IntArray]]:

@@ -8,16 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.encounters.case import Case, prepare, prepare_traffic
+from analysis.arrays import IntArray
+from analysis.encounters.case import Case, prepare_in_parts, prepare_traffic
+from analysis.encounters.whole_run import WholeRun
+from analysis.errors import RecordingError
 from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
-from analysis.recording.reading import read_run
+from analysis.recording.reading import read_rides
+from analysis.recording.rides import Rides
+from analysis.recording.tracks import samples_per_step
 from analysis.recording.traffic import Traffic, has_traffic
 from analysis.results.exposure_rows import EXPOSURE, Exposures
 from analysis.results.metric_catalog import find_metrics
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
-from analysis.results.rows import conflict_rows, encounter_and_run_rows, overlap_rows
+from analysis.results.rows import Judgement
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS, Listing
 from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS
@@ -45,51 +50,81 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     Raises
     ------
     RecordingError
-        When the run cannot be read; nothing is written then.
+        When the run cannot be read, or memory does not suffice; nothing is written then.
     """
-    thresholds = thresholds or Thresholds()
-    recorded = read_run(folder)
-    traffic = Traffic(recorded) if has_traffic(folder) else None
-    case = prepare(recorded, thresholds)
-    encounters, run = encounter_and_run_rows(case)
-    overlaps = overlap_rows(case)
+    try:
+        return _analysed(folder, thresholds or Thresholds())
+    except MemoryError:
+        raise RecordingError(
+            f"{folder}: there is not enough memory to judge it; the recording is kept, and cosim analyse "
+            "judges it where there is more"
+        ) from None
+
+
+def _analysed(folder: Path, thresholds: Thresholds) -> RunReport:
+    rides = Rides(read_rides(folder), thresholds)
+    everybody = _Everybody(Traffic(rides.run)) if has_traffic(folder) else None
+    judgement = Judgement(rides.run, thresholds)
+    for part in rides.parts():
+        for number, case in enumerate(prepare_in_parts(part.run, thresholds)):
+            if number == 0:
+                judgement.add_rides(case, part.rows)
+            judgement.add_encounters(case, part.rows)
+            if everybody is not None:
+                everybody.add_egos(case, number == 0)
+            del case  # or the next one would be made beside it
+        del part
+    judged = judgement.judged()
+    run, overlaps = judged.run_row(), judged.overlap_rows()
     tables: list[tuple[Table, Sequence[Row]]] = [
-        (ENCOUNTERS, encounters),
+        (ENCOUNTERS, judged.encounters),
         (RUNS, [run]),
         (VEHICLE_OVERLAPS, overlaps),
-        (VEHICLE_CONFLICTS, conflict_rows(case)),
+        (VEHICLE_CONFLICTS, judged.conflict_rows()),
     ]
-    everybody = [] if traffic is None else _write_traffic(folder, case, traffic)
-    files = [write_csv(folder / table.file, table.names(), cells(table, rows)) for table, rows in tables]
-    files += [folder / table.file for table in everybody]
-    files.append(write_json(folder / "config.json", _config(case)))
-    written = [*(table for table, _ in tables), *everybody]
+    others = [] if everybody is None else everybody.write(folder, judged.order, thresholds)
+    files = [write_csv(folder / table.file, table.names(), cell_rows(table, rows)) for table, rows in tables]
+    files += [folder / table.file for table in others]
+    files.append(write_json(folder / "config.json", _config(judged.whole)))
+    written = [*(table for table, _ in tables), *others]
     files.append(write_json(folder / "datapackage.json", describe(written, "one recorded run")))
     seal(folder, files)
-    return RunReport(folder, run, encounters, overlaps, files)
+    return RunReport(folder, run, judged.encounters, overlaps, files)
 
 
-def _write_traffic(folder: Path, egos: Case, traffic: Traffic) -> list[Table]:
-    """Judge all traffic, part by part of its recording, and write its tables."""
-    listing, exposures = Listing(egos, traffic.classes), Exposures(egos, traffic.classes)
+class _Everybody:
+    """Judges all traffic of a run: its egos first, then everybody else, part by part of the recording."""
 
-    def encounters() -> Iterator[Row]:
-        for part in traffic.parts():
-            yield from listing.before(part.begin_s)
-            others = prepare_traffic(part.run, egos.thresholds)
-            listing.add(others)
-            exposures.add(others, part.own_vehicles)
+    def __init__(self, traffic: Traffic) -> None:
+        self._traffic = traffic
+        self._listing, self._exposures = Listing(traffic.classes), Exposures(traffic.run, traffic.classes)
+
+    def add_egos(self, case: Case, rides: bool) -> None:
+        """Add the encounters of a case and, once for each ego, where it drove."""
+        self._listing.add_egos(case)
+        if rides:
+            self._exposures.add_egos(case)
+
+    def write(self, folder: Path, order: IntArray, thresholds: Thresholds) -> list[Table]:
+        """Judge the others and write the tables; the order is that of the egos' encounters."""
+        self._listing.number_egos(order)
+        rows = cell_rows(TRAFFIC_ENCOUNTERS, self._encounters(thresholds))
+        write_csv(folder / TRAFFIC_ENCOUNTERS.file, TRAFFIC_ENCOUNTERS.names(), rows)
+        write_csv(folder / EXPOSURE.file, EXPOSURE.names(), cells(EXPOSURE, self._exposures.rows()))
+        return [TRAFFIC_ENCOUNTERS, EXPOSURE]
+
+    def _encounters(self, thresholds: Thresholds) -> Iterator[Row]:
+        for part in self._traffic.parts():
+            yield from self._listing.before(part.begin_s)
+            others = prepare_traffic(part.run, thresholds)
+            self._listing.add(others)
+            self._exposures.add(others, part.own_vehicles)
             del part, others  # or the next one would be read beside it
-        yield from listing.before(math.inf)
-
-    rows = cell_rows(TRAFFIC_ENCOUNTERS, encounters())
-    write_csv(folder / TRAFFIC_ENCOUNTERS.file, TRAFFIC_ENCOUNTERS.names(), rows)
-    write_csv(folder / EXPOSURE.file, EXPOSURE.names(), cells(EXPOSURE, exposures.rows()))
-    return [TRAFFIC_ENCOUNTERS, EXPOSURE]
+        yield from self._listing.before(math.inf)
 
 
-def _config(case: Case) -> dict[str, Any]:
-    meta = case.run.meta
+def _config(whole: WholeRun) -> dict[str, Any]:
+    meta = whole.run.meta
     return {
         "schema_version": SCHEMA_VERSION,
         "recording_schema_version": RECORDING_VERSION,
@@ -100,7 +135,7 @@ def _config(case: Case) -> dict[str, Any]:
         "parameters": meta.get("parameters"),
         "tool_version": meta.get("tool_version"),
         "sumo_version": meta.get("sumo_version"),
-        "thresholds": case.thresholds.as_dict(),
+        "thresholds": whole.thresholds.as_dict(),
         "thresholds_in_column_names": {
             "ttc_s": TTC_LIMITS_S,
             "pet_s": PET_LIMITS_S,
@@ -109,7 +144,7 @@ def _config(case: Case) -> dict[str, Any]:
         "injury_curves": dict(
             sorted((metric.columns[0].name, metric.curve) for metric in find_metrics() if metric.curve)
         ),
-        "pedestrian_radius_m": sorted({round(0.5 * track.width, 6) for track in case.persons}),
-        "ego_size_m": sorted({(round(t.length, 6), round(t.width, 6)) for t in case.egos}),
-        "samples_per_step": case.grid.factor,
+        "pedestrian_radius_m": sorted({round(0.5 * width, 6) for width in whole.pedestrian_widths}),
+        "ego_size_m": sorted({(round(length, 6), round(width, 6)) for length, width in whole.ego_sizes}),
+        "samples_per_step": samples_per_step(whole.run, whole.thresholds),
     }

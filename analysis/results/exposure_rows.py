@@ -15,7 +15,7 @@ from analysis.arrays import FloatArray
 from analysis.encounters.case import Case
 from analysis.encounters.crossing_walks import CrossingWalk, at_crossing, delay, walks
 from analysis.polylines import arc_lengths
-from analysis.recording.reading import Area
+from analysis.recording.reading import Area, RecordedRun
 from analysis.results.origin import CONFIGURATION, IDENTITY, Origin
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Table, at_least_0, count, flag, number, row_of, text
@@ -130,17 +130,20 @@ class Exposures:
 
     Parameters
     ----------
-    egos : Case
-        The run's own, for the vehicles that were egos.
+    run : RecordedRun
+        For its crossings.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
 
-    def __init__(self, egos: Case, classes: Mapping[str, str]) -> None:
-        origin, self._classes = Origin(egos.run.meta), classes
-        observed = float(egos.run.meta.get("duration_s") or 0.0)
-        self._uses = {area.name: CrossingUse(origin, area, observed) for area in egos.run.crossings()}
-        self._add_vehicles(egos, None)
+    def __init__(self, run: RecordedRun, classes: Mapping[str, str]) -> None:
+        origin, self._classes = Origin(run.meta), classes
+        observed = float(run.meta.get("duration_s") or 0.0)
+        self._uses = {area.name: CrossingUse(origin, area, observed) for area in run.crossings()}
+
+    def add_egos(self, case: Case) -> None:
+        """Add the vehicles that were egos, or a part of them."""
+        self._add_vehicles(case, None)
 
     def add(self, others: Case, own: Set[str]) -> None:
         """Add the pedestrians of a part, and those vehicles that belong to it.

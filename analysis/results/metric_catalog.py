@@ -11,10 +11,11 @@ from typing import Any
 
 from analysis import metrics
 from analysis.encounters.case import Case, Values
+from analysis.encounters.whole_run import WholeRun
 from analysis.errors import MetricError
 from analysis.tables.column import Column
 
-_NEEDED = ("UNIT", "WORSE", "SOURCE", "compute")
+_NEEDED = ("UNIT", "WORSE", "SOURCE")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +23,10 @@ class Metric:
     """One metric, as its file describes it.
 
     A metric with columns in encounters.csv is one of encounters: its ``compute`` returns column -> one value
-    per encounter, and its ``summarise`` takes these and returns run column -> value. The ``compute`` of any
-    other is of runs, and returns run column -> value.
+    per encounter. Its ``summarise``, and that of a metric of runs, takes these of the whole run and returns
+    run column -> value. A long run is judged in parts. What ``summarise`` needs besides, it is given as
+    name -> list: of ``collect_encounters``, called with each case for its encounters, and of
+    ``collect_rides``, called once for each ego, one list after the other.
     """
 
     name: str
@@ -38,8 +41,10 @@ class Metric:
     """In encounters.csv."""
     run_columns: tuple[Column, ...]
     """In runs.csv."""
-    compute: Callable[[Case], Values]
-    summarise: Callable[[Case, Values], Values] | None
+    compute: Callable[[Case], Values] | None
+    collect_encounters: Callable[[Case], Values] | None
+    collect_rides: Callable[[Case], Values] | None
+    summarise: Callable[[WholeRun, Values], Values] | None
     of_controller: bool = False
     """Whether it is about the controller's plans, so that vehicles without a recorded one have no value."""
 
@@ -81,7 +86,9 @@ def read_metric(name: str, file: Any) -> Metric:
     columns, run_columns = getattr(file, "COLUMNS", ()), getattr(file, "RUN_COLUMNS", ())
     if not columns and not run_columns:
         missing.append("COLUMNS or RUN_COLUMNS")
-    if columns and run_columns and not hasattr(file, "summarise"):
+    if columns and not hasattr(file, "compute"):
+        missing.append("compute, from a case to COLUMNS")
+    if run_columns and not hasattr(file, "summarise"):
         missing.append("summarise, from the values of encounters to RUN_COLUMNS")
     if missing:
         raise MetricError(f"metric {name}: its file has no {', no '.join(missing)}")
@@ -94,7 +101,9 @@ def read_metric(name: str, file: Any) -> Metric:
         curve=getattr(file, "CURVE", ""),
         columns=columns,
         run_columns=run_columns,
-        compute=file.compute,
+        compute=getattr(file, "compute", None),
+        collect_encounters=getattr(file, "collect_encounters", None),
+        collect_rides=getattr(file, "collect_rides", None),
         summarise=getattr(file, "summarise", None),
         of_controller=getattr(file, "OF_CONTROLLER", False),
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from analysis.encounters.case import Case
 from analysis.results.origin import Origin
 from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, Table, row_of
@@ -27,9 +26,8 @@ def number_within_run(name: str) -> Column:
     return Column(name, "integer", "1", "number within the run, from 1", "number", minimum=1.0, required=True)
 
 
-def numbered_rows(table: Table, case: Case, things: Iterable[object]) -> Sequence[Row]:
+def numbered_rows(table: Table, origin: Origin, things: Iterable[object]) -> Sequence[Row]:
     """Return the rows of a table, in the order of the things."""
-    origin = Origin(case.run.meta)
     return [
         plain(table, row_of(table.columns, Numbered(origin, number, one)))
         for number, one in enumerate(things, start=1)

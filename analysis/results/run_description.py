@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.encounters.case import Case
+from analysis.encounters.whole_run import WholeRun
 from analysis.results.origin import CONDITIONS, CONFIGURATION, IDENTITY, Origin
 from analysis.tables.column import at_least_0, count, flag, text
 
 
 @dataclass(frozen=True, slots=True)
 class ListedRun:
-    """The run of a case; what these columns are made of."""
+    """A run; what these columns are made of."""
 
     origin: Origin
-    case: Case
+    whole: WholeRun
 
     @property
     def wall_rtf(self) -> float | None:
@@ -38,7 +38,7 @@ COLUMNS = (
     text("wall_start_utc", "wall-clock time at the start, ISO 8601", source="origin.meta.start_utc"),
     at_least_0("wall_s", "s", "wall-clock time of the run", source="origin.meta.wall_s"),
     at_least_0("wall_rtf", "1", "simulated time over wall-clock time", source="wall_rtf"),
-    at_least_0("step_s", "s", "step of the simulation", source="case.run.step_s", required=True),
+    at_least_0("step_s", "s", "step of the simulation", source="whole.run.step_s", required=True),
     at_least_0("warmup_s", "s", "simulated before the recording", source="origin.meta.warmup_s"),
     at_least_0("duration_s", "s", "recorded time", source="origin.meta.duration_s"),
     flag("valid", "the run went to its end without a fault", source="valid", required=True),

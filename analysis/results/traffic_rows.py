@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
+import numpy as np
+
+from analysis.arrays import IntArray
 from analysis.encounters.case import Case
 from analysis.encounters.finding import Encounter
 from analysis.results import encounter_description
@@ -32,6 +35,8 @@ class ListedTraffic(ListedEncounter):
 
     is_ego: bool
     vehicle_class: str
+    before: int
+    """Number of encounters of egos that were listed before those of this case."""
 
     @property
     def controller(self) -> str:
@@ -42,8 +47,8 @@ class ListedTraffic(ListedEncounter):
 
     @property
     def number_of_ego(self) -> int | None:
-        """Number in encounters.csv."""
-        return self.number if self.is_ego else None
+        """Number in encounters.csv, as long as the egos' are not numbered that in order of being listed."""
+        return self.before + self.number if self.is_ego else None
 
 
 _NUMBER = count("traffic_encounter_id", "number within this table and run, from 1", required=True)
@@ -92,15 +97,24 @@ class Listing:
 
     Parameters
     ----------
-    egos : Case
-        The run's own. Of its encounters those count that would of other vehicles.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
 
-    def __init__(self, egos: Case, classes: Mapping[str, str]) -> None:
-        self._classes, self._number = classes, 0
-        self._waiting = list(_rows(egos, True, classes))
+    def __init__(self, classes: Mapping[str, str]) -> None:
+        self._classes, self._number, self._of_egos = classes, 0, 0
+        self._waiting: list[dict[str, Any]] = []
+
+    def add_egos(self, case: Case) -> None:
+        """Add those encounters of a part's egos that would count for other vehicles."""
+        self._waiting += _rows(case, True, self._classes, self._of_egos)
+        self._of_egos += len(case)
+
+    def number_egos(self, order: IntArray) -> None:
+        """Number the egos' encounters, all added, as in encounters.csv: by their order, counted from 0."""
+        numbers = np.argsort(order) + 1
+        for row in self._waiting:
+            row["encounter_id"] = int(numbers[row["encounter_id"] - 1])
 
     def before(self, time: float) -> Iterator[Row]:
         """Yield the rows that begin before an instant and have not been yielded yet [s]."""
@@ -112,20 +126,20 @@ class Listing:
 
     def add(self, others: Case) -> None:
         """Add the encounters of other vehicles."""
-        self._waiting.extend(_rows(others, False, self._classes))
+        self._waiting += _rows(others, False, self._classes)
 
 
 _PLACE = itemgetter("t_start_s", "vehicle_id", "ped_id")
 
 
-def _rows(case: Case, is_ego: bool, classes: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+def _rows(case: Case, is_ego: bool, classes: Mapping[str, str], before: int = 0) -> Iterator[dict[str, Any]]:
     origin = Origin(case.run.meta)
     measured: dict[str, Any] = {}
     for metric in _metrics():
         measured.update(of_encounters(metric, case))
     for index, one in enumerate(case.encounters):
         if _counts(one, case):
-            listed = ListedTraffic(origin, case, index, is_ego, classes.get(one.ego.name, ""))
+            listed = ListedTraffic(origin, case, index, is_ego, classes.get(one.ego.name, ""), before)
             yield {
                 **row_of(_DESCRIPTION, listed),
                 **{name: values[index] for name, values in measured.items()},

@@ -20,7 +20,8 @@ def paragraphs(found: Mapping[str, Any]) -> list[str]:
         f"{found['n_collisions']} contacts ({found['n_collisions_preventable']} preventable), "
         f"{found['recorded_mb']:.0f} MB recorded. After the first "
         f"{found['settled_s'] / 3600.0:g} h memory grows by {found['mb_per_hour']:+.1f} MB per simulated "
-        "hour; with the analysis of the whole recording the process held at most "
-        f"{found['analysed_mb']:.0f} MB.",
+        "hour. The recording is judged by a process of its own, which took {found['judging_cpu_s']:.0f} s of "
+        f"processor time and held at most {found['analysed_mb']:.0f} MB. {found['egos_given_up']} egos were "
+        f"given up, {found['deadlock']} stood for too long with a free road.",
         table(found, 12, "simulated h", lambda now: f"{now / 3600.0:.1f}"),
     ]

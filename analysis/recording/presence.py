@@ -1,16 +1,14 @@
-"""What a recording of all traffic holds, found out row group by row group: who was there, and when."""
+"""Who is in a recorded table of pedestrians and vehicles, and when, found out row group by row group."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from analysis.arrays import FloatArray
-from analysis.errors import RecordingError
+from analysis.arrays import FloatArray, IntArray
 from analysis.recording.reading import Columns
 
 VEHICLE, PEDESTRIAN = "vehicle", "pedestrian"
@@ -31,26 +29,32 @@ class Index:
 
     pedestrians: dict[str, Seen] = field(default_factory=dict)
     vehicles: dict[str, Seen] = field(default_factory=dict)
-    """Those that are no egos."""
+    """Those that are no egos, where egos are told apart."""
     classes: dict[str, str] = field(default_factory=dict)
-    """SUMO's class of each vehicle, egos included."""
+    """SUMO's class of each vehicle, egos included; empty where none is recorded."""
+    places: set[str] = field(default_factory=set)
+    """Edges and lanes on which somebody was."""
     begins: list[float] = field(default_factory=list)
     """First instant of each row group [s]."""
     rows: list[int] = field(default_factory=list)
     """Number of rows of each row group."""
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     """All recorded instants [s]."""
+    at_once: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Number of rows of each instant."""
     largest: tuple[float, float] = (0.0, 0.0)
     """Half the longest diagonal of a vehicle that is no ego; half the greatest width of a pedestrian [m]."""
 
 
-def index_of(path: Path, groups: Iterable[Columns], egos: Set[str]) -> Index:
+def index_of(groups: Iterable[Columns], egos: Set[str] = frozenset()) -> Index:
     """Return the index of a recording's row groups.
 
-    Raises
-    ------
-    RecordingError
-        Where time goes backwards from one to the next.
+    Parameters
+    ----------
+    groups : Iterable
+        Rows of each group.
+    egos : Set
+        Names of vehicles that are left out of it.
     """
     index, times = Index(), []
     last = -np.inf
@@ -60,17 +64,15 @@ def index_of(path: Path, groups: Iterable[Columns], egos: Set[str]) -> Index:
             index.begins.append(last)
             continue
         time = rows.numbers["time_s"]
-        if time[0] < last:
-            raise RecordingError(
-                f"{path}: column 'time_s', row {sum(index.rows[:-1]) + 1}: time goes backwards "
-                f"from {last:g} s to {time[0]:g} s"
-            )
         last = float(time[-1])
         index.begins.append(float(np.round(time[0], 6)))
-        times.append(np.unique(np.round(time, 6)))
+        times.append(np.unique(np.round(time, 6), return_counts=True))
+        index.places.update(rows.texts["edge_or_lane"].names)
         _add(index, number, rows, egos)
     if times:
-        index.times = np.unique(np.concatenate(times))
+        index.times, which = np.unique(np.concatenate([one for one, _ in times]), return_inverse=True)
+        counts = np.concatenate([count for _, count in times])
+        index.at_once = np.bincount(which, counts).astype(np.int64)
     return index
 
 
@@ -78,9 +80,10 @@ def _add(index: Index, number: int, rows: Columns, egos: Set[str]) -> None:
     kinds, names = rows.texts["object_kind"], rows.texts["object_id"]
     time, length, width = (rows.numbers[name] for name in ("time_s", "length_m", "width_m"))
     vehicles, people = np.flatnonzero(kinds.equal(VEHICLE)), np.flatnonzero(kinds.equal(PEDESTRIAN))
-    firsts = vehicles[np.unique(names.codes[vehicles], return_index=True)[1]]
-    for row in firsts.tolist():
-        index.classes.setdefault(names.at(row), rows.texts["vehicle_class"].at(row))
+    if (classes := rows.texts.get("vehicle_class")) is not None:
+        firsts = vehicles[np.unique(names.codes[vehicles], return_index=True)[1]]
+        for row in firsts.tolist():
+            index.classes.setdefault(names.at(row), classes.at(row))
     own = np.array([name in egos for name in names.names], dtype=np.bool_)
     others = vehicles[~own[names.codes[vehicles]]]
     for known, chosen in ((index.vehicles, others), (index.pedestrians, people)):
@@ -102,10 +105,17 @@ def _add(index: Index, number: int, rows: Columns, egos: Set[str]) -> None:
     )
 
 
-def around(vehicles: Mapping[str, Seen], people: Iterable[Seen]) -> set[str]:
-    """Return the vehicles that were there between the first and the last of some pedestrians."""
-    spans = list(people)
-    if not spans:
+def around(everybody: Mapping[str, Seen], spans: Iterable[Seen]) -> set[str]:
+    """Return who was there between the first and the last of some."""
+    some = list(spans)
+    if not some:
         return set()
-    since, until = min(one.since_s for one in spans), max(one.until_s for one in spans)
-    return {name for name, seen in vehicles.items() if seen.since_s <= until and since <= seen.until_s}
+    since, until = min(one.since_s for one in some), max(one.until_s for one in some)
+    return {name for name, seen in everybody.items() if seen.since_s <= until and since <= seen.until_s}
+
+
+def span_of(some: Iterable[Seen]) -> range:
+    """Return the row groups from the first to the last of some."""
+    listed = list(some)
+    first = min((one.first for one in listed), default=0)
+    return range(first, 1 + max((one.last for one in listed), default=first - 1))
