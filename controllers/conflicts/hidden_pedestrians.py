@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
+from controllers.geometry.box_clearances import corners
 from controllers.geometry.plane import to_plane
 from controllers.interface import Perception
 
@@ -215,15 +216,7 @@ def _corners(perception: Perception, rows: NDArray[np.int64]) -> FloatArray:
     error, length, width = them.heading_error[rows], them.length[rows], them.width[rows]
     front_across = them.across[rows] + 0.5 * length * np.sin(error)
     front, heading = to_plane(perception.road, them.along[rows], front_across)
-    forward = np.column_stack((np.cos(heading + error), np.sin(heading + error)))
-    leftward = np.column_stack((-forward[:, 1], forward[:, 0]))
-    return np.stack(
-        [
-            front - back * length[:, None] * forward + half * width[:, None] * leftward
-            for back, half in ((0.0, 0.5), (0.0, -0.5), (1.0, -0.5), (1.0, 0.5))
-        ],
-        axis=1,
-    )
+    return corners(front, heading + error, length, width)
 
 
 def _watched(perception: Perception, found: Shadows, outward: FloatArray) -> NDArray[np.bool_]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from controllers.driving.standing import StoodSince
 from controllers.interface import EgoState, JunctionFoe, Perception, RoadAhead, Signal, SignalState
 
 AMBER_DECELERATION = 3.0
@@ -52,7 +53,7 @@ class RightOfWay:
 
     def __init__(self, acceleration: float) -> None:
         self._acceleration = acceleration
-        self._standing_since: dict[str, float] = {}
+        self._standing = StoodSince()
         self._braking_for: set[str] = set()
         self._stopped_at: set[str] = set()
         self.red_line = math.inf
@@ -103,8 +104,7 @@ class RightOfWay:
         return found
 
     def _watch(self, time: float, road: RoadAhead) -> None:
-        standing = {foe.name for foe in road.foes if foe.foe_speed < STANDING}
-        self._standing_since = {name: self._standing_since.get(name, time) for name in standing}
+        self._standing.look((foe.name for foe in road.foes if foe.foe_speed < STANDING), time)
 
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
         """Say whether the ego would meet the foe in the conflict if it drove on."""
@@ -120,8 +120,7 @@ class RightOfWay:
         clears = travel_time(
             foe.exit + ego.body.rear_overhang, min(speed, slowest), self._acceleration, slowest
         )
-        stood = ego.time - self._standing_since.get(foe.name, math.inf)
-        if stood >= (PATIENCE_INSIDE if inside else PATIENCE):
+        if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf

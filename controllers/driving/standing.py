@@ -1,4 +1,15 @@
-"""What counts as standing, and how a car is kept there."""
+"""What counts as standing, for how long somebody has, and how a car is kept there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from controllers.arrays import BoolArray
+from controllers.interface import Vehicles
 
 STANDING = 0.05
 """A slower car stands, if its speed is known as well as the ego's is [m/s]."""
@@ -8,3 +19,23 @@ HOLDING = -2.0
 """Keeps a standing car standing [m/s^2]."""
 HOLDING_GENTLY = -0.5
 """Keeps a car standing whose plan is smooth and ends in a standstill [m/s^2]."""
+
+
+def standing(vehicles: Vehicles) -> BoolArray:
+    """Return which vehicles stand, shape (n,)."""
+    return np.asarray(np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING)
+
+
+@dataclass(slots=True)
+class StoodSince:
+    """Remembers since when each of some has stood."""
+
+    _since: dict[str, float] = field(default_factory=dict)
+
+    def look(self, names: Iterable[str], time: float) -> None:
+        """Take note of all who stand at a time [s]; the others are forgotten."""
+        self._since = {name: self._since.get(name, time) for name in names}
+
+    def stood(self, name: str, time: float) -> float:
+        """Return for how long somebody has stood; -inf for who did not stand when looked at last [s]."""
+        return time - self._since.get(name, math.inf)

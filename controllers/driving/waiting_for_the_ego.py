@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from controllers.arrays import BoolArray
-from controllers.driving.standing import VEHICLE_STANDING
+from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
 from controllers.interface import Lane, Perception
 
@@ -30,19 +30,18 @@ IN_THE_LANE = 0.8
 class WaitingForTheEgo:
     """Watches the vehicles that stand near one ego."""
 
-    _since: dict[str, float] = field(default_factory=dict)
+    _standing: StoodSince = field(default_factory=StoodSince)
 
     def look(self, perception: Perception) -> BoolArray:
         """Return which vehicles have stood for so long, shape (n,)."""
         vehicles, time = perception.vehicles, perception.ego.time
         box, waits = footprints(vehicles), np.zeros(len(vehicles), dtype=np.bool_)
-        stand = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
-        stood = (stand & box.same_way & (box.front > 0.0)).nonzero()[0].tolist()
-        self._since = {vehicles.names[i]: self._since.get(vehicles.names[i], time) for i in stood}
-        for i in stood:
-            since = time - self._since[vehicles.names[i]]
-            if since >= PATIENCE:
-                waits[i] = since >= LONG_PATIENCE or not _explained(perception, box, i)
+        ahead = (standing(vehicles) & box.same_way & (box.front > 0.0)).nonzero()[0].tolist()
+        self._standing.look((vehicles.names[i] for i in ahead), time)
+        for i in ahead:
+            stood = self._standing.stood(vehicles.names[i], time)
+            if stood >= PATIENCE:
+                waits[i] = stood >= LONG_PATIENCE or not _explained(perception, box, i)
         return waits
 
 

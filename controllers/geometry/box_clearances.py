@@ -26,6 +26,25 @@ class Boxes(NamedTuple):
     width: FloatArray
 
 
+def corners(front: FloatArray, heading: FloatArray, length: FloatArray, width: FloatArray) -> FloatArray:
+    """Return the corners of rectangles, front left first and on to the right, shape (n, 4, 2) [m].
+
+    Parameters
+    ----------
+    front : middles of their fronts, shape (n, 2) [m]
+    heading, length, width : shape (n,) [rad, m]
+    """
+    forward = np.column_stack((np.cos(heading), np.sin(heading)))
+    leftward = np.column_stack((-forward[:, 1], forward[:, 0]))
+    return np.stack(
+        [
+            front - back * length[:, None] * forward + half * width[:, None] * leftward
+            for back, half in ((0.0, 0.5), (0.0, -0.5), (1.0, -0.5), (1.0, 0.5))
+        ],
+        axis=1,
+    )
+
+
 def box_clearances(x: FloatArray, y: FloatArray, heading: FloatArray, body: Body, boxes: Boxes) -> FloatArray:
     """Return the distances between a rectangle and others, 0 where they overlap, shape (K, m, n) [m].
 

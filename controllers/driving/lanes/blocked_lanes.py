@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from controllers.driving.standing import VEHICLE_STANDING
+from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
 from controllers.interface import Lane, Perception
 
@@ -33,7 +33,7 @@ class BlockedLanes:
     patience: float = 4.0
     reason: float = 40.0
     distance: float = 9.0
-    _since: dict[str, float] = field(default_factory=dict)
+    _standing: StoodSince = field(default_factory=StoodSince)
     _blocked: frozenset[int] = frozenset()
 
     def ends(self, lane: Lane) -> bool:
@@ -44,10 +44,9 @@ class BlockedLanes:
         """Return the perception with lanes that end where they are blocked."""
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
-        stands = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
-        names = {vehicles.names[i]: i for i in stands.nonzero()[0].tolist()}
-        self._since = {name: self._since.get(name, time) for name in names}
-        parked = [i for name, i in names.items() if time - self._since[name] >= self.patience]
+        names = {vehicles.names[i]: i for i in standing(vehicles).nonzero()[0].tolist()}
+        self._standing.look(names, time)
+        parked = [i for name, i in names.items() if self._standing.stood(name, time) >= self.patience]
         if not parked:
             return perception
         box = footprints(vehicles)

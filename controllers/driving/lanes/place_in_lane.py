@@ -120,10 +120,7 @@ def _passed(
     body = perception.ego.body
     who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
     who, at = who[stays[who]], at[stays[who]]
-    dx, dy = at[:, :1] - way[0], at[:, 1:] - way[1]
-    cosine, sine = np.cos(way[2]), np.sin(way[2])
-    ahead, beside = cosine * dx + sine * dy, cosine * dy - sine * dx
-    alongside = (ahead < body.front) & (ahead > -body.rear_overhang)
+    beside, alongside = way_into_lane.beside_body(way, body, at)
     radius = perception.pedestrians.radius[who, None]
     gap = np.where(alongside, np.abs(beside) - 0.5 * body.width - radius, np.inf)
     nearest = np.argmin(gap, axis=1)

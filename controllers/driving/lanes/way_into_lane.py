@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arrays import FloatArray
+from controllers.arrays import BoolArray, FloatArray
 from controllers.driving.lanes.minimum_jerk import minimum_jerk
 from controllers.geometry.plane import people_in_plane, to_plane
 from controllers.geometry.remembered import remembered
-from controllers.interface import EgoState, Pedestrians, Perception, RoadAhead
+from controllers.interface import Body, EgoState, Pedestrians, Perception, RoadAhead
 
 MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
 """It takes this distance, or this time [m, s]."""
@@ -62,6 +62,25 @@ def along_lane(perception: Perception, offset: float, farthest: float) -> FloatA
     way = np.empty((3, len(places)))
     way[0], way[1], way[2] = at[:, 0], at[:, 1], heading
     return way
+
+
+def beside_body(way: FloatArray, body: Body, places: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return how far places are beside the body on its way, left positive [m], and whether alongside it.
+
+    Parameters
+    ----------
+    way : x, y and heading of its rear axle, (3, k)
+    body
+    places : in the plane of :func:`poses`, (..., 2) [m]
+
+    Returns
+    -------
+    Both of shape (..., k).
+    """
+    dx, dy = places[..., :1] - way[0], places[..., 1:] - way[1]
+    cosine, sine = np.cos(way[2]), np.sin(way[2])
+    ahead, beside = cosine * dx + sine * dy, cosine * dy - sine * dx
+    return beside, (ahead < body.front) & (ahead > -body.rear_overhang)
 
 
 def people_beside(

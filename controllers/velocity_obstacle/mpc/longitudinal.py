@@ -95,6 +95,9 @@ class SpeedTask(NamedTuple):
     """Acceleration commanded last [m/s^2]."""
     reference: FloatArray
     """Speed to be kept: the wanted one, or less on the way to where the ego stops [m/s]."""
+    wanted: FloatArray
+    """Speed without anybody to stop for, against which plans are priced, so that whoever has to stop pays for
+    it [m/s]."""
     positions: FloatArray
     """Where the rear axle is expected, by the plan before [m]."""
     expected: FloatArray
@@ -107,9 +110,6 @@ class SpeedTask(NamedTuple):
     """Position plus time gap times speed must stay below this; inf without a vehicle ahead."""
     ceiling: FloatArray | None = None
     """Speed not to be exceeded, however late the ego is; ``None``: the largest that is to be kept [m/s]."""
-    wanted: FloatArray | None = None
-    """Speed without anybody to stop for, against which plans are priced, so that whoever has to stop pays for
-    it; ``None`` for the one to be kept [m/s]."""
 
 
 class SpeedPlan(NamedTuple):
@@ -225,16 +225,14 @@ class LongitudinalProgram:
         found : whether that is a solution
         """
         states, constant = speed_program.states(free, self._gain, z, task.reference, self.dt, self._tracking)
-        if task.wanted is not None:
-            speed = states[SPEED]
-            constant += self.weights.speed * float(
-                self.dt @ ((speed - task.wanted) ** 2 - (speed - task.reference) ** 2)
-            )
+        speed = states[SPEED]
+        late = self.dt @ ((speed - task.wanted) ** 2 - (speed - task.reference) ** 2)
+        constant += self.weights.speed * float(late)
         slack = z[self.steps :]
         return SpeedPlan(
             found=found,
             position=states[POSITION],
-            speed=states[SPEED],
+            speed=speed,
             acceleration=states[ACCELERATION],
             command=states[COMMAND],
             cost=cost + constant,

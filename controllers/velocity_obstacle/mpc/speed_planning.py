@@ -250,7 +250,7 @@ class SpeedPlanner:
             task.upper,
             self.memory.times,
             speed,
-            task.reference if task.wanted is None else task.wanted,
+            task.wanted,
             limits.acceleration,
             limits.comfortable_braking,
         )

@@ -13,7 +13,7 @@ from controllers.conflicts.expected_behaviour import Watch
 from controllers.driving import road_speeds
 from controllers.driving.keep_clear import keep_clear_line
 from controllers.driving.right_of_way import RightOfWay, StopPlace
-from controllers.driving.standing import VEHICLE_STANDING
+from controllers.driving.standing import standing
 from controllers.driving.vehicles_ahead import Blockade, blockade
 from controllers.driving.waiting_for_the_ego import WaitingForTheEgo, in_queue
 from controllers.geometry.footprints import footprints
@@ -174,8 +174,7 @@ class SpeedTasks:
         helps.
         """
         vehicles = perception.vehicles
-        standing = np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING
-        stand = {vehicles.names[i] for i in np.flatnonzero(standing)}
+        stand = {vehicles.names[i] for i in np.flatnonzero(standing(vehicles))}
         box = footprints(vehicles)
         right, left = swept(perception, lane)
         ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)

@@ -29,7 +29,7 @@ FREE = np.full(N, np.inf)
 BODY, DRIVE = Body(), CAR_DRIVE
 ROAD = ToyRoad(crossings=(ToyCrossing(60.0),))
 WANTED, KEPT = np.full(N, 13.0), np.full(N, 10.0)
-SPEED = SpeedTask(10.0, 0.0, 0.0, WANTED, 10.0 * TIMES, KEPT, FREE, -FREE, FREE, FREE)
+SPEED = SpeedTask(10.0, 0.0, 0.0, WANTED, WANTED, 10.0 * TIMES, KEPT, FREE, -FREE, FREE, FREE)
 STEERING = SteeringTask(
     0.1, 0.0, 0.0, 0.0, np.full(N, 11.0), np.zeros(N), np.zeros(N), np.full(N, -0.85), np.full(N, 0.85)
 )

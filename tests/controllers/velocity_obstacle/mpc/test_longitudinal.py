@@ -46,6 +46,7 @@ def _task(
         acceleration=acceleration,
         command=acceleration if command is None else command,
         reference=np.full(N, wanted),
+        wanted=np.full(N, wanted),
         positions=speed * TIMES,
         expected=np.full(N, speed),
         upper=upper,
