@@ -58,6 +58,10 @@ def _mishaps(description: Mapping[str, Any]) -> list[str]:
         why = "left their path, or stood for too long, and were handed back to SUMO's driver"
         text = f"{len(given_up)} egos {why}"
         found.append(_with_first(text, given_up))
+    detours = description["egos_on_detours"]
+    if detours:
+        text = f"{len(detours)} times an ego had missed its lane and took another way to its destination"
+        found.append(_with_first(text, detours))
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:
         furthest = max(beside.values())

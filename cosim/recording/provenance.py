@@ -117,6 +117,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "n_steps_off_the_way": 0,
         "egos_given_up": [],
         "cars_not_taken": [],
+        "egos_on_detours": [],
         "tight_bends": {},
         "solvers": {},
         "recording_schema_version": schema_version,

@@ -184,6 +184,7 @@ def _finish(
         n_steps_off_the_way=recorder.mishaps.off_the_way,
         egos_given_up=list(recorder.mishaps.given_up),
         cars_not_taken=list(recorder.mishaps.not_taken),
+        egos_on_detours=list(recorder.mishaps.detours),
         tight_bends={lane: round(off, 2) for lane, off in recorder.mishaps.tight_bends.items()},
         solvers=recorder.solves,
         valid=reason is None,

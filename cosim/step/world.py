@@ -156,6 +156,8 @@ class Mishaps:
     """Egos handed back to the simulator's driver, because they had left their way for good."""
     not_taken: tuple[str, ...] = ()
     """Cars of a share that could not be taken over: nobody can drive their route."""
+    detours: tuple[str, ...] = ()
+    """Egos that had missed their lane and took another way to their destination, once for each time."""
     tight_bends: Mapping[str, float] = field(default_factory=dict)
     """Lanes that bend more than an ego on them can, and how far it gets from them there at least [m]."""
 

@@ -39,6 +39,8 @@ class DrivenEgo:
     """How long SUMO has had another route than the ego's own [s]."""
     stood_for: float = 0.0
     """How long it has stood [s]."""
+    stood_at_the_end_for: float = 0.0
+    """The same at the end of a lane that leads off its route, since it last looked for a detour [s]."""
     given_up: bool = False
     """Handed back for good: it had left its way, or stood for too long."""
     frame: Frame | None = None

@@ -8,6 +8,7 @@ every step. What each of them does to neighbours and pedestrians is measured in 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, NamedTuple
@@ -245,6 +246,18 @@ class Placement:
     def drives(self, name: str) -> bool:
         """Return whether the vehicle is ours at the moment."""
         return name in self._egos
+
+    def reroute(self, name: str, edges: Sequence[str]) -> bool:
+        """Give a vehicle another route from the edge it is on, and return whether SUMO takes it."""
+        ego = self._ego(name)
+        vehicle = self._connection.vehicle
+        try:
+            vehicle.setRoute(name, edges)
+        except self._refusal:
+            return False
+        ego.driven, ego.route = self._route(name)
+        ego.route_id = vehicle.getRouteID(name)
+        return True
 
     def release(self, name: str) -> None:
         """Hand the vehicle back to SUMO's driver, with everything as `take_over` found it."""

@@ -39,17 +39,36 @@ class Takeover:
         """
         vehicle = sumo.vehicle
         body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
-        route = self._route(
-            tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning_of(body, self._drive)
-        )
         now = seen(sumo, name)
+        track = self.track_of(sumo, name, now)
         heading = heading_of(vehicle.getAngle(name))
         rear = rear_axle_of(now.x, now.y, heading, body.front)
         plant = Plant(body, self._drive, *rear, heading, now.speed)
+        return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
+
+    def track_of(self, sumo: Any, name: str, now: Executed, number: int = 0) -> Track:
+        """Return a vehicle's place on the route that it has now.
+
+        Parameters
+        ----------
+        sumo, name : the vehicle in SUMO
+        now : where SUMO has it
+        number : ``Lane.number`` of the lane
+
+        Raises
+        ------
+        InputError
+            If the route cannot be driven.
+        """
+        vehicle = sumo.vehicle
+        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
+        route = self._route(
+            tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning_of(body, self._drive)
+        )
         track = Track(route, vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
         track.update(now.x, now.y)
-        track.number = 0
-        return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
+        track.number = number
+        return track
 
     def _route(self, edges: tuple[str, ...], kind: str, turning: Turning) -> Route:
         key = (edges, kind, turning)

@@ -17,6 +17,7 @@ from cosim.step.frames import heading_of
 from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
 from cosim.sumo.connection import start
+from cosim.sumo.detours import MISSED, Detours, at_the_end_of_a_lane_off_the_route
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.everybody import Everybody
@@ -90,6 +91,7 @@ class SumoWorld:
             {} if recorded is None else read_recorded_vehicles(recorded), prepared.begin_s
         )
         self._takeover = Takeover(self._network, drive)
+        self._detours = Detours(self._network)
         self._egos: dict[str, DrivenEgo] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
@@ -97,6 +99,7 @@ class SumoWorld:
         self._tight_bends: dict[str, float] = {}
         self._given_up: list[str] = []
         self._not_taken: list[str] = []
+        self._on_detours: list[str] = []
         self._to_take: list[str] = []
         """Chosen as egos, but not on a lane yet."""
         self._present = Present()
@@ -204,6 +207,7 @@ class SumoWorld:
                 self._off_the_way,
                 tuple(self._given_up),
                 tuple(self._not_taken),
+                tuple(self._on_detours),
                 dict(self._tight_bends),
             ),
             self._traffic,
@@ -324,15 +328,27 @@ class SumoWorld:
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
             standing = ego.executed.speed < VEHICLE_STANDING
             ego.stood_for = ego.stood_for + self.step if standing else 0.0
+            at_the_end = standing and at_the_end_of_a_lane_off_the_route(ego.track)
+            ego.stood_at_the_end_for = ego.stood_at_the_end_for + self.step if at_the_end else 0.0
             if ego.astray_for > PATIENCE or ego.stood_for > STOOD:
                 self._give_up(ego)
             else:
+                if ego.stood_at_the_end_for > MISSED:
+                    self._take_detour(ego)
                 self._off_the_way += self._placement.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         if ego.handed_back:
             ego.track.update(*ego.front)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
+
+    def _take_detour(self, ego: DrivenEgo) -> None:
+        """Give an ego that has missed its lane another way to its destination, if its lane leads to one."""
+        ego.stood_at_the_end_for = 0.0
+        edges = self._detours.from_here(ego.track)
+        if edges and self._placement.reroute(ego.name, edges):
+            ego.track = self._takeover.track_of(self._sumo, ego.name, ego.executed, ego.track.number)
+            self._on_detours.append(ego.name)
 
     def _give_up(self, ego: DrivenEgo) -> None:
         """Let SUMO drive an ego that has left its way, from where it was last on it, or that gets nowhere."""

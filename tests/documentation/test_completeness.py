@@ -19,6 +19,7 @@ MISHAPS = (
     "n_steps_off_the_way",
     "egos_given_up",
     "cars_not_taken",
+    "egos_on_detours",
     "solvers",
 )
 

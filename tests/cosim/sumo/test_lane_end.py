@@ -30,12 +30,30 @@ CONNECTIONS = (
 """The right lane leads south only, and a crossing is right behind its end."""
 
 
-def build(folder: Path, junction: str, position_m: float, depart_s: float = 0.0) -> Path:
-    """Return a configuration whose only car departs in the right lane, so far along it, and goes east."""
+WAY_BACK = (
+    '<edge id="sj" from="s" to="j" sidewalkWidth="2"/>',
+    '<connection from="js" to="sj"/><connection from="sj" to="je"/>',
+)
+"""Edges and connections by which a car that went south comes back and goes east."""
+BESIDE = (
+    '<vType id="long" length="60"/><vehicle id="b" type="long" depart="0" departLane="2" departPos="{0}">'
+    '<route edges="wj je"/><stop lane="wj_2" endPos="{0}" duration="1000"/></vehicle>'
+)
+
+
+def build(
+    folder: Path,
+    junction: str,
+    position_m: float,
+    depart_s: float = 0.0,
+    way_back: tuple[str, str] = ("", ""),
+    others: str = "",
+) -> Path:
+    """Return a configuration whose only ego departs in the right lane, so far along it, and goes east."""
     parts = {
         "node": f"<nodes>{NODES.format(type=junction)}</nodes>",
-        "edge": f"<edges>{EDGES}</edges>",
-        "connection": f"<connections>{CONNECTIONS}</connections>",
+        "edge": f"<edges>{EDGES}{way_back[0]}</edges>",
+        "connection": f"<connections>{CONNECTIONS}{way_back[1]}</connections>",
     }
     inputs: list[str | Path] = ["-o", folder / "n.net.xml"]
     for kind, content in parts.items():
@@ -44,8 +62,8 @@ def build(folder: Path, junction: str, position_m: float, depart_s: float = 0.0)
     netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
     subprocess.run([netconvert, *inputs], check=True, capture_output=True)
     (folder / "n.rou.xml").write_text(
-        f'<routes><vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" departSpeed="0">'
-        '<route edges="wj je"/></vehicle></routes>'
+        f'<routes>{others}<vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" '
+        'departSpeed="0"><route edges="wj je"/></vehicle></routes>'
     )
     configuration = folder / "n.sumocfg"
     configuration.write_text(
@@ -94,3 +112,22 @@ def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tm
     assert driven["time_s"].iloc[-1] == pytest.approx(STOOD, abs=1.0)
     assert not egos.loc[egos["handed_back"], "planned"].iloc[1:].any()
     assert egos["edge"].iloc[-1] == "je"
+
+
+def test_an_ego_that_nobody_lets_in_takes_another_way_to_its_destination(tmp_path: Path) -> None:
+    """It stood there for 240 s, then SUMO's driver for ever, and whoever was behind it as long."""
+    configuration = build(tmp_path, "priority", 60.0, 1.0, WAY_BACK, BESIDE.format(85.0))
+    out = tmp_path / "run"
+    result = run(RunRequest(str(configuration), "vo_mpc", duration_s=200.0, ego_vehicle="v", out=out))
+    assert result.valid, result.invalid_reason
+    description = json.loads((out / "run.json").read_text())
+    assert (description["egos_on_detours"], description["egos_given_up"]) == (["v"], [])
+    egos = pd.read_parquet(out / "egos.parquet")
+    assert list(dict.fromkeys(edge for edge in egos["edge"] if not edge.startswith(":"))) == [
+        "wj",
+        "js",
+        "sj",
+        "je",
+    ]
+    causes = set(egos.loc[egos["intervention"], "intervention_cause"])
+    assert causes <= {"tight_bend"}, "where it turns back in the south"
