@@ -147,7 +147,7 @@ class Contest:
     def _cost(self, step: Step, speed: SpeedPlan, steering: SteeringPlan) -> float:
         """Return the objective of a plan, constants included."""
         task = Planner.along(step, speed)
-        return speed.cost + steering.cost + self.exact.steering.build(task).cost
+        return speed.cost - speed.priced + steering.cost + self.exact.steering.build(task).cost
 
 
 def ratios(repeats: list[dict[str, list[float]]], method: str, solver: str) -> dict[str, float]:

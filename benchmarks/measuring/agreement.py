@@ -91,6 +91,8 @@ class Comparison:
             optimum = reference.cost
             if isinstance(exact, LateralProgram):
                 optimum += exact.build(task).cost
+            else:
+                optimum -= reference.priced
             first = float(reference.command[0])
             into.objective.append(abs(naive.cost(task, z) - optimum) / max(1.0, abs(optimum)))
             into.first_command.append(abs(float(z[COMMAND]) - first))

@@ -145,6 +145,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _tell("interrupted", INTERRUPTED, arguments)
     except DamageError as error:
         return _tell(str(error), 3, arguments)
+    except MemoryError:
+        return _tell("there is not enough memory", 3, arguments)
     except Exception as error:  # noqa: BLE001  last resort: one line instead of a traceback
         what = f"internal error, {type(error).__name__}: {error} (use --debug for the traceback)"
         return _tell(what, 3, arguments)

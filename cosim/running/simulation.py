@@ -108,6 +108,8 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
         reason, ended_by = f"the recording could not be written: {reason_of(error)}", error
     except KeyboardInterrupt as error:
         reason, ended_by = "interrupted", error
+    except MemoryError as error:
+        reason, ended_by = "there was not enough memory to go on", error
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:

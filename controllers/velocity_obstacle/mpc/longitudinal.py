@@ -126,6 +126,8 @@ class SpeedPlan(NamedTuple):
     emergency: float
     """Braking beyond the comfortable limit [m/s^2]."""
     inputs: FloatArray
+    priced: float = 0.0
+    """The part of the cost that the program does not minimise: of keeping less than the wanted speed."""
 
 
 class LongitudinalProgram:
@@ -227,7 +229,7 @@ class LongitudinalProgram:
         states, constant = speed_program.states(free, self._gain, z, task.reference, self.dt, self._tracking)
         speed = states[SPEED]
         late = self.dt @ ((speed - task.wanted) ** 2 - (speed - task.reference) ** 2)
-        constant += self.weights.speed * float(late)
+        priced = self.weights.speed * float(late)
         slack = z[self.steps :]
         return SpeedPlan(
             found=found,
@@ -235,10 +237,11 @@ class LongitudinalProgram:
             speed=speed,
             acceleration=states[ACCELERATION],
             command=states[COMMAND],
-            cost=cost + constant,
+            cost=cost + constant + priced,
             slack=SLACK_UNIT * float(max(slack[self.SLACK_UPPER], slack[self.SLACK_LOWER], 0.0)),
             emergency=SLACK_UNIT * float(max(slack[self.EMERGENCY], 0.0)),
             inputs=z,
+            priced=priced,
         )
 
     def _rows(self, block: int) -> slice:

@@ -14,14 +14,20 @@ import pytest
 from cosim.recording.parquet_sink import ParquetSink, recover
 
 CRASHING = """
-import os, signal, sys
+import os, resource, signal, sys
 from cosim.sumo.world import SumoWorld
 step = SumoWorld._step
-def crash(self):
+def crash():
+    os.kill(os.getpid(), signal.SIGSEGV)
+def forbid_more_memory():
+    with open("/proc/self/statm") as file:
+        size = int(file.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (size, resource.RLIM_INFINITY))
+def disturbed(self):
     if self._time > {after}:
-        os.kill(os.getpid(), signal.SIGSEGV)
+        {disturb}()
     step(self)
-SumoWorld._step = crash
+SumoWorld._step = disturbed
 sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--set", "warmup_s=20", "--out", "{out}"]
 from cosim.cli import main
 sys.exit(main())
@@ -34,7 +40,7 @@ def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
     tmp_path: Path, after: int, recorded: bool
 ) -> None:
     out = tmp_path / "out"
-    command = [sys.executable, "-c", CRASHING.format(after=after, out=out)]
+    command = [sys.executable, "-c", CRASHING.format(after=after, disturb="crash", out=out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 3
     (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
@@ -45,6 +51,19 @@ def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
     assert "SIGSEGV" in description["invalid_reason"]
     assert not list(out.glob("*.part"))
     assert (pq.read_table(out / "egos.parquet").num_rows > 100) is recorded
+
+
+@pytest.mark.sumo
+def test_a_run_without_enough_memory_is_one_line_and_keeps_the_recording(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", CRASHING.format(after=55, disturb="forbid_more_memory", out=out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 3
+    (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
+    assert "internal error" not in line
+    assert "Traceback" not in done.stderr
+    assert json.loads((out / "run.json").read_text())["valid"] is False
+    assert pq.read_table(out / "egos.parquet").num_rows > 100
 
 
 def test_what_was_written_of_a_table_can_be_recovered(tmp_path: Path) -> None:
