@@ -248,15 +248,19 @@ class Placement:
         return name in self._egos
 
     def reroute(self, name: str, edges: Sequence[str]) -> bool:
-        """Give a vehicle another route from the edge it is on, and return whether SUMO takes it."""
-        ego = self._ego(name)
+        """Give a vehicle another route from the edge it is on, and return whether SUMO takes it.
+
+        It may be one that has been handed back.
+        """
         vehicle = self._connection.vehicle
         try:
             vehicle.setRoute(name, edges)
         except self._refusal:
             return False
-        ego.driven, ego.route = self._route(name)
-        ego.route_id = vehicle.getRouteID(name)
+        if name in self._egos:
+            ego = self._egos[name]
+            ego.driven, ego.route = self._route(name)
+            ego.route_id = vehicle.getRouteID(name)
         return True
 
     def release(self, name: str) -> None:

@@ -326,21 +326,25 @@ class SumoWorld:
                 self._tight_bends[bend.lane] = max(bend.off, self._tight_bends.get(bend.lane, 0.0))
             astray = self._placement.astray(ego.name)
             ego.astray_for = ego.astray_for + self.step if astray else 0.0
-            standing = ego.executed.speed < VEHICLE_STANDING
-            ego.stood_for = ego.stood_for + self.step if standing else 0.0
-            at_the_end = standing and at_the_end_of_a_lane_off_the_route(ego.track)
-            ego.stood_at_the_end_for = ego.stood_at_the_end_for + self.step if at_the_end else 0.0
-            if ego.astray_for > PATIENCE or ego.stood_for > STOOD:
-                self._give_up(ego)
-            else:
-                if ego.stood_at_the_end_for > MISSED:
-                    self._take_detour(ego)
-                self._off_the_way += self._placement.strayed(ego.name) > 0.0
+            self._off_the_way += self._placement.strayed(ego.name) > 0.0
             ego.travelled += plant.speed * self.step
         ego.front = plant.front if ego.handed_back else before
         if ego.handed_back:
             ego.track.update(*ego.front)
+        if not ego.handed_back or ego.given_up:
+            self._help_on(ego)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
+
+    def _help_on(self, ego: DrivenEgo) -> None:
+        """Hand back an ego that gets nowhere or has left its way; let one that missed its lane take a detour."""
+        standing = ego.executed.speed < VEHICLE_STANDING
+        ego.stood_for = ego.stood_for + self.step if standing else 0.0
+        at_the_end = standing and at_the_end_of_a_lane_off_the_route(ego.track)
+        ego.stood_at_the_end_for = ego.stood_at_the_end_for + self.step if at_the_end else 0.0
+        if not ego.given_up and (ego.astray_for > PATIENCE or ego.stood_for > STOOD):
+            self._give_up(ego)
+        if ego.stood_at_the_end_for > MISSED:
+            self._take_detour(ego)
 
     def _take_detour(self, ego: DrivenEgo) -> None:
         """Give an ego that has missed its lane another way to its destination, if its lane leads to one."""
