@@ -33,6 +33,9 @@ PATIENCE = 3.0
 """A foe that has stood for so long is taken to let the ego go [s]."""
 PATIENCE_INSIDE = 6.0
 """One that has stood for so long with its nose in the conflict is passed like any vehicle that stands [s]."""
+SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.5, 4.0
+"""Who has to let the ego go and speeds up by this comes all the same, once more braking than the second would
+be needed to stop before the conflict; whoever does not speed up comes from the third on [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,9 @@ class RightOfWay:
     def __init__(self, acceleration: float) -> None:
         self._acceleration = acceleration
         self._standing = StoodSince()
+        self._speeds: dict[str, tuple[float, float]] = {}
+        """Of foes: when they were looked at, and how fast they were [s, m/s]."""
+        self._faster: set[str] = set()
         self._braking_for: set[str] = set()
         self._stopped_at: set[str] = set()
         self.red_line = math.inf
@@ -105,13 +111,26 @@ class RightOfWay:
 
     def _watch(self, time: float, road: RoadAhead) -> None:
         self._standing.look((foe.name for foe in road.foes if foe.foe_speed < STANDING), time)
+        self._faster = {foe.name for foe in road.foes if self._speeds_up(foe, time)}
+        self._speeds = {foe.name: (time, foe.foe_speed) for foe in road.foes}
+
+    def _speeds_up(self, foe: JunctionFoe, time: float) -> bool:
+        looked, speed = self._speeds.get(foe.name, (time, foe.foe_speed))
+        return foe.foe_speed - speed > SPEEDING_UP * (time - looked)
+
+    def _comes(self, foe: JunctionFoe) -> bool:
+        """Say whether a foe enters the conflict, whoever has to yield."""
+        if foe.must_yield or foe.foe_entry <= 0.0:
+            return True
+        needed = foe.foe_speed**2 / (2.0 * foe.foe_entry)
+        return needed > (COMES_FASTER if foe.name in self._faster else COMES)
 
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
         """Say whether the ego would meet the foe in the conflict if it drove on."""
         ego = perception.ego
         gone = foe.foe_exit <= 0.0
         inside = foe.foe_entry <= 0.0
-        if gone or ego.body.front > foe.entry or not (foe.must_yield or inside):
+        if gone or ego.body.front > foe.entry or not self._comes(foe):
             return False
         speed = max(ego.speed, 0.0)
         slowest, fastest = _speeds_until(foe.exit, perception.road)

@@ -336,7 +336,7 @@ class SumoWorld:
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _help_on(self, ego: DrivenEgo) -> None:
-        """Hand back an ego that gets nowhere or has left its way; let one that missed its lane take a detour."""
+        """Hand back an ego that gets nowhere or has left its way; one that missed its lane takes a detour."""
         standing = ego.executed.speed < VEHICLE_STANDING
         ego.stood_for = ego.stood_for + self.step if standing else 0.0
         at_the_end = standing and at_the_end_of_a_lane_off_the_route(ego.track)

@@ -80,6 +80,24 @@ def test_a_foe_that_must_yield_itself_is_not_yielded_to() -> None:
     assert _stops(perception(ego(8.0), foes=[_foe(25.0, 10.0, must_yield=False)])) == []
 
 
+def test_a_foe_that_must_yield_and_drives_off_all_the_same_is_yielded_to() -> None:
+    """It stood inside the junction, drove off while the ego slowed down for somebody else, and was struck."""
+    rule = RightOfWay(1.8)
+    speeds, stops = (1.0, 1.3, 1.6, 2.6), []
+    for i, speed in enumerate(speeds):
+        foe = _foe(6.0 - 0.1 * sum(speeds[:i]), speed, must_yield=False)
+        stops.append(rule.stops(perception(ego(9.0, time=0.1 * i), foes=[foe])))
+    assert stops[0] == [], "it has been seen once"
+    assert stops[1] == [], "it could stop at once"
+    assert stops[3] == [StopPlace("foe", 20.0)]
+    slower = _foe(5.3, 2.5, must_yield=False)
+    assert rule.stops(perception(ego(9.0, time=0.4), foes=[slower])) == [], "it brakes"
+
+
+def test_a_foe_that_must_yield_and_cannot_stop_any_more_is_yielded_to() -> None:
+    assert _stops(perception(ego(8.0), foes=[_foe(12.0, 10.0, must_yield=False)])) == [StopPlace("foe", 20.0)]
+
+
 def test_a_foe_that_comes_much_later_is_not_waited_for() -> None:
     assert _stops(perception(ego(8.0), foes=[_foe(120.0, 10.0)])) == []
 
