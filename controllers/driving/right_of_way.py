@@ -33,7 +33,7 @@ PATIENCE = 3.0
 """A foe that has stood for so long is taken to let the ego go [s]."""
 PATIENCE_INSIDE = 6.0
 """One that has stood for so long with its nose in the conflict is passed like any vehicle that stands [s]."""
-SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.5, 4.0
+SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.7, 4.0
 """Who has to let the ego go and speeds up by this comes all the same, once more braking than the second would
 be needed to stop before the conflict; whoever does not speed up comes from the third on [m/s^2]."""
 

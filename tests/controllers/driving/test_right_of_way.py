@@ -83,14 +83,14 @@ def test_a_foe_that_must_yield_itself_is_not_yielded_to() -> None:
 def test_a_foe_that_must_yield_and_drives_off_all_the_same_is_yielded_to() -> None:
     """It stood inside the junction, drove off while the ego slowed down for somebody else, and was struck."""
     rule = RightOfWay(1.8)
-    speeds, stops = (1.0, 1.3, 1.6, 2.6), []
+    speeds, stops = (1.0, 1.3, 1.6, 3.0), []
     for i, speed in enumerate(speeds):
         foe = _foe(6.0 - 0.1 * sum(speeds[:i]), speed, must_yield=False)
         stops.append(rule.stops(perception(ego(9.0, time=0.1 * i), foes=[foe])))
     assert stops[0] == [], "it has been seen once"
     assert stops[1] == [], "it could stop at once"
     assert stops[3] == [StopPlace("foe", 20.0)]
-    slower = _foe(5.3, 2.5, must_yield=False)
+    slower = _foe(5.3, 2.9, must_yield=False)
     assert rule.stops(perception(ego(9.0, time=0.4), foes=[slower])) == [], "it brakes"
 
 
