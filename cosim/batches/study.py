@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -210,9 +210,21 @@ def _check(study: StudyTable) -> None:
     for key in study.vary:
         if key in study.settings:
             raise ValueError(f"{key} is in [set] and in [vary]; expected in one of them")
-    for number, criterion in enumerate(study.criteria, 1):
+    if study.criteria:
+        _check_criteria(study.criteria)
+
+
+def _check_criteria(tables: Sequence[Mapping[str, Any]]) -> None:
+    """Refuse criteria that no check could judge: a batch passes them on to one."""
+    from analysis.criteria.reading import CriterionError, read_criteria  # loads every metric
+
+    for number, criterion in enumerate(tables, 1):
         if not criterion:
             raise ValueError(f"criteria: number {number} is empty")
+    try:
+        read_criteria(tables)
+    except CriterionError as error:
+        raise ValueError(error) from error
 
 
 def _first_repeated(values: Iterable[Value]) -> Value | None:

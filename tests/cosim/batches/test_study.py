@@ -21,14 +21,24 @@ def test_a_study_file_is_read_with_its_criteria_and_limits(tmp_path: Path) -> No
     file.write_text(
         'scenarios = ["midblock_zebra"]\ncontrollers = ["sumo", "aeb"]\nseeds = "1-3"\nrun_timeout_s = 60\n'
         "[set]\nduration_s = 50\n[vary]\npedestrians_per_hour = [200, 600]\n"
-        '[[criteria]]\nmetric = "n_collisions"\noperator = "<="\nthreshold = 0\n'
+        '[[criteria]]\nscope = "run"\nmetric = "n_collisions"\noperator = "<="\nthreshold = 0\n'
     )
     study = read_study(file)
     assert parse_seeds(study.seeds) == (1, 2, 3)
     assert study.settings == {"duration_s": 50}
     assert study.vary == {"pedestrians_per_hour": [200, 600]}
     assert study.run_timeout_s == 60
-    assert study.criteria == [{"metric": "n_collisions", "operator": "<=", "threshold": 0}]
+    wanted = {"scope": "run", "metric": "n_collisions", "operator": "<=", "threshold": 0}
+    assert study.criteria == [wanted]
+
+
+CRITERION = {
+    "scope": "encounter",
+    "metric": "collision",
+    "operator": "<=",
+    "threshold": 0,
+    "where": {"preventable_r157": 1},
+}
 
 
 @pytest.mark.parametrize(
@@ -71,6 +81,12 @@ def test_a_wrong_study_is_answered_by_what_was_expected(
     assert all(word in text for word in words), text
 
 
+def test_a_criterion_that_no_check_could_judge_is_refused_before_any_run() -> None:
+    content = {"scenarios": ["a"], "controllers": ["sumo"], "seeds": "1"}
+    with pytest.raises(InputError, match=r"study: criteria: number 2 \(n_hits\): .*collision"):
+        study_of({**content, "criteria": [CRITERION, {**CRITERION, "metric": "n_hits"}]}, "study")
+
+
 def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.toml.*No such file"):
         read_study(tmp_path / "gone.toml")
@@ -111,7 +127,7 @@ def test_a_study_written_as_a_file_is_the_same_study(settings: dict[str, Any], n
         "controllers": ["sumo"],
         "seeds": [3, 5],
         "set": settings,
-        "criteria": [{"metric": "n_collisions", "where": {"a": 1}}],
+        "criteria": [CRITERION],
     }
     study = study_of(content, "study")
     text = study_text(study)
