@@ -83,7 +83,7 @@ def test_a_wrong_study_is_answered_by_what_was_expected(
 
 def test_a_criterion_that_no_check_could_judge_is_refused_before_any_run() -> None:
     content = {"scenarios": ["a"], "controllers": ["sumo"], "seeds": "1"}
-    with pytest.raises(InputError, match=r"study: criteria: number 2 \(n_hits\): .*collision"):
+    with pytest.raises(InputError, match=r"study: criteria: number 2 \(n_hits\): .*no metric"):
         study_of({**content, "criteria": [CRITERION, {**CRITERION, "metric": "n_hits"}]}, "study")
 
 
