@@ -6,9 +6,11 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Any
 
+from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Command, constant_command
 from cosim.step.plant import Plant
 from cosim.step.world import EgoTruth
+from cosim.sumo.detours import at_the_end_of_a_lane_off_the_route
 from cosim.sumo.placement import Executed
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
@@ -45,6 +47,13 @@ class DrivenEgo:
     """Handed back for good: it had left its way, or stood for too long."""
     frame: Frame | None = None
     """As last sensed."""
+
+    def count_standing(self, step: float) -> None:
+        """Count after a step [s] for how long it has stood, in all and where its lane leads off the route."""
+        standing = self.executed.speed < VEHICLE_STANDING
+        self.stood_for = self.stood_for + step if standing else 0.0
+        at_the_end = standing and at_the_end_of_a_lane_off_the_route(self.track)
+        self.stood_at_the_end_for = self.stood_at_the_end_for + step if at_the_end else 0.0
 
     def truth(self, step: float) -> EgoTruth:
         """Return what the recording holds of it after a step of that length [s]."""

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Command, Drive, Perception
 from cosim.arrays import FloatArray
 from cosim.errors import InputError, SimulationError
@@ -17,7 +16,7 @@ from cosim.step.frames import heading_of
 from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
 from cosim.sumo.connection import start
-from cosim.sumo.detours import MISSED, Detours, at_the_end_of_a_lane_off_the_route
+from cosim.sumo.detours import MISSED, Detours
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.everybody import Everybody
@@ -337,10 +336,7 @@ class SumoWorld:
 
     def _help_on(self, ego: DrivenEgo) -> None:
         """Hand back an ego that gets nowhere or has left its way; one that missed its lane takes a detour."""
-        standing = ego.executed.speed < VEHICLE_STANDING
-        ego.stood_for = ego.stood_for + self.step if standing else 0.0
-        at_the_end = standing and at_the_end_of_a_lane_off_the_route(ego.track)
-        ego.stood_at_the_end_for = ego.stood_at_the_end_for + self.step if at_the_end else 0.0
+        ego.count_standing(self.step)
         if not ego.given_up and (ego.astray_for > PATIENCE or ego.stood_for > STOOD):
             self._give_up(ego)
         if ego.stood_at_the_end_for > MISSED:
