@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import heapq
-import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from cosim.sumo.network import NetCrossing, Network
+from cosim.sumo.quickest import quickest
 
 CAR = "passenger"
 TURNAROUND = "t"
@@ -69,32 +68,7 @@ class Ways:
 
     def fastest(self, origin: str) -> dict[str, str]:
         """Return, for every edge that can be reached from one, the edge before it on the fastest route."""
-        best = {origin: 0.0}
-        before: dict[str, str] = {}
-        queue = [(0.0, origin)]
-        while queue:
-            time, edge = heapq.heappop(queue)
-            if time > best[edge]:
-                continue
-            for movement in self.onward[edge]:
-                arrival = time + self.seconds(movement.target)
-                if arrival < best.get(movement.target, math.inf):
-                    best[movement.target] = arrival
-                    before[movement.target] = edge
-                    heapq.heappush(queue, (arrival, movement.target))
-        return before
-
-
-def route_to(target: str, before: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the route that ends at an edge; the edge alone if none leads to it.
-
-    >>> route_to("c", {"b": "a", "c": "b"})
-    ('a', 'b', 'c')
-    """
-    edges = [target]
-    while edges[-1] in before:
-        edges.append(before[edges[-1]])
-    return tuple(reversed(edges))
+        return quickest(origin, lambda edge: (one.target for one in self.onward[edge]), self.seconds)
 
 
 def crossing_junction(name: str) -> str:

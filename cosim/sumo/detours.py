@@ -6,17 +6,15 @@ until they are teleported; an ego never is, and whoever is behind it would wait 
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import shortest_path
-
 from cosim.sumo.network import Network
+from cosim.sumo.quickest import quickest, route_to
 from cosim.sumo.track import Track
 
-MISSED = 30.0
-"""An ego that has stood for so long at the end of such a lane takes another way [s]."""
 AT_THE_END = 15.0
 """An ego this near the end of such a lane stands for want of a gap beside it [m]."""
+
+SLOWEST = 0.1
+"""Lanes count as driven at least so fast: where a limit is 0 they are closed [m/s]."""
 
 
 def at_the_end_of_a_lane_off_the_route(track: Track) -> bool:
@@ -25,69 +23,40 @@ def at_the_end_of_a_lane_off_the_route(track: Track) -> bool:
     return not path.leads_to_end and path.chain_end - track.along < AT_THE_END
 
 
-class Detours:
-    """Finds the quickest ways on empty roads.
+def detour(network: Network, track: Track) -> tuple[str, ...]:
+    """Return the quickest way on empty roads from the lane that a vehicle is on to the end of its route.
 
-    SUMO's own ``findRoute`` is not asked: called while egos are driven it makes libsumo 1.28 crash later on.
+    Parameters
+    ----------
+    network
+    track : where the vehicle is on its route so far
+
+    Returns
+    -------
+    Edges, from the present one on; empty if the lane does not lead there, or the vehicle is in a junction.
     """
+    here, kind = track.path.piece_at(track.along).lane, track.route.vehicle_class
+    if here.internal:
+        return ()
 
-    def __init__(self, network: Network) -> None:
-        self._network = network
-        self._roads = {name: number for number, name in enumerate(network.roads)}
-        self._names = list(self._roads)
-        self._times: dict[str, csr_array[np.float64, tuple[int, int]]] = {}
+    def reached_from(lanes: list[str]) -> list[str]:
+        passable = (
+            one for lane in lanes for one in network.connections.get(lane, ()) if network.passable(one, kind)
+        )
+        return list(dict.fromkeys(network.lanes[one.target].edge for one in passable))
 
-    def from_here(self, track: Track) -> tuple[str, ...]:
-        """Return the edges from the present one to the route's end along which the vehicle's lane leads.
+    def lanes_of(edge: str) -> list[str]:
+        return [network.edges[edge][index] for index in network.allowed_lanes(edge, kind)]
 
-        Parameters
-        ----------
-        track : where the vehicle is on its route so far
+    def seconds(edge: str) -> float:
+        lanes = (network.lanes[name] for name in lanes_of(edge))
+        return min(lane.length / max(lane.speed, SLOWEST) for lane in lanes)
 
-        Returns
-        -------
-        Empty if the lane does not lead to the route's end, or the vehicle is in a junction.
-        """
-        lane, kind = track.path.piece_at(track.along).lane, track.route.vehicle_class
-        if lane.internal:
-            return ()
-        if kind not in self._times:
-            self._times[kind] = self._driving_times(kind)
-        end = self._roads[track.route.edges[-1]]
-        left, onward = shortest_path(self._times[kind], "D", indices=end, return_predecessors=True)
-        begins = [self._roads[edge] for edge in self._reached_from(lane.name, kind)]
-        at = min(begins, key=lambda edge: float(left[edge] + self._time(edge, kind)), default=end)
-        if not begins or not np.isfinite(left[at]):
-            return ()
-        edges = [lane.edge, self._names[at]]
-        while at != end:
-            at = int(onward[at])
-            edges.append(self._names[at])
-        return tuple(edges)
-
-    def _reached_from(self, lane: str, kind: str) -> list[str]:
-        """Return the edges that a lane leads to, each once."""
-        connections = self._network.connections.get(lane, ())
-        passable = (one for one in connections if self._network.passable(one, kind))
-        return list(dict.fromkeys(self._network.lanes[one.target].edge for one in passable))
-
-    def _time(self, road: int, kind: str) -> float:
-        """Return how long an edge takes at its limit [s]."""
-        edge = self._names[road]
-        lanes = [
-            self._network.lanes[self._network.edges[edge][index]]
-            for index in self._network.allowed_lanes(edge, kind)
-        ]
-        return min(lane.length / lane.speed for lane in lanes)
-
-    def _driving_times(self, kind: str) -> csr_array[np.float64, tuple[int, int]]:
-        """Return how long each edge (row) takes after another (column), for a search from the end [s]."""
-        pairs = {
-            (self._roads[edge], number)
-            for name, number in self._roads.items()
-            for index in self._network.allowed_lanes(name, kind)
-            for edge in self._reached_from(self._network.edges[name][index], kind)
-        }
-        edges, before = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2).T
-        times = np.array([self._time(int(edge), kind) for edge in edges], dtype=np.float64)
-        return csr_array((times, (edges, before)), shape=(len(self._names), len(self._names)))
+    end = track.route.edges[-1]
+    ways = []
+    for begin in reached_from([here.name]):
+        way = route_to(end, quickest(begin, lambda edge: reached_from(lanes_of(edge)), seconds))
+        if way[0] == begin:
+            ways.append(way)
+    best = min(ways, key=lambda way: sum(map(seconds, way)), default=())
+    return (here.edge, *best) if best else ()

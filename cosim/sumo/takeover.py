@@ -40,19 +40,20 @@ class Takeover:
         vehicle = sumo.vehicle
         body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
         now = seen(sumo, name)
-        track = self.track_of(sumo, name, now)
+        track = self.track_of(sumo, name, now, turning_of(body, self._drive))
         heading = heading_of(vehicle.getAngle(name))
         rear = rear_axle_of(now.x, now.y, heading, body.front)
         plant = Plant(body, self._drive, *rear, heading, now.speed)
         return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
 
-    def track_of(self, sumo: Any, name: str, now: Executed, number: int = 0) -> Track:
+    def track_of(self, sumo: Any, name: str, now: Executed, turning: Turning, number: int = 0) -> Track:
         """Return a vehicle's place on the route that it has now.
 
         Parameters
         ----------
         sumo, name : the vehicle in SUMO
         now : where SUMO has it
+        turning : how tightly it turns
         number : ``Lane.number`` of the lane
 
         Raises
@@ -61,10 +62,7 @@ class Takeover:
             If the route cannot be driven.
         """
         vehicle = sumo.vehicle
-        body = body_of(vehicle.getLength(name), vehicle.getWidth(name))
-        route = self._route(
-            tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning_of(body, self._drive)
-        )
+        route = self._route(tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning)
         track = Track(route, vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
         track.update(now.x, now.y)
         track.number = number

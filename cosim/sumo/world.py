@@ -16,7 +16,6 @@ from cosim.step.frames import heading_of
 from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
 from cosim.sumo.connection import start
-from cosim.sumo.detours import MISSED, Detours
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go
 from cosim.sumo.egos import EgoSources
 from cosim.sumo.everybody import Everybody
@@ -33,6 +32,7 @@ from cosim.sumo.recorded_vehicles import RecordedVehicles
 from cosim.sumo.road_users import KnownState
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
 from cosim.sumo.sensing import Perceiver
+from cosim.sumo.stranded import Stranded
 from cosim.sumo.surroundings import Observer, Surroundings
 from cosim.sumo.takeover import Takeover, seen
 from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
@@ -43,12 +43,6 @@ from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_fi
 
 PLAN_INTERVAL = 0.1
 """Controllers are asked at most this often [s]."""
-PATIENCE = 5.0
-"""An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
-GIVEN_UP = 15.0
-"""An ego further than this from where SUMO can have it on its way is handed back [m]."""
-STOOD = 240.0
-"""An ego that has stood for longer is handed back: it might wait for who waits for it [s]."""
 
 
 class SumoWorld:
@@ -90,15 +84,12 @@ class SumoWorld:
             {} if recorded is None else read_recorded_vehicles(recorded), prepared.begin_s
         )
         self._takeover = Takeover(self._network, drive)
-        self._detours = Detours(self._network)
         self._egos: dict[str, DrivenEgo] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
         self._off_the_way = 0
         self._tight_bends: dict[str, float] = {}
-        self._given_up: list[str] = []
         self._not_taken: list[str] = []
-        self._on_detours: list[str] = []
         self._to_take: list[str] = []
         """Chosen as egos, but not on a lane yet."""
         self._present = Present()
@@ -115,6 +106,7 @@ class SumoWorld:
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
+            self._stranded = Stranded(self._sumo, self._network, self._placement, self._takeover)
             self._levels = Levels(self._network)
             self._observer = Observer(self._sumo, self._network, self.step)
             self._everybody = Everybody(self._sumo, self._network, self.step) if everybody else None
@@ -174,8 +166,7 @@ class SumoWorld:
                     lane = ego.track.lane_in_bend()
                     self._placement.drive(ego.name, *plant.front, plant.heading, plant.speed, lane)
                     self._connection.pending = True
-                    if not self._placement.strayed(ego.name) <= GIVEN_UP:
-                        self._give_up(ego)
+                    self._stranded.look_where_put(ego)
                 ego.elapsed += self.step
             self._step()
             self._drop_gone()
@@ -204,9 +195,9 @@ class SumoWorld:
             Mishaps(
                 self._placement.routes_restored_of_all,
                 self._off_the_way,
-                tuple(self._given_up),
+                tuple(self._stranded.given_up),
                 tuple(self._not_taken),
-                tuple(self._on_detours),
+                tuple(self._stranded.on_detours),
                 dict(self._tight_bends),
             ),
             self._traffic,
@@ -331,30 +322,8 @@ class SumoWorld:
         if ego.handed_back:
             ego.track.update(*ego.front)
         if not ego.handed_back or ego.given_up:
-            self._help_on(ego)
+            self._stranded.help_on(ego, self.step)
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
-
-    def _help_on(self, ego: DrivenEgo) -> None:
-        """Hand back an ego that gets nowhere or has left its way; one that missed its lane takes a detour."""
-        ego.count_standing(self.step)
-        if not ego.given_up and (ego.astray_for > PATIENCE or ego.stood_for > STOOD):
-            self._give_up(ego)
-        if ego.stood_at_the_end_for > MISSED:
-            self._take_detour(ego)
-
-    def _take_detour(self, ego: DrivenEgo) -> None:
-        """Give an ego that has missed its lane another way to its destination, if its lane leads to one."""
-        ego.stood_at_the_end_for = 0.0
-        edges = self._detours.from_here(ego.track)
-        if edges and self._placement.reroute(ego.name, edges):
-            ego.track = self._takeover.track_of(self._sumo, ego.name, ego.executed, ego.track.number)
-            self._on_detours.append(ego.name)
-
-    def _give_up(self, ego: DrivenEgo) -> None:
-        """Let SUMO drive an ego that has left its way, from where it was last on it, or that gets nowhere."""
-        self._placement.release(ego.name)
-        ego.handed_back = ego.given_up = True
-        self._given_up.append(ego.name)
 
     def _remove_arrived(self) -> None:
         """Take egos off the road at the end of their routes: a moved vehicle never arrives."""

@@ -10,7 +10,7 @@ import sumo
 
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
-from cosim.sumo.world import STOOD
+from cosim.sumo.stranded import STOOD
 
 pytestmark = pytest.mark.sumo
 
