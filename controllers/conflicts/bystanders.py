@@ -26,10 +26,15 @@ NEAR, SLOW = 0.55, 2.5
 """Nearer than this with this one [m, m/s]."""
 FREE, FAST = 0.8, 14.0
 """Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
-SETTING_OFF, STOPPING, REACTING = 1.5, 8.0, 0.25
-"""Speed of who sets off from a crossing's end, and how the ego stops for them [m/s, m/s^2, s]."""
+BESIDE_WALKERS = 1.0
+"""Who walks may step aside: nearer than ``NEAR`` they are passed no faster than this [m/s]."""
+SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.5
+"""Speed of who sets off from a crossing's end, how the ego stops for them [m/s, m/s^2, s], and how slowly it
+passes them at the least [m/s]."""
 HASTE = 2.5
 """Who stands in the road may set off as fast as they came, at most with this [m/s]."""
+WALKING = 0.1
+"""[m/s]"""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
@@ -47,6 +52,8 @@ class Bystanders(NamedTuple):
     """Index into ``Perception.pedestrians``, shape (n,)."""
     wait: NDArray[np.bool_]
     """Whose next step is onto a crossing, shape (n,)."""
+    walk: NDArray[np.bool_]
+    """Who is on the move, shape (n,)."""
     sets_off: FloatArray
     """How fast those who stand in the road may set off; nan for others, shape (n,) [m/s]."""
     clearance: FloatArray
@@ -68,9 +75,11 @@ class Bystanders(NamedTuple):
         passed = ~np.isin(self.who, waited_for)
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
         at_crossing = self.clearance[:, passed & self.wait].min(axis=1, initial=np.inf)
+        walkers = self.clearance[:, passed & self.walk].min(axis=1, initial=np.inf)
         limit = np.minimum(
             passing_speed(nearest), np.where(at_crossing < FREE, speed_to_stop(at_crossing), UNBOUNDED)
         )
+        limit = np.minimum(limit, np.where(walkers < NEAR, BESIDE_WALKERS, UNBOUNDED))
         for i in np.flatnonzero(passed & ~np.isnan(self.sets_off)):
             limit = np.minimum(limit, speed_to_stop(self.clearance[:, i], float(self.sets_off[i])))
         return (self.places, limit) if limit.min() < UNBOUNDED else None
@@ -91,9 +100,9 @@ def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArra
     """Return from which speed the ego stops before somebody at a distance has walked up to it [m/s].
 
     >>> speed_to_stop(np.array([0.2, 0.6, 0.75])).tolist()
-    [1.0, 1.2, 2.0]
+    [0.5, 1.2, 2.0]
     """
-    return np.maximum(STOPPING * (clearance / pace - REACTING), CREEPING).round(9)
+    return np.maximum(STOPPING * (clearance / pace - REACTING), INCHING).round(9)
 
 
 def bystanders(
@@ -130,7 +139,8 @@ def bystanders(
         np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
     )
     clearance = disc_clearances(x, y, heading, ego.body, *still)[:, 0, :]
-    return Bystanders(places, who, people.waiting[who], np.minimum(sets_off[who], HASTE), clearance)
+    walk = np.hypot(people.along_speed[who], people.across_speed[who]) > WALKING
+    return Bystanders(places, who, people.waiting[who], walk, np.minimum(sets_off[who], HASTE), clearance)
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:

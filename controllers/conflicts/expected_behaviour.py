@@ -120,8 +120,8 @@ class Expectation(NamedTuple):
     who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
     too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
     sets_off: FloatArray
-    """How fast those walked who stopped on their way across the road: they may turn back; nan for others
-    [m/s]."""
+    """How fast those walked who stopped on their way across the road: they may turn back, and who lets the ego
+    go first may walk on as soon as its front is past; nan for others [m/s]."""
 
 
 def expected(
@@ -159,8 +159,10 @@ def expected(
     if any(why in known for _, why in movements):
         comes = np.array([speed if why in known else math.nan for speed, why in movements])
     sets_off = [
-        watch.pace.get(person.name, math.nan) if person.has_stopped(assume) and not go else math.nan
-        for person, go in zip(persons, lets_go, strict=True)
+        watch.pace.get(person.name, assume.resume_speed if person.on_crossing else math.nan)
+        if person.has_stopped(assume)
+        else math.nan
+        for person in persons
     ]
     if forecast is not None:
         enters |= _enters(forecast, road, assume) & (people.crossing < 0)

@@ -147,11 +147,16 @@ class LastCheck:
             return _braking(plan, min(float(enough), limit))
         # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
         # Nor is one that leaves the flank to somebody whom an ego that drove on would have passed.
-        walking_on = discs(perception, near, np.full(len(told), True), None, times)
+        # Who has just set off across the road may not keep the direction of their first step.
+        everybody = np.full(len(told), True)
+        straight = np.where(told.on_crossing, told.across_speed, np.nan)
+        for across_speed in (None, straight):
+            walking_on = discs(perception, near, everybody, None, times, across_speed=across_speed)
+            people = _joined(people, walking_on)
         first = passing_first(perception, times)
         all_of_them = zip(motion, first, slower, strict=True)
         variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
-        distances = _clearances(perception, _joined(people, walking_on), cars, path, variants)
+        distances = _clearances(perception, people, cars, path, variants)
         least = _least(distances, variants)
         best = least.max()
         chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1

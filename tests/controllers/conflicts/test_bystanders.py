@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.conflicts.bystanders import FREE, NEAR, SLOW, Bystanders, bystanders, swing_out
+from controllers.conflicts.bystanders import (
+    BESIDE_WALKERS,
+    FREE,
+    INCHING,
+    NEAR,
+    SLOW,
+    Bystanders,
+    bystanders,
+    swing_out,
+)
 from controllers.conflicts.expected_behaviour import Expectation, PedestrianAssumptions, Watch, expected
 from controllers.interface import Body, CrossingKind, Perception
 from cosim.step.toy_road import ToyRoad, walk
@@ -68,8 +77,22 @@ def test_beside_somebody_who_waits_at_a_crossing_it_can_stop_before_they_reach_i
     assert waits is not None
     assert stays is not None
     allowed = waits[1].min()
-    assert 1.0 <= allowed < stays[1].min()
-    assert allowed == 1.0 or 0.25 + allowed / 8.0 == pytest.approx(gap / 1.5)
+    assert 0.0 < allowed < stays[1].min()
+    assert allowed == INCHING or 0.25 + allowed / 8.0 == pytest.approx(gap / 1.5)
+
+
+@pytest.mark.parametrize(("gap", "slower"), [(0.45, True), (NEAR + 0.05, False)])
+def test_who_walks_close_beside_the_way_may_step_aside(gap: float, slower: bool) -> None:
+    stands = _stands(gap)
+    standing, walking = (
+        _beside(perception(ego(), walkers=[replace(stands, along_speed=pace)])).speed_limit(
+            np.zeros(0, dtype=np.int64)
+        )
+        for pace in (0.0, -1.2)
+    )
+    assert standing is not None
+    assert walking is not None
+    assert walking[1].min() == (BESIDE_WALKERS if slower else standing[1].min())
 
 
 WALKS_UP = Walker(30.0, -6.0, 0.0, 1.4, crossing=0, waiting=True)
@@ -139,6 +162,21 @@ def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
     assert limit is not None
     allowed = limit[1].min()
     assert 0.25 + allowed / 8.0 == pytest.approx(gap / pace)
+
+
+def test_who_stands_on_a_crossing_and_lets_the_ego_go_first_may_walk_on_beside_it() -> None:
+    """A car that creeps past them is still there when its front is past; in SUMO they set off then."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    stands = replace(_stands(0.6, along=6.0), crossing=0, on_crossing=True)
+    for time in range(6):
+        seen = perception(ego(0.0, time=float(time)), walkers=[stands], crossings=[zebra(5.0)])
+        known = expected(seen, watch, assume, None)
+    assert known.lets_go.all()
+    found = bystanders(seen, 0.0, known.enters, known.sets_off)
+    assert found is not None
+    limit = found.speed_limit(np.zeros(0, dtype=np.int64))
+    assert limit is not None
+    assert 0.25 + limit[1].min() / 8.0 == pytest.approx(0.6 / assume.resume_speed)
 
 
 def test_nothing_is_feared_of_those_who_walk_on_or_have_always_stood() -> None:

@@ -122,6 +122,19 @@ def test_a_slowing_ego_gets_past_somebody_who_walks_up_to_its_flank() -> None:
     assert np.interp(arrives, TIMES, rear) > BODY.front + 0.9 + 0.25, "it is past when they are there"
 
 
+@pytest.mark.parametrize("on_crossing", [True, False])
+def test_a_first_step_onto_a_crossing_that_leads_behind_the_ego_is_no_reason_to_hurry(
+    on_crossing: bool,
+) -> None:
+    """SUMO shifts people sideways as they set off; then they walk straight across, into the flank."""
+    speeding_up = replace(keeps(1.5), command=Command(np.zeros(1), np.array([0.95]), np.zeros(1)))
+    sets_off = Walker(BODY.front - 3.5, -1.72, -1.6, 1.4, crossing=0, on_crossing=on_crossing)
+    going = replace(ego(speed=1.48), acceleration=0.96)
+    seen = perception(going, straight_road(), [sets_off], crossings=[zebra(0.0)])
+    checked = LastCheck().checked(seen, speeding_up, np.array([True]))
+    assert (checked.command.acceleration.max() < -3.0) == on_crossing
+
+
 @pytest.mark.parametrize("speed", [0.0, 3.0])
 def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_he_turns(
     speed: float,
