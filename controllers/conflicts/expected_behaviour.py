@@ -120,8 +120,8 @@ class Expectation(NamedTuple):
     who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
     too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
     sets_off: FloatArray
-    """How fast those walked who stopped on their way across the road: they may turn back, and who lets the ego
-    go first may walk on as soon as its front is past; nan for others [m/s]."""
+    """How fast those walked who stopped on their way across the road: they may turn back, or walk on as soon
+    as the front of an ego that they let go is past; nan for others [m/s]."""
 
 
 def expected(

@@ -20,7 +20,7 @@ class Boxes(NamedTuple):
     """Of the middle [m]; shape (K, n) where they move."""
     y: FloatArray
     heading: FloatArray
-    """[rad]"""
+    """[rad]; shape (K, n) where they turn."""
     length: FloatArray
     """[m]"""
     width: FloatArray
@@ -64,6 +64,8 @@ def box_clearances(x: FloatArray, y: FloatArray, heading: FloatArray, body: Body
     half = 0.5 * np.array([body.length, body.width])
     halves = 0.5 * np.column_stack((boxes.length, boxes.width))
     own, others = _axes(heading), _axes(boxes.heading)
+    if others.ndim == 4:
+        others = others[:, None]
     place = np.stack((x, y), axis=-1)
     middle = place + (body.front - half[0]) * own[..., 0, :]
     centre = np.stack((boxes.x, boxes.y), axis=-1)

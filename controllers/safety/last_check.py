@@ -36,7 +36,7 @@ from controllers.safety.rollout import (
     planned,
     poses,
 )
-from controllers.safety.vehicle_boxes import crossing_vehicles, standing_vehicles
+from controllers.safety.vehicle_boxes import crossing_vehicles, oncoming_vehicles, standing_vehicles
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
@@ -55,6 +55,8 @@ WALKING, WALKERS_MARGIN = 0.1, 0.3
 """Faster pedestrians walk [m/s] and may step aside: this distance to them counts as contact [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
+TIGHT, BENDS_WITHIN = 1.0 / 15.0, 20.0
+"""Curvature of a bend in which the body leaves its lane [1/m], and how far ahead bends are looked at [m]."""
 MILD, SOON = 3.0, 0.7
 """Braking that the plan may see to itself [m/s^2], but for a contact nearer than this: a slow ego could stop
 until somebody is there, and would not [s]."""
@@ -65,7 +67,8 @@ class _Cars(NamedTuple):
 
     standing: Boxes
     crossing: Boxes | None
-    """Those that drive across the way, at every instant; ``None`` where they do not count."""
+    """Those that drive across the way or towards the ego, at every instant; ``None`` where they do not
+    count."""
 
     def any(self) -> bool:
         return any(boxes is not None and boxes.x.size for boxes in self)
@@ -114,7 +117,7 @@ class LastCheck:
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         # One that only creeps past somebody does not start: it would stop beside them, and stay there.
         starts = self._stood or self._out.taken
-        cars = _Cars(standing_vehicles(perception), crossing_vehicles(perception, times) if starts else None)
+        cars = _Cars(standing_vehicles(perception), _driving(perception, times, starts))
         if not len(near) and not cars.any():
             self._out.reset()
             return plan
@@ -189,6 +192,19 @@ def _near(perception: Perception) -> NDArray[np.intp]:
     if np.isnan(x).any():
         x, y = people.along, people.across - ego.across
     return np.asarray((np.hypot(x, y) < reach).nonzero()[0])
+
+
+def _driving(perception: Perception, times: FloatArray, starts: bool) -> Boxes | None:
+    """Return the vehicles under way that count.
+
+    In a tight bend the body leaves its lane, so that it comes near those that come towards it beside.
+    """
+    if starts:
+        return crossing_vehicles(perception, times)
+    road = perception.road
+    near = road.curvature[: int(BENDS_WITHIN / road.curvature_step)]
+    tight = np.abs(near).max(initial=0.0) > TIGHT
+    return oncoming_vehicles(perception, times) if tight else None
 
 
 def _joined(some: Discs, others: Discs) -> Discs:

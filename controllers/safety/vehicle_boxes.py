@@ -8,13 +8,15 @@ from numpy.typing import NDArray
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes
 from controllers.geometry.footprints import footprints
-from controllers.geometry.plane import vehicles_in_plane
+from controllers.geometry.plane import to_plane, vehicles_in_plane
 from controllers.interface import Perception
 
 STANDING = 0.5
 """Slower ones stand [m/s]."""
 NEAR, NEAR_DRIVING = 15.0, 35.0
 """Those farther from the ego's middle do not count, standing and driving [m]."""
+ONCOMING = np.deg2rad(150.0)
+"""Vehicles whose heading differs from the lane's by more come towards the ego."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
 """Instants at which those that drive are looked at [s]."""
 
@@ -46,6 +48,31 @@ def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
         return boxes
     sides = (values.reshape(shape)[0] for values in boxes[2:])
     return Boxes(boxes.x.reshape(shape), boxes.y.reshape(shape), *sides)
+
+
+def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
+    """Return those that come towards the ego along its road, at K instants [s].
+
+    They keep to their lane, round bends too.
+    """
+    them = perception.vehicles
+    towards = np.abs(them.heading_error) > ONCOMING
+    who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & towards & (them.along > 0.0)
+    count = int(who.sum())
+    if not count:
+        return Boxes(*np.empty((5, 0)))
+    middle = them.along[who] + 0.5 * them.length[who]
+    along = middle + np.outer(times, them.along_speed[who])
+    across = np.broadcast_to(them.across[who], along.shape)
+    places, heading = to_plane(perception.road, along.ravel(), across.ravel())
+    shape = len(times), count
+    return Boxes(
+        places[:, 0].reshape(shape),
+        places[:, 1].reshape(shape),
+        heading.reshape(shape),
+        them.length[who],
+        them.width[who],
+    )
 
 
 def _apart(perception: Perception, most: float) -> NDArray[np.bool_]:

@@ -13,6 +13,7 @@ from controllers.safety.vehicle_boxes import (
     DRIVEN_FOR,
     crossing_vehicles,
     driving_vehicles,
+    oncoming_vehicles,
     standing_vehicles,
 )
 from tests.controllers.scenes import FRONT, Car, bend, ego, keeps, perception, straight_road
@@ -89,3 +90,31 @@ def test_vehicles_that_drive_across_are_where_they_will_be() -> None:
     found = crossing_vehicles(perception(ego(speed=0.0), cars=[crosses]), np.array([0.0, 1.5]))
     assert found.x[:, 0] == pytest.approx([10.0, 10.0])
     assert found.y[1, 0] - found.y[0, 0] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(("comes", "status"), [(-4.0, SHIELDED), (4.0, "ok"), (None, "ok")])
+def test_a_front_that_swings_out_in_a_turn_waits_for_a_vehicle_that_comes_beside(
+    comes: float | None, status: str
+) -> None:
+    """A right turn of 6 m: the front's left corner is 2 m beside the lane's middle, they begin at 1.7 m."""
+    turn = bend(straight_road(), 0.0, -6.0, 9.0)
+    car = Car(9.0, 2.6, along_speed=comes or 0.0, heading_error=np.pi if comes != 4.0 else 0.0)
+    seen = perception(ego(speed=4.0), turn, cars=[car] if comes else [])
+    assert LastCheck().checked(seen, keeps(4.0), NOBODY).status == status
+
+
+def test_on_a_straight_road_nothing_is_worked_out_for_vehicles_that_come_beside() -> None:
+    seen = perception(ego(speed=4.0), cars=[Car(14.0, 1.5, along_speed=-4.0, heading_error=np.pi)])
+    assert LastCheck().checked(seen, keeps(4.0), NOBODY).status == "ok"
+
+
+def test_vehicles_that_come_towards_the_ego_follow_the_road() -> None:
+    turn = bend(straight_road(), 0.0, 10.0, 5.0 * np.pi)
+    comes = Car(5.0 * np.pi, -3.0, along_speed=-2.0, heading_error=np.pi, length=4.0)
+    found = oncoming_vehicles(perception(ego(speed=3.0), turn, cars=[comes]), np.array([0.0, 1.0]))
+    angles = (5.0 * np.pi + 2.0 - 2.0 * np.array([0.0, 1.0])) / 10.0
+    at = angles <= 0.5 * np.pi  # on the bend; the first one's middle is still on the straight road beyond
+    x, y = 13.0 * np.sin(angles), 10.0 - 13.0 * np.cos(angles)
+    assert found.x[at, 0] == pytest.approx(x[at], abs=0.3)
+    assert found.y[at, 0] == pytest.approx(y[at], abs=0.3)
+    assert at.any()
