@@ -17,9 +17,9 @@ from multiprocessing.connection import Pipe
 from multiprocessing.context import BaseContext
 from types import ModuleType
 
-LOADED = ("cosim.running.execution", "libsumo", "pandas", "controllers.strategies.vo_mpc")
-"""What runs need. Pandas is what pyarrow loads as soon as it makes an array, and on most of what the default
-controller stands on others stand, too."""
+LOADED = ("cosim.running.execution", "libsumo", "pandas", "scipy.spatial", "controllers.strategies.vo_mpc")
+"""What runs need. Pandas is what pyarrow loads as soon as it makes an array, SciPy loads its parts when they
+are used, and on most of what the default controller stands on others stand, too."""
 
 _starting = threading.Lock()
 _BEGIN_WITHIN_S = 30.0

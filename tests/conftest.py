@@ -27,12 +27,14 @@ collect_ignore = [] if os.name == "posix" else list(NEED_POSIX)
 
 def pytest_configure() -> None:
     """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored."""
+    gc.disable()  # until the tests are loaded: none of it is garbage
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_finish() -> None:
     """Look for garbage in what tests make, and not each time in all the modules and tests that are loaded."""
+    gc.enable()
     gc.collect()
     gc.freeze()
 

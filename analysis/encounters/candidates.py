@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from analysis.arrays import FloatArray, IntArray
 from analysis.encounters.crossings import Traversal
@@ -66,8 +66,8 @@ def met(
     scale = reach / (within_s + STAY_S)
     own = places_on(vehicles, grid, VEHICLE_SPACING_M, scale)
     other = places_on(persons, grid, PERSON_SPACING_M, scale)
-    pairs = cKDTree(own.points).sparse_distance_matrix(
-        cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
+    pairs = scipy.spatial.cKDTree(own.points).sparse_distance_matrix(
+        scipy.spatial.cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
     )
     i, j = pairs["i"], pairs["j"]
     if not len(i):

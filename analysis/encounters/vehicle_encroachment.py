@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M, Places, places_on
@@ -47,8 +47,8 @@ def encroachments(
     reach += 2.0 * VEHICLE_SPACING_M
     scale = reach / (limit + STAY_S)
     own, other = (places_on(tracks, grid, VEHICLE_SPACING_M, scale) for tracks in (egos, vehicles))
-    pairs = cKDTree(own.points).sparse_distance_matrix(
-        cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
+    pairs = scipy.spatial.cKDTree(own.points).sparse_distance_matrix(
+        scipy.spatial.cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
     )
     i, j = pairs["i"], pairs["j"]
     headings = [_headings(tracks, some) for tracks, some in ((egos, own), (vehicles, other))]

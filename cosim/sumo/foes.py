@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial.distance import cdist
+import scipy
 
 from analysis.polylines import arc_lengths
 from controllers.interface import JunctionFoe
@@ -201,7 +201,7 @@ class FoeFinder:
 
     def _conflict(self, connection: Connection, foe: Connection, must_yield: bool) -> Conflict | None:
         own, other = self._sampled(connection), self._sampled(foe)
-        close = cdist(own, other) < CLEARANCE
+        close = scipy.spatial.distance.cdist(own, other) < CLEARANCE
         if not close.any():
             return None
         own_hits, other_hits = np.flatnonzero(close.any(axis=1)), np.flatnonzero(close.any(axis=0))

@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import accumulate
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from analysis.polylines import arc_lengths
 from cosim.arrays import FloatArray, IntArray
@@ -88,7 +88,7 @@ class Path:
                 np.diff(self.heading),
             ]
         )
-        self._tree = cKDTree(self.points)
+        self._tree = scipy.spatial.cKDTree(self.points)
 
     def station_along(self, station: float) -> float:
         """Return the arc length on the smooth curve [m] of a station of the polyline."""
