@@ -9,5 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-BRIEF_SEARCHES: Mapping[str, Mapping[str, int]] = MappingProxyType({"vo_ga": {"generations": 10}})
+BRIEF_SEARCHES: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {"vo_ga": {"generations": 10}, "drivable_area": {"generations": 3}}
+)
 """By the controller's name."""

@@ -18,6 +18,7 @@ def test_the_traffic_of_all_runs_is_in_one_table_at_any_share_of_egos(tmp_path: 
     study = write_study(
         tmp_path,
         controllers=["aeb"],
+        seeds="1",
         record="everybody",
         set={"warmup_s": 2, "duration_s": 40, "vehicles_per_hour": 900, "pedestrians_per_hour": 900},
         vary={"ego_share": [0, 0.5]},

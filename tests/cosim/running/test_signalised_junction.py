@@ -45,7 +45,7 @@ class RedLightWatch(Recorder):
 @pytest.mark.parametrize(
     ("turn", "count", "until_s"),
     [
-        ("left", 2, 230.0),
+        ("left", 2, 210.0),
         *(pytest.param(turn, 4, 360.0, marks=pytest.mark.slow) for turn in ("left", "straight", "right")),
     ],
 )
