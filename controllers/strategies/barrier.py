@@ -22,8 +22,8 @@ class Settings(ControllerSettings):
 
     Notes
     -----
-    ``braking_g`` and ``rate_per_s`` are those of the adaptive cruise control of [Ames2017]_; the others are
-    our assumptions.
+    ``braking_g`` is that of the cruise control of [Ames2014]_, as public code quotes its Table 1; the
+    others are our assumptions. ``rate_per_s`` is a choice: public code takes 1 or 5.
     """
 
     braking_g: Positive = 0.3

@@ -30,7 +30,7 @@ class Settings(ControllerSettings):
 
     Notes
     -----
-    The form of the constraint is that of [Blackmore2011]_. The risk is a usual choice there; the scatter of
+    The form of the constraint is that of [Blackmore2011]_. The values are our choices; the scatter of
     the pace is about that of walking speeds in [Knoblauch1996]_.
     """
 

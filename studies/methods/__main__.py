@@ -1,8 +1,9 @@
 """``python -m studies.methods OUT``: every study of the methods, seed after seed; repeat it to resume.
 
-All studies are run with the first seed, then with the next, so that what is finished is comparable whenever
-it is stopped. ``--busy`` runs the middle level of demand alone, ``--seeds 9301`` other seeds than the files
-say. What was run is written into each study's folder.
+The order is that of a study which may be stopped at any time: seed by seed, within a seed level by level of
+demand, within a level scenario by scenario, and in a scenario every method. ``--levels busy`` runs some
+levels alone, ``--seeds 9301`` other seeds than the files say. ``plan.json`` in the folder says how many runs
+the whole has, so that the page can say what it rests on.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from analysis.files import write_json
 from cosim.batches.batch import BatchRequest, prepared
 from cosim.batches.progress import shown_checks, shown_tally
 from cosim.batches.study import StudyTable, parse_seeds, read_study
@@ -22,26 +24,33 @@ from studies.zoo.programs import ZooError
 FOLDER = Path(__file__).parent
 FILES = (*sorted(FOLDER.glob("*.toml")), Path(untuned.NAME))
 """What is run unless others are named: study files, and the network that nobody tuned for."""
-BUSY = "busy"
-"""The middle level of demand."""
+LEVELS = tuple(untuned.LEVELS)
+"""Of demand, in the order in which study files vary it."""
+ORDER = ("busy", "light", "crowded")
+"""In which the levels are run."""
+PLAN = "plan.json"
+"""What the whole study is, in its folder."""
+
+Block = tuple[str, str]
+"""A level of demand, and the name of a study."""
 
 
-def narrowed(table: StudyTable, busy: bool) -> StudyTable:
-    """Return a study, with the middle of the levels of demand alone if asked for."""
-    if not busy:
-        return table
-    vary = {key: [values[len(values) // 2]] for key, values in table.vary.items()}
+def at_level(table: StudyTable, level: str) -> StudyTable:
+    """Return a study with one of its levels of demand alone."""
+    vary = {key: [values[LEVELS.index(level)]] for key, values in table.vary.items()}
     return table.model_copy(update={"vary": vary})
 
 
-def studies(out: Path, files: Sequence[Path], busy: bool, seeds: str | None) -> dict[str, StudyTable]:
-    """Return what is run, by name.
+def studies(
+    out: Path, files: Sequence[Path], levels: Sequence[str], seeds: str | None
+) -> dict[Block, StudyTable]:
+    """Return what is run, in its order for one seed.
 
     Parameters
     ----------
     out : where generated networks lie
     files : study files, or the name of the network that nobody tuned for
-    busy : whether the middle level of demand alone
+    levels : of demand
     seeds : instead of those of the files
 
     Raises
@@ -49,25 +58,37 @@ def studies(out: Path, files: Sequence[Path], busy: bool, seeds: str | None) -> 
     CosimError, ZooError
         A study file that is not valid; a network that could not be made.
     """
-    found: dict[str, StudyTable] = {}
-    levels = [BUSY] if busy else list(untuned.LEVELS)
-    for file in files:
-        if file.name != untuned.NAME:
-            found[file.stem] = narrowed(read_study(file), busy)
-            continue
+    tables = {file.stem: read_study(file) for file in files if file.name != untuned.NAME}
+    made: dict[str, StudyTable] = {}
+    if len(tables) < len(files):
         like = read_study(FOLDER / "midblock_zebra.toml")
-        found |= untuned.tables(out, like.controllers, like.seeds, levels)
+        made = untuned.tables(out, like.controllers, like.seeds, levels)
     changed = {} if seeds is None else {"seeds": seeds}
-    return {name: table.model_copy(update=changed) for name, table in found.items()}
+    found: dict[Block, StudyTable] = {}
+    for level in [one for one in ORDER if one in levels]:
+        for name, table in tables.items():
+            found[level, name] = at_level(table, level).model_copy(update=changed)
+        if level in made:
+            found[level, untuned.NAME] = made[level].model_copy(update=changed)
+    return found
 
 
-def batches(out: Path, tables: dict[str, StudyTable]) -> Iterator[tuple[Path, StudyTable]]:
-    """Yield the folder and the table of each batch: one seed of one study, seeds outermost."""
+def batches(out: Path, tables: dict[Block, StudyTable]) -> Iterator[tuple[Path, StudyTable]]:
+    """Yield the folder and the table of each batch: one seed of one study at one level, seeds outermost."""
     seeds = {seed: None for table in tables.values() for seed in parse_seeds(table.seeds)}
     for seed in seeds:
-        for name, table in tables.items():
+        for (level, name), table in tables.items():
             if seed in parse_seeds(table.seeds):
-                yield out / f"seed_{seed}" / name, table.model_copy(update={"seeds": [seed]})
+                yield out / f"seed_{seed}" / level / name, table.model_copy(update={"seeds": [seed]})
+
+
+def write_plan(out: Path, tables: dict[Block, StudyTable]) -> None:
+    """Write how many runs the whole has, and of what."""
+    runs = {
+        folder.relative_to(out).as_posix(): len(table.controllers) for folder, table in batches(out, tables)
+    }
+    out.mkdir(parents=True, exist_ok=True)
+    write_json(out / PLAN, {"runs": runs})
 
 
 def main(arguments: list[str]) -> int:
@@ -75,14 +96,17 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="studies.methods", description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("files", type=Path, nargs="*", metavar="STUDY.toml", help=f"or {untuned.NAME}")
-    parser.add_argument("--busy", action="store_true", help="the middle level of demand alone")
+    parser.add_argument(
+        "--levels", nargs="+", choices=LEVELS, default=LEVELS, metavar="LEVEL", help=f"of {', '.join(LEVELS)}"
+    )
     parser.add_argument("--seeds", help="for instance 9301-9305")
     parser.add_argument("--jobs", type=int, help="runs at a time")
     given = parser.parse_args(arguments)
     again = " ".join(["python -m studies.methods", *arguments])
     good = True
     try:
-        tables = studies(given.out, given.files or FILES, given.busy, given.seeds)
+        tables = studies(given.out, given.files or FILES, given.levels, given.seeds)
+        write_plan(given.out, tables)
         for folder, table in batches(given.out, tables):
             name = Path(f"{folder.name}.toml")
             request = BatchRequest(name, folder, given.jobs, table=table, again=again)

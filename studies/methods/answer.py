@@ -2,44 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from analysis.statistics.intervals import share_upper_bound
-from analysis.statistics.paired import Comparison, compare_values, holm
-from analysis.study.comparison_rows import pair_runs
 from analysis.study.design import Study
+from studies.methods.against import ASSUMED, MARGIN, OURS, Against, needed, power
 from studies.methods.rows import Row
 
-OURS = "vo_mpc"
-MARGIN = 0.5
-"""Of non-inferiority: preventable contacts per 100 encounters."""
 ENOUGH = 150
 """Encounters that each cell is to have."""
 REFERENCES = ("sumo", "septic_lane_change")
 """SUMO's own driver, and one that does not react to pedestrians: no methods of avoidance."""
-
-
-def delays(study: Study, labels: Sequence[str]) -> dict[str, tuple[Comparison, float | None]]:
-    """Return the difference of the delay against ours, paired by condition and seed, with Holm's p-value."""
-    found = {}
-    for label in labels:
-        if label == OURS:
-            continue
-        each = [pair_runs(study, [condition], OURS, label) for condition in study.conditions]
-        values = [
-            (base.numbers["ego_delay_mean_s"], alt.numbers["ego_delay_mean_s"])
-            for pairs in each
-            for (base,), (alt,) in zip(pairs.base, pairs.alt, strict=True)
-            if "ego_delay_mean_s" in base.numbers and "ego_delay_mean_s" in alt.numbers
-        ]
-        if values:
-            base, alt = np.array(values).T
-            found[label] = compare_values(base, alt)
-    corrected = holm([one.p_value for one in found.values()])
-    return {label: (one, p) for (label, one), p in zip(found.items(), corrected, strict=True)}
 
 
 def front(rows: Mapping[str, Row]) -> list[str]:
@@ -60,31 +32,36 @@ def front(rows: Mapping[str, Row]) -> list[str]:
     ]
 
 
-def sentences(study: Study, rows: Mapping[str, Row], fewest: int) -> list[str]:
+def sentences(
+    study: Study, rows: Mapping[str, Row], fewest: int, others: Sequence[Against], planned: int = 0
+) -> list[str]:
     """Return the five sentences.
 
     Parameters
     ----------
-    study : for the pairs
+    study : what was run
     rows : of all labels over all conditions
     fewest : encounters of the cell that has the fewest
+    others : every other method against ours
+    planned : runs of the whole study; 0: not known
     """
     return [
-        _size(study, fewest),
+        _size(study, fewest, planned),
         _contacts(rows),
-        _non_inferior(rows),
-        _on_the_front(study, rows),
+        _non_inferior(rows, others),
+        _on_the_front(rows, others),
         _acting(rows),
     ]
 
 
-def _size(study: Study, fewest: int) -> str:
+def _size(study: Study, fewest: int, planned: int) -> str:
     seeds = len({run.seed for run in study.runs})
     cells = len(study.conditions)
     conditions = f"{cells} condition{'s' if cells > 1 else ''}"
+    whole = f" of the {planned:,} of the whole study" if planned else ""
     enough = "" if fewest >= ENOUGH else f", fewer than the {ENOUGH} that the whole study aims at"
     return (
-        f"**How much was run.** {len(study.runs)} runs: {conditions}, {seeds} "
+        f"**How much was run.** {len(study.runs):,} runs{whole}: {conditions}, {seeds} "
         f"seed{'s' if seeds > 1 else ''}; the smallest cell has {fewest} encounters{enough}."
     )
 
@@ -100,30 +77,39 @@ def _contacts(rows: Mapping[str, Row]) -> str:
     return f"**Contacts.** In {encounters} encounters: {listed}; the others none."
 
 
-def _non_inferior(rows: Mapping[str, Row]) -> str:
+def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
     row = rows.get(OURS)
-    bound = share_upper_bound(row.preventable, row.encounters) if row is not None else None
-    if row is None or bound is None:
-        return f"**Non-inferiority.** `{OURS}` was not run."
-    shown = 100.0 * bound <= MARGIN
-    needed = math.ceil(math.log(0.05) / math.log(1.0 - MARGIN / 100.0))
+    known = [one for one in others if one.bound is not None]
+    if row is None or not known:
+        return f"**Non-inferiority.** `{OURS}` was not run beside any other."
+    missed = [
+        f"`{one.method}` ({one.bound:+.2f})" for one in known if one.bound is not None and not one.shown
+    ]
+    shown = [f"`{one.method}`" for one in known if one.shown]
+    told = (
+        f"is shown to be within {MARGIN:g} per 100 entered encounters of every other method"
+        if not missed
+        else f"is within {MARGIN:g} per 100 entered encounters of {', '.join(shown) or 'no other method'}, "
+        f"and not shown to be of {', '.join(missed)}: upper bound of the difference in brackets"
+    )
+    chance = power(row.encounters, ASSUMED)
     return (
-        f"**Non-inferiority.** `{OURS}` had {row.preventable} preventable contacts in {row.encounters} "
-        f"encounters; the upper bound of its share is {100.0 * bound:.2f} per 100, so that it is "
-        f"{'' if shown else 'not '}shown to be within {MARGIN:g} per 100 of any other; a method that never "
-        f"touches anybody is shown to be so from {needed} encounters on, and never from fewer."
+        f"**Non-inferiority.** With {row.preventable} preventable contacts in {row.encounters} entered "
+        f"encounters, `{OURS}` {told}; were {100 * ASSUMED:g} per 100 the truth for both, a study of "
+        f"this size would show it with a power of {chance:.0%}, and of 80 % from {needed(ASSUMED):,} "
+        "encounters a method on."
     )
 
 
-def _on_the_front(study: Study, rows: Mapping[str, Row]) -> str:
-    best, differences = front(rows), delays(study, list(rows))
+def _on_the_front(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
+    best = front(rows)
     slower = [
-        f"`{label}` {one.difference:+.1f} s"
-        for label, (one, p) in differences.items()
-        if one.difference is not None and p is not None and p < 0.05
+        f"`{one.method}` {one.delay.difference:+.1f} s"
+        for one in others
+        if one.delay.difference is not None and one.delay_p is not None and one.delay_p < 0.05
     ]
     how = " (paired by condition and seed, Holm's correction)"
-    if all(p is None for _, p in differences.values()):
+    if all(one.delay_p is None for one in others):
         told = "one run each is too little to test whether delays differ"
     elif slower:
         told = f"beyond chance, these differ in delay from `{OURS}`: {', '.join(slower)}{how}"

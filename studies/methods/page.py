@@ -1,25 +1,33 @@
 """``python -m studies.methods.page STUDIES PAGE``: what the methods came to, and a table for each condition.
 
-Reads the runs of all studies in a folder and writes below the line ``## What was found`` of the page, which
-keeps what stands above it; the picture lies beside the page.
+Reads the runs of all studies in a folder, whether the whole was run or it was stopped, and writes the page
+and the picture beside it: the answer, what it rests on, and the tables.
 """
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from analysis.errors import StudyError
-from analysis.markdown import table, write_below
+from analysis.files import write_text
+from analysis.markdown import table
+from analysis.statistics.paired import Comparison
 from analysis.study.design import Condition, Study, read_study
 from studies.finished import run_folders
+from studies.methods.__main__ import PLAN
+from studies.methods.against import MARGIN, OURS, Against, against, differences
 from studies.methods.answer import sentences
+from studies.methods.basis import basis
 from studies.methods.figure import draw
-from studies.methods.rows import Row, pooled, rows
+from studies.methods.rows import Row, balanced, pooled, rows
 
-FOUND = "## What was found"
 FIGURE = "study-papers.png"
+VARIANTS, MIDBLOCK = "rules_as_printed", "midblock_zebra"
+"""The study of a variant that one method has, and that of the same streets."""
 
 _HEADINGS = (
     "method",
@@ -39,15 +47,31 @@ _HEADINGS = (
     "solved",
     "control step, p95 [ms]",
 )
-_INTRODUCTION = """\
+_AGAINST = (
+    "method",
+    "delay [s] (95 %)",
+    "p",
+    "jerk, p95 [m/s³] (95 %)",
+    "p",
+    "preventable contacts per 100, ours minus its",
+    "upper bound",
+    "ours non-inferior",
+)
+_TITLE = """\
 # The methods of the papers in traffic
 
 None of the papers makes this comparison: every method drives through the same streets, past the same
-pedestrians and vehicles, on the same seeds, beside methods of today and SUMO's own driver.
+pedestrians and vehicles, on the same seeds, beside methods of today and SUMO's own driver. What was tried
+beyond it stands in [the methods at work](methods-at-work.md).
+"""
+_PICTURE = f"""\
+![contacts per 100 encounters over the delay of a trip, a point a method]({FIGURE})
 
-    make study-papers
-
-runs the study files of `studies/methods` and writes what stands below. Repeat the command to resume.
+*Safety against delay over all conditions, with 95 % intervals: exact ones of the share, Student's t over runs
+of the delay.*
+"""
+_HOW = f"""\
+## How it was counted
 
 *Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
 Contacts are computed from recorded shapes, continuously between samples; a contact is *preventable* if the
@@ -59,48 +83,106 @@ where it applies* the share of those in which the method's own plan is driven, *
 emergency braking or a fallback has the last word; each controller says so itself ([metrics](metrics.md)).
 *Solved* is the share of all plans. Jerk and control step are means over runs of the run's 95th percentile;
 the control step is wall-clock time, measured beside other runs.
+
+Differences of delay and jerk are those of runs of the same condition and seed; their p-values have Holm's
+correction over the methods, those of single conditions (marked `*` from 5 % down) control the false discovery
+rate over all methods and conditions (Benjamini and Hochberg). The bound of the difference of preventable
+contacts is Newcombe's, one-sided at 95 %; `{OURS}` is non-inferior where it is below {MARGIN:g} per 100. To
+be so against every method needs every bound below, and no correction.
 """
 
 
-def markdown(study: Study) -> str:
-    """Return the sentences, the picture and all tables."""
+def markdown(study: Study, aside: Study | None = None, planned: Mapping[str, int] | None = None) -> str:
+    """Return the whole page.
+
+    Parameters
+    ----------
+    study : what everybody drove
+    aside : variants of single methods
+    planned : runs of each batch of the whole study, by its folder
+    """
     labels = study.all_labels()
     rows_of = {condition: rows(study, condition) for condition in study.conditions}
-    whole = {label: pooled(study, label) for label in labels}
-    whole = {label: row for label, row in whole.items() if row.runs}
+    whole = {label: row for label in labels if (row := pooled(study, label)).runs}
+    others = against(study, whole)
     fewest = min((row.encounters for found in rows_of.values() for row in found), default=0)
-    answer = "\n".join(f"{n}. {one}" for n, one in enumerate(sentences(study, whole, fewest), 1))
-    picture = (
-        f"![contacts per 100 encounters over the delay of a trip, a point a method]({FIGURE})\n\n"
-        "*Safety against delay over all conditions, with 95 % intervals: exact ones of the share, Student's "
-        "t over runs of the delay.*"
-    )
-    parts = [answer, picture, "### All conditions\n", table(_HEADINGS, map(_cells, whole.values())) + "\n"]
-    return (
-        "\n\n".join(parts[:2])
-        + "\n\n"
-        + "\n".join([*parts[2:], *(_block(condition, found) for condition, found in rows_of.items())])
-    )
+    told = sentences(study, whole, fewest, others, sum((planned or {}).values()))
+    marks = differences(study, study.conditions, list(whole))
+    parts = [
+        _TITLE,
+        "## The answer\n",
+        "\n".join(f"{n}. {one}" for n, one in enumerate(told, 1)) + "\n",
+        _PICTURE,
+        basis(study, rows_of, planned or {}),
+        "## Every method over all conditions\n",
+        table((*_HEADINGS,), map(_cells, whole.values())) + "\n",
+        f"## Every method against `{OURS}`\n",
+        table(_AGAINST, map(_against, others)) + "\n",
+        "## Each condition\n",
+        *(_block(condition, found, marks) for condition, found in rows_of.items()),
+    ]
+    if aside is not None:
+        parts += ["## The rules as printed, beside ours\n"]
+        parts += [_block(one, rows(aside, one), {}) for one in aside.conditions]
+    return "\n".join([*parts, _HOW])
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write what the studies in a folder found into a page, below whatever stands above it, and the picture.
+    """Write what the studies in a folder found into a page, and the picture beside it.
 
     Raises
     ------
     StudyError
         If there are no runs in the folder, or they cannot be read.
     """
-    study = read_study(run_folders(folder))
+    folders = run_folders(folder)
+    main = [one for one in folders if VARIANTS not in one.parts]
+    study = _read(main or folders)
+    draw(page.parent / FIGURE, study, {label: pooled(study, label) for label in study.all_labels()})
+    aside = [one for one in folders if VARIANTS in one.parts]
+    beside = [one for one in main if MIDBLOCK in one.parts] if aside else []
+    plan = folder / PLAN
+    planned = json.loads(plan.read_text("utf-8"))["runs"] if plan.exists() else {}
+    variants = None
+    if aside:
+        both = read_study([*beside, *aside])
+        variants = balanced(
+            replace(both, runs=tuple(one for one in both.runs if one.controller == "vo_paper"))
+        )
+    write_text(page, markdown(study, variants, planned))
+
+
+def _read(folders: Sequence[Path]) -> Study:
+    study = read_study(folders)
     if study.unreadable:
         raise StudyError(min(study.unreadable.values()))
-    draw(page.parent / FIGURE, study, {label: pooled(study, label) for label in study.all_labels()})
-    write_below(page, FOUND, markdown(study), _INTRODUCTION)
+    return balanced(study)
 
 
-def _block(condition: Condition, found: Sequence[Row]) -> str:
+def _against(one: Against) -> list[str]:
+    return [
+        one.method,
+        _difference(one.delay),
+        _number(one.delay_p, ".3f"),
+        _difference(one.jerk),
+        _number(one.jerk_p, ".3f"),
+        _number(one.excess, "+.2f"),
+        _number(one.bound, "+.2f"),
+        "yes" if one.shown else "not shown",
+    ]
+
+
+def _difference(one: Comparison) -> str:
+    if one.difference is None:
+        return ""
+    interval = "" if one.interval is None else f" ({one.interval.low:+.1f} … {one.interval.high:+.1f})"
+    return f"{one.difference:+.1f}{interval}"
+
+
+def _block(condition: Condition, found: Sequence[Row], marks: Mapping[tuple[str, str], str]) -> str:
     title = f"### {condition.scenario_id}, {condition.text}".rstrip(", ")
-    return f"{title}\n\n{table(_HEADINGS, [_cells(row) for row in found])}\n"
+    cells = [[*_cells(row), marks.get((condition.condition_id, row.method), "")] for row in found]
+    return f"{title}\n\n{table((*_HEADINGS, f'delay against {OURS} [s]'), cells)}\n"
 
 
 def _cells(row: Row) -> list[str]:

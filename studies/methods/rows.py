@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -105,22 +105,24 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
     )
 
 
-def pooled(study: Study, label: str) -> Row:
-    """Return one row for a label over all that everybody drove: an interrupted study stays comparable.
+def balanced(study: Study) -> Study:
+    """Return the part of a study that everybody drove, so that one that was stopped stays comparable.
 
-    Those are the conditions with the most labels, and of them the seeds with which all of these drove.
+    It is the conditions and seeds with the most labels.
     """
-    drivers = {
-        condition: [one for one in study.all_labels() if study.seeds(one, condition)]
-        for condition in study.conditions
-    }
-    most = max((len(labels) for labels in drivers.values()), default=0)
-    runs = []
-    for condition, labels in drivers.items():
-        if len(labels) == most:
-            shared = set.intersection(*(set(study.seeds(one, condition)) for one in labels))
-            runs += [run for seed, run in sorted(study.seeds(label, condition).items()) if seed in shared]
-    return _row(label, runs)
+    drivers: dict[tuple[str, int], set[str]] = {}
+    for run in study.runs:
+        drivers.setdefault((run.condition_id, run.seed), set()).add(study.label(run))
+    most = max(map(len, drivers.values()), default=0)
+    runs = tuple(run for run in study.runs if len(drivers[run.condition_id, run.seed]) == most)
+    left = {run.condition_id for run in runs}
+    conditions = tuple(one for one in study.conditions if one.condition_id in left)
+    return replace(study, runs=runs, conditions=conditions)
+
+
+def pooled(study: Study, label: str) -> Row:
+    """Return one row for a label over all its runs."""
+    return _row(label, [run for run in study.runs if study.label(run) == label])
 
 
 def _near(runs: Sequence[StudyRun], name: str, of: str = "") -> float | None:

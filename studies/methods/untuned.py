@@ -16,16 +16,16 @@ from studies.zoo.recipe import Demand, Recipe
 
 NAME = "untuned_network"
 KIND, SEED = "random-priority", 220_022
-LEVELS = {"light": 2.8, "busy": 1.4, "crowded": 0.7}
+LEVELS = {"light": 2.0, "busy": 1.4, "crowded": 0.7}
 """Mean time between two pedestrians who set out, for each level [s]."""
-DURATION_S = 240.0
+DURATION_S = 150.0
 EGO_SHARE = 0.1
 
 
 def tables(
     out: Path, controllers: Sequence[str], seeds: str | list[int], levels: Sequence[str]
 ) -> dict[str, StudyTable]:
-    """Make what is missing of the towns, and return a study of each level of demand, by its name.
+    """Make what is missing of the towns, and return a study of each level of demand, by level.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def tables(
             "seeds": seeds,
             "set": {"duration_s": DURATION_S, "ego_share": EGO_SHARE},
         }
-        made[name] = study_of(content, name)
+        made[level] = study_of(content, name)
     return made
 
 

@@ -1,0 +1,53 @@
+"""What a page of the methods rests on: how much of the whole study has been run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from analysis.markdown import table
+from analysis.study.design import Condition, Study
+from studies.methods.answer import ENOUGH
+from studies.methods.rows import Row
+
+
+def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Mapping[str, int]) -> str:
+    """Return the section: the command, what was run of it, and the cells that are too small.
+
+    Parameters
+    ----------
+    study : what everybody drove
+    rows_of : the rows of each condition
+    planned : runs of each batch of the whole study, by its folder; empty: not known
+    """
+    seeds = sorted({run.seed for run in study.runs})
+    cells = [row for found in rows_of.values() for row in found]
+    enough = sum(row.encounters >= ENOUGH for row in cells)
+    lines = [
+        "## What it rests on\n",
+        "<!-- no-run: drives the whole study; tests/studies/test_methods.py makes a smaller page -->\n",
+        "    make study-papers\n",
+        "runs the study files of `studies/methods` and writes this page. Repeat the command to resume. It "
+        "runs seed by seed, within a seed level by level of demand (busy, light, crowded), within a level "
+        "scenario by scenario; the page counts what every method drove: it may be stopped at any time.\n",
+        f"Of the {sum(planned.values()):,} runs planned, this page counts {len(study.runs):,}"
+        if planned
+        else f"This page counts {len(study.runs):,} runs",
+        f"(seeds {', '.join(map(str, seeds))}; {len(study.all_labels())} methods). Of the {len(cells)} "
+        f"cells, a method under a condition, {enough} have {ENOUGH} entered encounters or more.\n",
+        table(("scenario", "level", "seeds", "entered encounters of a cell"), _conditions(study, rows_of)),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _conditions(study: Study, rows_of: Mapping[Condition, Sequence[Row]]) -> list[list[str]]:
+    seeds = Counter(one for one, _ in {(run.condition_id, run.seed) for run in study.runs})
+    return [
+        [
+            one.scenario_id,
+            one.text,
+            str(seeds[one.condition_id]),
+            f"{min(row.encounters for row in found)} to {max(row.encounters for row in found)}",
+        ]
+        for one, found in rows_of.items()
+    ]
