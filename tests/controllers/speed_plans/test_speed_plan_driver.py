@@ -250,7 +250,7 @@ def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
         least = speed * (step + CAR_DRIVE.drive_lag) + speed**2 / (2.0 * CAR_DRIVE.max_deceleration)
         for gap in (least + 0.1, least + 1.0, 6.0):
             car = walk(FRONT + gap + 4.5, 0.0, 0.0, 0.0)
-            record = _ride(name, road, vehicles=[car], speed=speed, duration=5.0, step=step)
+            record = _ride(name, road, vehicles=[car], speed=speed, duration=4.0, step=step)
             assert record.distance_to_vehicles() > 0.05, f"{speed} m/s, {gap} m"
 
 
