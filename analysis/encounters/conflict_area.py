@@ -65,7 +65,7 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     """
     radius = 0.5 * person.width
     reach = 0.5 * float(np.hypot(ego.length, ego.width)) + radius
-    margin = reach + 2.0 * (_largest_step(ego) + _largest_step(person))
+    margin = reach + 2.0 * (ego.largest_step + person.largest_step)
     near_ego = _inside_box(ego, person, margin)
     if len(near_ego) == 0:
         return []
@@ -75,13 +75,13 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     # Standing users repeat themselves; only samples that moved are worth the work.
     poses, again = _moved(ego, near_ego)
     line = _thinned(person, near_person, _POINT_SPACING_M)
-    ego_depth = _depth(ego, poses, person, line, radius + _largest_shift(ego), by_pose=True)
+    ego_depth = _depth(ego, poses, person, line, radius + ego.largest_shift, by_pose=True)
     ego_visits = _visits(_time(ego, grid), near_ego, ego_depth[again] - radius)
     if not ego_visits:
         return []
     points, again = _moved(person, near_person)
     swept = _thinned(ego, near_ego, _POSE_SPACING_M)
-    person_depth = _depth(ego, swept, person, points, radius + _largest_step(person), by_pose=False)
+    person_depth = _depth(ego, swept, person, points, radius + person.largest_step, by_pose=False)
     person_visits = _visits(_time(person, grid), near_person, person_depth[again] - radius)
     areas = []
     for own in ego_visits:
@@ -98,12 +98,11 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
 
 def reach(ego: Track) -> float:
     """Return how far from the recorded centres the ego's rectangle gets at most, between them as well [m]."""
-    return 0.5 * float(np.hypot(ego.length, ego.width)) + 2.0 * _largest_step(ego)
+    return 0.5 * float(np.hypot(ego.length, ego.width)) + 2.0 * ego.largest_step
 
 
-def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -> list[Visit]:
-    """Return when the ego's rectangle was on the ground within ``half_width`` of a line of points."""
-    points = _densify(line)
+def stays_on_line(ego: Track, grid: Grid, points: FloatArray, half_width: float) -> list[Visit]:
+    """Return when the ego's rectangle was on the ground within ``half_width`` of a line of dense points."""
     low, high = points.min(axis=0), points.max(axis=0)
     margin = reach(ego) + half_width
     near = np.flatnonzero(
@@ -115,7 +114,7 @@ def stays_on_line(ego: Track, grid: Grid, line: FloatArray, half_width: float) -
     if len(near) == 0:
         return []
     poses, again = _moved(ego, near)
-    wanted = half_width + _largest_shift(ego)
+    wanted = half_width + ego.largest_shift
     depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], True, wanted)
     return _visits(_time(ego, grid), near, depth[again] - half_width)
 
@@ -127,12 +126,6 @@ def _area(own: Visit, other: Visit, person: Track) -> ConflictArea:
 
 def _time(track: Track, grid: Grid) -> FloatArray:
     return grid.time[track.first : track.last + 1]
-
-
-def _largest_step(track: Track) -> float:
-    if len(track.x) < 2:
-        return 0.0
-    return float(np.diff(track.path).max())
 
 
 def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | None = None) -> IntArray:
@@ -158,14 +151,6 @@ def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:
     keep = np.concatenate([[True], np.diff(np.floor(path / spacing)) > 0.0])
     keep[-1] = True
     return np.asarray(index[keep])
-
-
-def _largest_shift(track: Track) -> float:
-    """Return how far a corner of the body gets in one sample at most [m]."""
-    if len(track.x) < 2:
-        return 0.0
-    corner = 0.5 * float(np.hypot(track.length, track.width))
-    return float((np.diff(track.path) + corner * np.abs(np.diff(track.heading))).max())
 
 
 def _depth(
@@ -230,7 +215,8 @@ def _share_ground(ego: Track, own: Visit, person: Track, other: Visit) -> bool:
     return bool(_depth(ego, poses, person, points, radius, by_pose=True).min() <= radius)
 
 
-def _densify(line: FloatArray) -> FloatArray:
+def dense(line: FloatArray) -> FloatArray:
+    """Return a line with as many points between its own as the poses of a path have."""
     pieces = [line[:1]]
     for start, end in pairwise(line):
         count = max(1, int(np.ceil(np.hypot(*(end - start)) / _POSE_SPACING_M)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import overload
 
@@ -33,7 +34,7 @@ class Grid:
     """[s]; sample ``k * factor`` is recorded instant k."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Track:
     """One uninterrupted path; arrays over consecutive samples of the fine grid."""
 
@@ -65,6 +66,19 @@ class Track:
     def last(self) -> int:
         """Fine index of the last sample."""
         return self.first + len(self.x) - 1
+
+    @cached_property
+    def largest_step(self) -> float:
+        """How far the centre gets in one sample at most [m]."""
+        return float(np.diff(self.path).max()) if len(self.x) > 1 else 0.0
+
+    @cached_property
+    def largest_shift(self) -> float:
+        """How far a corner of the body gets in one sample at most [m]."""
+        if len(self.x) < 2:
+            return 0.0
+        corner = 0.5 * float(np.hypot(self.length, self.width))
+        return float((np.diff(self.path) + corner * np.abs(np.diff(self.heading))).max())
 
     def between(self, first: int, last: int) -> Track:
         """Return the part between two samples of this track, both included."""
