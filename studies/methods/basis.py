@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from analysis.markdown import table
 from analysis.study.design import Condition, Study
 from studies.methods.answer import ENOUGH
-from studies.methods.rows import Row
+from studies.methods.rows import Row, title
 
 
 def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Mapping[str, int]) -> str:
@@ -35,7 +35,7 @@ def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Map
         else f"This page counts {len(study.runs):,} runs",
         f"(seeds {', '.join(map(str, seeds))}; {len(study.all_labels())} methods). Of the {len(cells)} "
         f"cells, a method under a condition, {enough} have {ENOUGH} entered encounters or more.\n",
-        table(("scenario", "level", "seeds", "entered encounters of a cell"), _conditions(study, rows_of)),
+        table(("condition", "seeds", "entered encounters of a cell"), _conditions(study, rows_of)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -44,8 +44,7 @@ def _conditions(study: Study, rows_of: Mapping[Condition, Sequence[Row]]) -> lis
     seeds = Counter(one for one, _ in {(run.condition_id, run.seed) for run in study.runs})
     return [
         [
-            one.scenario_id,
-            one.text,
+            title(study, one),
             str(seeds[one.condition_id]),
             f"{min(row.encounters for row in found)} to {max(row.encounters for row in found)}",
         ]

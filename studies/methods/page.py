@@ -23,7 +23,7 @@ from studies.methods.against import MARGIN, OURS, Against, against, differences
 from studies.methods.answer import sentences
 from studies.methods.basis import basis
 from studies.methods.figure import draw
-from studies.methods.rows import Row, balanced, pooled, rows
+from studies.methods.rows import Row, balanced, pooled, rows, title
 
 FIGURE = "study-papers.png"
 VARIANTS, MIDBLOCK = "rules_as_printed", "midblock_zebra"
@@ -119,11 +119,11 @@ def markdown(study: Study, aside: Study | None = None, planned: Mapping[str, int
         f"## Every method against `{OURS}`\n",
         table(_AGAINST, map(_against, others)) + "\n",
         "## Each condition\n",
-        *(_block(condition, found, marks) for condition, found in rows_of.items()),
+        *(_block(study, condition, found, marks) for condition, found in rows_of.items()),
     ]
     if aside is not None:
         parts += ["## The rules as printed, beside ours\n"]
-        parts += [_block(one, rows(aside, one), {}) for one in aside.conditions]
+        parts += [_block(aside, one, rows(aside, one), {}) for one in aside.conditions]
     return "\n".join([*parts, _HOW])
 
 
@@ -179,10 +179,11 @@ def _difference(one: Comparison) -> str:
     return f"{one.difference:+.1f}{interval}"
 
 
-def _block(condition: Condition, found: Sequence[Row], marks: Mapping[tuple[str, str], str]) -> str:
-    title = f"### {condition.scenario_id}, {condition.text}".rstrip(", ")
+def _block(
+    study: Study, condition: Condition, found: Sequence[Row], marks: Mapping[tuple[str, str], str]
+) -> str:
     cells = [[*_cells(row), marks.get((condition.condition_id, row.method), "")] for row in found]
-    return f"{title}\n\n{table((*_HEADINGS, f'delay against {OURS} [s]'), cells)}\n"
+    return f"### {title(study, condition)}\n\n{table((*_HEADINGS, f'delay against {OURS} [s]'), cells)}\n"
 
 
 def _cells(row: Row) -> list[str]:

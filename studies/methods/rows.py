@@ -12,6 +12,7 @@ from analysis.recording.reading import RecordedRun, read_run
 from analysis.statistics.intervals import Interval, share_interval
 from analysis.study.design import Condition, Study
 from analysis.study.runs import StudyRun
+from studies.methods.untuned import LEVELS
 
 NEAR_M = 45.0
 """Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
@@ -103,6 +104,15 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
         overridden=_near(valid, "method_overridden_share"),
         solved=_solved(valid),
     )
+
+
+def title(study: Study, condition: Condition) -> str:
+    """Return the scenario of a condition, and its level of demand as its runs' folders name it."""
+    parts = {
+        part for run in study.runs if run.condition_id == condition.condition_id for part in run.folder.parts
+    }
+    levels = [level for level in LEVELS if level in parts]
+    return ", ".join(filter(None, [condition.scenario_id, *levels[:1], condition.text]))
 
 
 def balanced(study: Study) -> Study:

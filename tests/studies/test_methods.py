@@ -100,6 +100,7 @@ def test_a_variant_of_one_method_has_a_table_of_its_own(tmp_path: Path) -> None:
     write_page(tmp_path, tmp_path / "page.md")
     whole, aside = (tmp_path / "page.md").read_text().split("## The rules as printed, beside ours")
     assert "2 runs: 1 condition, 1 seed" in whole
+    assert "### road, busy\n" in whole
     assert "rules=printed" not in whole
     assert "rules=printed" in aside
 
