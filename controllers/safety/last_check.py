@@ -150,12 +150,7 @@ class LastCheck:
             return _braking(plan, min(float(enough), limit))
         # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
         # Nor is one that leaves the flank to somebody whom an ego that drove on would have passed.
-        # Who has just set off across the road may not keep the direction of their first step.
-        everybody = np.full(len(told), True)
-        straight = np.where(told.on_crossing, told.across_speed, np.nan)
-        for across_speed in (None, straight):
-            walking_on = discs(perception, near, everybody, None, times, across_speed=across_speed)
-            people = _joined(people, walking_on)
+        people = _and_walking_on(perception, near, people, times)
         first = passing_first(perception, times)
         all_of_them = zip(motion, first, slower, strict=True)
         variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
@@ -209,6 +204,22 @@ def _driving(perception: Perception, times: FloatArray, starts: bool) -> Boxes |
 
 def _joined(some: Discs, others: Discs) -> Discs:
     return Discs(*(np.concatenate(both) for both in zip(some, others, strict=True)))
+
+
+def _and_walking_on(
+    perception: Perception, near: NDArray[np.intp], people: Discs, times: FloatArray
+) -> Discs:
+    """Return some people, and the same should they walk on.
+
+    On a crossing it is straight across, too: a first step onto it says little about the direction.
+    """
+    told = perception.pedestrians
+    everybody = np.full(len(told), True)
+    straight = np.where(told.on_crossing, told.across_speed, np.nan)
+    for across_speed in (None, straight):
+        walking_on = discs(perception, near, everybody, None, times, across_speed=across_speed)
+        people = _joined(people, walking_on)
+    return people
 
 
 def _clearances(

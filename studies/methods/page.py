@@ -37,7 +37,7 @@ _HEADINGS = (
     "contacts",
     "preventable",
     "contacts per entered encounter (95 %)",
-    "least TTC [s]",
+    "least time to collision (TTC) [s]",
     "TTC < 1.5 s",
     "delay of a trip [s]",
     "jerk, p95 [m/s³]",
@@ -76,7 +76,7 @@ _HOW = f"""\
 *Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
 Contacts are computed from recorded shapes, continuously between samples; a contact is *preventable* if the
 careful driver of UN R157 would have avoided it. The interval of their share is exact for independent
-encounters; those of one run may be correlated. *Least TTC* (time to collision) is the minimum over all runs.
+encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
 Delay is relative to the speed limit; an unfinished trip counts with its delay so far. *Applies* is the share
 of the plans near pedestrians in which the condition holds under which the method's source has it act, *acts
 where it applies* the share of those in which the method's own plan is driven, *overruled* the share in which
