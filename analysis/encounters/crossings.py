@@ -7,13 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.arrays import FloatArray
 from analysis.encounters.conflict_area import Visit, dense, reach, stays_on_line
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Grid, Track
-
-EVERY = 20
-"""One of so many samples tells which crossings may be near."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +31,14 @@ def traversals(
     found: dict[tuple[str, str], list[Traversal]] = {}
     lines = [crossing for crossing in run.crossings() if len(crossing.shape) >= 2]
     points = [dense(one.shape) for one in lines]
+    # A town has thousands of crossings, and a vehicle passes a few: boxes tell most of them apart at once.
     low = np.array([one.shape.min(axis=0) - 0.5 * one.width_m for one in lines]).reshape(-1, 2)
     high = np.array([one.shape.max(axis=0) + 0.5 * one.width_m for one in lines]).reshape(-1, 2)
     levels = run.levels
     for track in egos:
-        for number in _passed(track, low, high):
+        margin, places = reach(track), np.column_stack((track.x, track.y))
+        near = (low <= places.max(axis=0) + margin) & (high >= places.min(axis=0) - margin)
+        for number in np.flatnonzero(near.all(axis=1)).tolist():
             crossing = lines[number]
             for visit in stays_on_line(track, grid, points[number], 0.5 * crossing.width_m):
                 if levels.apart[track.level[visit.first], levels.of(crossing.name)]:
@@ -47,17 +46,3 @@ def traversals(
                 listed = found.setdefault((track.name, crossing.name), [])
                 listed.append(Traversal(track.name, crossing.name, len(listed) + 1, visit, track))
     return found
-
-
-def _passed(track: Track, low: FloatArray, high: FloatArray) -> list[int]:
-    """Return which of n boxes a vehicle comes near; ``low`` and ``high`` are their corners, (n, 2) [m].
-
-    A town has thousands of crossings, and a vehicle passes a few: places some way apart tell most of them
-    apart at once.
-    """
-    places = np.column_stack((track.x, track.y))[::EVERY]
-    margin = reach(track) + EVERY * track.largest_step
-    if not len(low):
-        return []
-    inside = (low - margin <= places[:, None]) & (places[:, None] <= high + margin)
-    return [int(number) for number in np.flatnonzero(inside.all(axis=2).any(axis=0))]

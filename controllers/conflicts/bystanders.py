@@ -76,10 +76,12 @@ class Bystanders(NamedTuple):
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
         at_crossing = self.clearance[:, passed & self.wait].min(axis=1, initial=np.inf)
         walkers = self.clearance[:, passed & self.walk].min(axis=1, initial=np.inf)
-        limit = np.minimum(
-            passing_speed(nearest), np.where(at_crossing < FREE, speed_to_stop(at_crossing), UNBOUNDED)
+        limits = (
+            passing_speed(nearest),
+            np.where(at_crossing < FREE, speed_to_stop(at_crossing), UNBOUNDED),
+            np.where(walkers < NEAR, BESIDE_WALKERS, UNBOUNDED),
         )
-        limit = np.minimum(limit, np.where(walkers < NEAR, BESIDE_WALKERS, UNBOUNDED))
+        limit = np.minimum.reduce(limits)
         for i in np.flatnonzero(passed & ~np.isnan(self.sets_off)):
             limit = np.minimum(limit, speed_to_stop(self.clearance[:, i], float(self.sets_off[i])))
         return (self.places, limit) if limit.min() < UNBOUNDED else None
