@@ -13,6 +13,9 @@ from types import FrameType
 OWN_PROCESS = "own process"
 """Whether the command line has its process for itself; not so where a program calls it."""
 
+UNCAUGHT = 1
+"""Python's own exit code after an exception that nothing caught: `cosim run` means nothing by it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Ended:
@@ -23,6 +26,13 @@ class Ended:
     """Name of the signal that ended it; empty where it ended by itself."""
     told: str
     """What it had told."""
+
+    @property
+    def crash(self) -> str:
+        """What ended it before it could report; empty where it reported."""
+        if self.signal:
+            return self.signal
+        return "an error that it could not report" if self.code == UNCAUGHT else ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,7 +124,7 @@ def run(
     if context.obj is OWN_PROCESS and not gui:
         ended = apart.begin()
         if isinstance(ended, apart.Ended):
-            if ended.signal:
+            if ended.crash:
                 return _tell_of_crash(ended)
             raise SystemExit(ended.code)  # everything was said there
         return _run(request, ended.tell, debug)
@@ -135,7 +135,7 @@ def _tell_of_crash(ended: apart.Ended) -> int:
     """Keep the recording so far and report the crash."""
     from cosim.running.execution import salvage
 
-    reason = f"the simulation process was ended by {ended.signal}"
+    reason = f"the simulation process was ended by {ended.crash}"
     if not ended.told:
         typer.echo(f"cosim: {reason} before its first step", err=True)
         return 3

@@ -61,7 +61,8 @@ def compose(request: RunRequest) -> Composition:
     with _as_input_errors():
         tried = _tried(request)
         scenario = tried.scenario
-        work_dir = TemporaryDirectory(prefix="cosim-")
+        # Where memory has run out its files cannot be listed either: that must not hide how the run ended.
+        work_dir = TemporaryDirectory(prefix="cosim-", ignore_cleanup_errors=True)
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))
             everybody = request.record == EVERYBODY

@@ -19,6 +19,8 @@ from cosim.sumo.world import SumoWorld
 step = SumoWorld._step
 def crash():
     os.kill(os.getpid(), signal.SIGSEGV)
+def fail_without_a_word():
+    os._exit(1)
 def forbid_more_memory():
     with open("/proc/self/statm") as file:
         size = int(file.read().split()[0]) * resource.getpagesize()
@@ -35,20 +37,27 @@ sys.exit(main())
 
 
 @pytest.mark.sumo
-@pytest.mark.parametrize(("after", "recorded"), [(55, True), (2, False)])
+@pytest.mark.parametrize(
+    ("after", "disturb", "recorded", "told"),
+    [
+        (55, "crash", True, "SIGSEGV"),
+        (2, "crash", False, "SIGSEGV"),
+        (55, "fail_without_a_word", True, "could not report"),
+    ],
+)
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
-    tmp_path: Path, after: int, recorded: bool
+    tmp_path: Path, after: int, disturb: str, recorded: bool, told: str
 ) -> None:
     out = tmp_path / "out"
-    command = [sys.executable, "-c", CRASHING.format(after=after, disturb="crash", out=out)]
+    command = [sys.executable, "-c", CRASHING.format(after=after, disturb=disturb, out=out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 3
     (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
-    assert "SIGSEGV" in line
+    assert told in line
     assert "Traceback" not in done.stderr
     description = json.loads((out / "run.json").read_text())
     assert description["valid"] is False
-    assert "SIGSEGV" in description["invalid_reason"]
+    assert told in description["invalid_reason"]
     assert not list(out.glob("*.part"))
     assert (pq.read_table(out / "egos.parquet").num_rows > 100) is recorded
 
