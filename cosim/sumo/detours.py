@@ -10,17 +10,14 @@ from cosim.sumo.network import Network
 from cosim.sumo.quickest import quickest, route_to
 from cosim.sumo.track import Track
 
-AT_THE_END = 15.0
-"""An ego this near the end of such a lane stands for want of a gap beside it [m]."""
-
 SLOWEST = 0.1
 """Lanes count as driven at least so fast: where a limit is 0 they are closed [m/s]."""
 
 
-def at_the_end_of_a_lane_off_the_route(track: Track) -> bool:
-    """Return whether a vehicle is where its lane leads off its route, and it can only change lanes."""
+def on_a_lane_off_the_route(track: Track) -> bool:
+    """Return whether a vehicle is on a lane that leads off its route, so that it has to change lanes."""
     path = track.path
-    return not path.leads_to_end and path.chain_end - track.along < AT_THE_END
+    return not path.leads_to_end and path.piece_at(track.along).end >= path.chain_end
 
 
 def detour(network: Network, track: Track) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Command, constant_command
 from cosim.step.plant import Plant
 from cosim.step.world import EgoTruth
-from cosim.sumo.detours import at_the_end_of_a_lane_off_the_route
+from cosim.sumo.detours import on_a_lane_off_the_route
 from cosim.sumo.placement import Executed
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
@@ -41,8 +41,8 @@ class DrivenEgo:
     """How long SUMO has had another route than the ego's own [s]."""
     stood_for: float = 0.0
     """How long it has stood [s]."""
-    stood_at_the_end_for: float = 0.0
-    """The same at the end of a lane that leads off its route, since it last looked for a detour [s]."""
+    stood_off_the_route_for: float = 0.0
+    """The same on a lane that leads off its route, since it last looked for a detour [s]."""
     given_up: bool = False
     """Handed back for good: it had left its way, or stood for too long."""
     frame: Frame | None = None
@@ -52,8 +52,8 @@ class DrivenEgo:
         """Count after a step [s] for how long it has stood, in all and where its lane leads off the route."""
         standing = self.executed.speed < VEHICLE_STANDING
         self.stood_for = self.stood_for + step if standing else 0.0
-        at_the_end = standing and at_the_end_of_a_lane_off_the_route(self.track)
-        self.stood_at_the_end_for = self.stood_at_the_end_for + step if at_the_end else 0.0
+        off_the_route = standing and on_a_lane_off_the_route(self.track)
+        self.stood_off_the_route_for = self.stood_off_the_route_for + step if off_the_route else 0.0
 
     def truth(self, step: float) -> EgoTruth:
         """Return what the recording holds of it after a step of that length [s]."""

@@ -11,7 +11,7 @@ from cosim.sumo.placement import Placement
 from cosim.sumo.takeover import Takeover
 
 MISSED = 30.0
-"""An ego that has stood for so long at the end of a lane that leads off its route takes another way [s]."""
+"""An ego that has stood for so long, first on a lane that leads off its route, takes another way [s]."""
 PATIENCE = 5.0
 """An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
 FARTHEST = 15.0
@@ -50,12 +50,23 @@ class Stranded:
         ego.count_standing(step)
         if not ego.given_up and (ego.astray_for > PATIENCE or ego.stood_for > STOOD):
             self._give_up(ego)
-        if ego.stood_at_the_end_for > MISSED:
-            self._take_detour(ego)
+        if ego.stood_off_the_route_for > MISSED:
+            ego.stood_off_the_route_for = 0.0
+            if self._is_first_on_its_lane(ego):
+                self._take_detour(ego)
+
+    def _is_first_on_its_lane(self, ego: DrivenEgo) -> bool:
+        """Return whether an ego waits for no vehicle between it and the end of its lane.
+
+        How far before the end it waits is its controller's to say: for a gap it needs room to turn into.
+        """
+        vehicle = self._sumo.vehicle
+        own = vehicle.getLanePosition(ego.name)
+        others = self._sumo.lane.getLastStepVehicleIDs(vehicle.getLaneID(ego.name))
+        return all(vehicle.getLanePosition(name) <= own for name in others)
 
     def _take_detour(self, ego: DrivenEgo) -> None:
         """Give an ego another way to its destination, if its lane leads to one."""
-        ego.stood_at_the_end_for = 0.0
         edges = detour(self._network, ego.track)
         if edges and self._placement.reroute(ego.name, edges):
             ego.track = self._takeover.track_of(

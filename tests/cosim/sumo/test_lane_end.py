@@ -10,7 +10,7 @@ import sumo
 
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
-from cosim.sumo.stranded import STOOD
+from cosim.sumo.stranded import MISSED, STOOD
 
 pytestmark = pytest.mark.sumo
 
@@ -38,6 +38,10 @@ WAY_BACK = (
 BESIDE = (
     '<vType id="long" length="60"/><vehicle id="b" type="long" depart="0" departLane="2" departPos="{0}">'
     '<route edges="wj je"/><stop lane="wj_2" endPos="{0}" duration="1000"/></vehicle>'
+)
+AHEAD = (
+    '<vehicle id="a" depart="0" departLane="1" departPos="80">'
+    '<route edges="wj js"/><stop lane="wj_1" endPos="80" duration="1000"/></vehicle>'
 )
 
 
@@ -131,3 +135,24 @@ def test_an_ego_that_nobody_lets_in_takes_another_way_to_its_destination(tmp_pat
     ]
     causes = set(egos.loc[egos["intervention"], "intervention_cause"])
     assert causes <= {"tight_bend"}, "where it turns back in the south"
+
+
+@pytest.mark.parametrize(("others", "detours"), [("", ["v"]), (AHEAD, [])])
+def test_only_the_first_on_a_lane_that_leads_elsewhere_takes_another_way(
+    tmp_path: Path, others: str, detours: list[str]
+) -> None:
+    """However far before the end of the lane it waits; the others wait for the first."""
+    configuration = build(tmp_path, "priority", 40.0, 1.0, WAY_BACK, others)
+    out = tmp_path / "run"
+    result = run(
+        RunRequest(
+            str(configuration),
+            "constant_speed",
+            settings={"speed_mps": "0"},
+            duration_s=MISSED + 10.0,
+            ego_vehicle="v",
+            out=out,
+        )
+    )
+    assert result.valid, result.invalid_reason
+    assert json.loads((out / "run.json").read_text())["egos_on_detours"] == detours
