@@ -16,10 +16,9 @@ from studies.zoo.recipe import Demand, Recipe
 
 NAME = "untuned_network"
 KIND, SEED = "random-priority", 220_022
-LEVELS = {"light": 2.0, "busy": 1.4, "crowded": 0.7}
-"""Mean time between two pedestrians who set out, for each level [s]."""
-DURATION_S = 150.0
-EGO_SHARE = 0.1
+LEVELS = {"light": (2.0, 240.0), "busy": (1.4, 170.0), "crowded": (0.7, 120.0)}
+"""Mean time between two pedestrians who set out, and how long a run is, for each level [s]."""
+EGO_SHARE = 0.2
 
 
 def tables(
@@ -42,13 +41,14 @@ def tables(
     made = {}
     for level in levels:
         name = f"{NAME}_{level}"
-        recipe = Recipe(name, KIND, _network, Demand(person_period_s=LEVELS[level]))
-        configuration = town.make(recipe, SEED, DURATION_S, out.resolve() / "towns" / name)
+        period_s, duration_s = LEVELS[level]
+        recipe = Recipe(name, KIND, _network, Demand(person_period_s=period_s))
+        configuration = town.make(recipe, SEED, duration_s, out.resolve() / "towns" / name)
         content = {
             "scenarios": [str(configuration)],
             "controllers": list(controllers),
             "seeds": seeds,
-            "set": {"duration_s": DURATION_S, "ego_share": EGO_SHARE},
+            "set": {"duration_s": duration_s, "ego_share": EGO_SHARE},
         }
         made[level] = study_of(content, name)
     return made

@@ -200,7 +200,7 @@ def test_the_levels_of_every_study_file_are_run_one_after_the_other(tmp_path: Pa
     for name in {name for _, name in found}:
         demand = [found[level, name].vary["pedestrians_per_hour"] for level in LEVELS]
         assert demand == sorted(demand)
-        assert all(len(values) == 1 for values in demand)
+        assert all(len(values) == 1 for level in LEVELS for values in found[level, name].vary.values())
     write_plan(tmp_path, found)
     assert sum(json.loads((tmp_path / "plan.json").read_text())["runs"].values()) == 3 * (5 * 15 + 1)
 
@@ -210,7 +210,10 @@ def test_the_network_that_nobody_tuned_for_is_the_same_at_every_level(tmp_path: 
     made = studies(tmp_path, [Path("untuned_network")], LEVELS, seeds=None)
     towns = [Path(table.scenarios[0]).parent for table in made.values()]
     networks = {(town / "town.net.xml").read_bytes() for town in towns}
-    people = [(town / "people.rou.xml").read_text().count("<person ") for town in towns]
+    people = [
+        (town / "people.rou.xml").read_text().count("<person ") / float(str(table.settings["duration_s"]))
+        for town, table in zip(towns, made.values(), strict=True)
+    ]
     assert [level for level, _ in made] == ["busy", "light", "crowded"]
     assert len(networks) == 1
     assert people[1] < people[0] < people[2]
