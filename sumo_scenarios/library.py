@@ -164,6 +164,7 @@ def _from_sumocfg(path: Path) -> Scenario:
         pedestrians_per_hour=None,
         parameters={},
         egos=Egos(),
+        teleport_after_s=configuration.teleport_after_s,
     )
 
 

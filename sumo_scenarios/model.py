@@ -65,6 +65,8 @@ class Scenario:
     """What scenario.toml says."""
     pedestrians: tuple[PedestrianTable, ...] = ()
     """Scripted ones, whom SUMO does not have."""
+    teleport_after_s: float = -1.0
+    """How long a vehicle of SUMO's stands before SUMO puts it elsewhere; not positive: for ever [s]."""
     variant: Path | None = None
     """Folder of the scenario.toml that has a base; ``folder`` is that of the base then."""
 

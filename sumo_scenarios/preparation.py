@@ -23,6 +23,9 @@ from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
 from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
+SOONEST_TELEPORT_S = 300.0
+"""An ego that stands is driven by SUMO before (`cosim.sumo.stranded`), and only then may be teleported."""
+
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
@@ -119,6 +122,12 @@ def _pedestrians(scenario: Scenario) -> dict[str, str]:
     return hashes
 
 
+def _teleport_after_s(scenario: Scenario) -> float:
+    """Return how long SUMO lets a vehicle stand: long enough for no ego to be taken away [s]."""
+    wanted = scenario.teleport_after_s
+    return max(wanted, SOONEST_TELEPORT_S) if wanted > 0.0 else -1.0
+
+
 def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
     """Return what every run sets, over what a configuration may say otherwise."""
     options = [
@@ -132,8 +141,7 @@ def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
         *("--collision.action", "warn"),
         *("--collision.check-junctions", "true"),
         *("--collision.mingap-factor", "0"),
-        # A standing ego must stay where it is.
-        *("--time-to-teleport", "-1"),
+        *("--time-to-teleport", f"{_teleport_after_s(scenario):g}"),
         *("--no-step-log", "true"),
         *("--no-warnings", "true"),
         *("--duration-log.disable", "true"),

@@ -12,6 +12,9 @@ from sumo_scenarios.file_names import split_names
 from sumo_scenarios.sumo_options import long_name
 from sumo_scenarios.xml_files import check_xml
 
+SUMO_TELEPORTS_AFTER_S = 300.0
+"""Default of SUMO's time-to-teleport."""
+
 
 @dataclass(frozen=True, slots=True)
 class SumoConfiguration:
@@ -25,6 +28,8 @@ class SumoConfiguration:
     end_s: float | None
     step_s: float
     lateral_resolution_m: float | None
+    teleport_after_s: float
+    """How long a vehicle stands before SUMO puts it elsewhere; not positive: for ever."""
     options: Mapping[str, str]
     """Everything that it sets, as texts, by SUMO's long names."""
 
@@ -54,6 +59,7 @@ def read_sumocfg(path: Path) -> SumoConfiguration:
     lateral = _seconds(path, "lateral-resolution", options) or 0.0
     end_s = _seconds(path, "end", options)
     step_s = _seconds(path, "step-length", options)
+    teleport_after_s = _seconds(path, "time-to-teleport", options)
     return SumoConfiguration(
         path=path,
         net_file=net_file,
@@ -63,6 +69,7 @@ def read_sumocfg(path: Path) -> SumoConfiguration:
         end_s=None if end_s is None or end_s < 0 else end_s,
         step_s=1.0 if step_s is None else step_s,
         lateral_resolution_m=lateral if lateral > 0 else None,
+        teleport_after_s=SUMO_TELEPORTS_AFTER_S if teleport_after_s is None else teleport_after_s,
         options=options,
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from cosim.inspection.demand import seconds
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source
+from sumo_scenarios.preparation import SOONEST_TELEPORT_S
 from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
 from sumo_scenarios.sumo_options import is_true
 
@@ -61,9 +62,9 @@ def replaced(source: Source) -> list[Finding]:
         return []
     options = source.options
     found: list[str] = []
-    waiting = seconds(options.get("time-to-teleport", "300"))
-    if waiting is not None and waiting > 0.0:
-        found.append(f"teleporting after {waiting:g} s of waiting")
+    waiting = seconds(options.get("time-to-teleport", ""))
+    if waiting is not None and 0.0 < waiting < SOONEST_TELEPORT_S:
+        found.append(f"teleporting after {waiting:g} s of waiting, not {SOONEST_TELEPORT_S:g} s")
     action = options.get("collision.action", "teleport")
     if action != "warn":
         found.append(f"collision.action {action}")

@@ -62,6 +62,9 @@ def _mishaps(description: Mapping[str, Any]) -> list[str]:
     if detours:
         text = f"{len(detours)} times an ego had missed its lane and took another way to its destination"
         found.append(_with_first(text, detours))
+    elsewhere = description["n_others_teleported"]
+    if elsewhere:
+        found.append(f"{elsewhere} times SUMO put a vehicle that had stood for too long elsewhere (teleport)")
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:
         furthest = max(beside.values())

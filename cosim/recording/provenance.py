@@ -118,6 +118,7 @@ def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
         "egos_given_up": [],
         "cars_not_taken": [],
         "egos_on_detours": [],
+        "n_others_teleported": 0,
         "tight_bends": {},
         "solvers": {},
         "recording_schema_version": schema_version,

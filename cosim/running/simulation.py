@@ -187,6 +187,7 @@ def _finish(
         egos_given_up=list(recorder.mishaps.given_up),
         cars_not_taken=list(recorder.mishaps.not_taken),
         egos_on_detours=list(recorder.mishaps.detours),
+        n_others_teleported=recorder.mishaps.others_teleported,
         tight_bends={lane: round(off, 2) for lane, off in recorder.mishaps.tight_bends.items()},
         solvers=recorder.solves,
         valid=reason is None,

@@ -158,6 +158,8 @@ class Mishaps:
     """Cars of a share that could not be taken over: nobody can drive their route."""
     detours: tuple[str, ...] = ()
     """Egos that had missed their lane and took another way to their destination, once for each time."""
+    others_teleported: int = 0
+    """How often the simulator put another vehicle, which had stood for too long, elsewhere."""
     tight_bends: Mapping[str, float] = field(default_factory=dict)
     """Lanes that bend more than an ego on them can, and how far it gets from them there at least [m]."""
 

@@ -87,6 +87,7 @@ class SumoWorld:
         self._egos: dict[str, DrivenEgo] = {}
         self._visited: set[tuple[int, int]] = set()
         self._teleports = 0
+        self._others_teleported = 0
         self._off_the_way = 0
         self._tight_bends: dict[str, float] = {}
         self._not_taken: list[str] = []
@@ -198,6 +199,7 @@ class SumoWorld:
                 tuple(self._stranded.given_up),
                 tuple(self._not_taken),
                 tuple(self._stranded.on_detours),
+                self._others_teleported,
                 dict(self._tight_bends),
             ),
             self._traffic,
@@ -275,9 +277,8 @@ class SumoWorld:
 
     def _drop_gone(self) -> None:
         """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""
-        if not self._egos:
-            return
         teleporting = set(self._sumo.simulation.getStartingTeleportIDList())
+        self._others_teleported += len(teleporting - self._egos.keys())
         there = self._present.vehicles
         for name in [name for name in self._egos if name not in there or name in teleporting]:
             ego = self._egos[name]

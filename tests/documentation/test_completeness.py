@@ -20,6 +20,7 @@ MISHAPS = (
     "egos_given_up",
     "cars_not_taken",
     "egos_on_detours",
+    "n_others_teleported",
     "solvers",
 )
 

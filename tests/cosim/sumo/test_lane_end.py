@@ -11,6 +11,7 @@ import sumo
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 from cosim.sumo.stranded import MISSED, STOOD
+from sumo_scenarios.preparation import SOONEST_TELEPORT_S
 
 pytestmark = pytest.mark.sumo
 
@@ -39,6 +40,8 @@ BESIDE = (
     '<vType id="long" length="60"/><vehicle id="b" type="long" depart="0" departLane="2" departPos="{0}">'
     '<route edges="wj je"/><stop lane="wj_2" endPos="{0}" duration="1000"/></vehicle>'
 )
+STUCK = '<vehicle id="a" depart="0" departLane="1" departPos="60"><route edges="wj je"/></vehicle>'
+"""Nobody lets it into the lane beside it, where its route goes on."""
 AHEAD = (
     '<vehicle id="a" depart="0" departLane="1" departPos="80">'
     '<route edges="wj js"/><stop lane="wj_1" endPos="80" duration="1000"/></vehicle>'
@@ -156,3 +159,21 @@ def test_only_the_first_on_a_lane_that_leads_elsewhere_takes_another_way(
     )
     assert result.valid, result.invalid_reason
     assert json.loads((out / "run.json").read_text())["egos_on_detours"] == detours
+
+
+def test_a_vehicle_of_sumo_that_blocks_the_road_is_teleported_and_an_ego_is_not(tmp_path: Path) -> None:
+    """Not before the ego behind it was handed back, however early the configuration has it."""
+    configuration = build(tmp_path, "priority", 40.0, 1.0, others=BESIDE.format(92.0) + STUCK)
+    text = configuration.read_text().replace(
+        "</time>", '</time><processing><time-to-teleport value="9"/></processing>'
+    )
+    configuration.write_text(text)
+    out = tmp_path / "run"
+    result = run(
+        RunRequest(str(configuration), "aeb", duration_s=SOONEST_TELEPORT_S + 20.0, ego_vehicle="v", out=out)
+    )
+    assert result.valid, result.invalid_reason
+    description = json.loads((out / "run.json").read_text())
+    assert (description["egos_given_up"], description["n_others_teleported"]) == (["v"], 1)
+    neighbours = pd.read_parquet(out / "neighbours.parquet")
+    assert neighbours.loc[neighbours["object_id"] == "a", "time_s"].max() > SOONEST_TELEPORT_S - 1.0
