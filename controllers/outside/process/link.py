@@ -182,7 +182,7 @@ class Link:
 
     def _gone(self, what: str) -> LinkError:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            code = self._process.wait(_POLL_S)
+            code = self._process.wait(SAFE_END_S)  # its connection may be gone before the program is
             how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
             return LinkError(f"{self._name} {how}")
         return LinkError(f"{self._name} {what}")
