@@ -8,12 +8,13 @@ Instants are interpolated between samples of at most 0.05 s.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
+from analysis.encounters.lines import Lines
 from analysis.geometry import pairs_within, signed_distance
 from analysis.polylines import arc_lengths
 from analysis.recording.tracks import Grid, Track
@@ -73,13 +74,15 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     if len(near_person) == 0:
         return []
     # Standing users repeat themselves; only samples that moved are worth the work.
-    poses, again = _moved(ego, near_ego)
+    moved, again = _moved(ego, near_ego)
+    poses = near_ego[moved]
     line = _thinned(person, near_person, _POINT_SPACING_M)
     ego_depth = _depth(ego, poses, person, line, radius + ego.largest_shift, by_pose=True)
     ego_visits = _visits(_time(ego, grid), near_ego, ego_depth[again] - radius)
     if not ego_visits:
         return []
-    points, again = _moved(person, near_person)
+    moved, again = _moved(person, near_person)
+    points = near_person[moved]
     swept = _thinned(ego, near_ego, _POSE_SPACING_M)
     person_depth = _depth(ego, swept, person, points, radius + person.largest_step, by_pose=False)
     person_visits = _visits(_time(person, grid), near_person, person_depth[again] - radius)
@@ -101,22 +104,22 @@ def reach(ego: Track) -> float:
     return 0.5 * float(np.hypot(ego.length, ego.width)) + 2.0 * ego.largest_step
 
 
-def stays_on_line(ego: Track, grid: Grid, points: FloatArray, half_width: float) -> list[Visit]:
-    """Return when the ego's rectangle was on the ground within ``half_width`` of a line of dense points."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = reach(ego) + half_width
-    near = np.flatnonzero(
-        (ego.x >= low[0] - margin)
-        & (ego.x <= high[0] + margin)
-        & (ego.y >= low[1] - margin)
-        & (ego.y <= high[1] + margin)
-    )
-    if len(near) == 0:
-        return []
-    poses, again = _moved(ego, near)
-    wanted = half_width + ego.largest_shift
-    depth = _smallest_distance(ego, poses, points[:, 0], points[:, 1], True, wanted)
-    return _visits(_time(ego, grid), near, depth[again] - half_width)
+def stays_on_lines(ego: Track, grid: Grid, lines: Lines) -> Iterator[tuple[int, Visit]]:
+    """Yield when the ego's rectangle was on the ground of which line, line by line, in the order of time."""
+    line, sample = lines.near(ego, reach(ego))
+    if len(line) == 0:
+        return
+    new = np.concatenate([[True], line[1:] != line[:-1]])
+    moved, again = _moved(ego, sample, new)
+    depth = lines.distances(ego, line[moved], sample[moved], ego.largest_shift)[again]
+    outside = depth - lines.half_widths[line]
+    starts = np.flatnonzero(new)
+    met = np.minimum.reduceat(outside, starts) <= 0.0
+    ends = np.append(starts[1:], len(line))
+    time = _time(ego, grid)
+    for start, end in zip(starts[met].tolist(), ends[met].tolist(), strict=True):
+        for visit in _visits(time, sample[start:end], outside[start:end]):
+            yield int(line[start]), visit
 
 
 def _area(own: Visit, other: Visit, person: Track) -> ConflictArea:
@@ -136,12 +139,15 @@ def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | No
     return np.flatnonzero(near)
 
 
-def _moved(track: Track, index: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the samples at which the track is elsewhere than before, and which of them each sample is."""
+def _moved(track: Track, index: IntArray, new: BoolArray | None = None) -> tuple[IntArray, IntArray]:
+    """Return the numbers of those samples at which the track is elsewhere than at the one before, or which
+    begin something new, and which of them each sample is like."""
     x, y, heading = track.x[index], track.y[index], np.nan_to_num(track.heading[index])
     change = np.hypot(np.diff(x), np.diff(y)) + np.abs(np.diff(heading))
     moved = np.concatenate([[True], change > _SAME_PLACE])
-    return np.asarray(index[moved]), np.asarray(np.cumsum(moved) - 1)
+    if new is not None:
+        moved |= new
+    return np.flatnonzero(moved), np.asarray(np.cumsum(moved) - 1)
 
 
 def _thinned(track: Track, index: IntArray, spacing: float) -> IntArray:
@@ -213,12 +219,3 @@ def _share_ground(ego: Track, own: Visit, person: Track, other: Visit) -> bool:
     points = _thinned(person, np.arange(other.first, other.last + 1), _POINT_SPACING_M)
     radius = 0.5 * person.width
     return bool(_depth(ego, poses, person, points, radius, by_pose=True).min() <= radius)
-
-
-def dense(line: FloatArray) -> FloatArray:
-    """Return a line with as many points between its own as the poses of a path have."""
-    pieces = [line[:1]]
-    for start, end in pairwise(line):
-        count = max(1, int(np.ceil(np.hypot(*(end - start)) / _POSE_SPACING_M)))
-        pieces.append(start + (end - start) * (np.arange(1, count + 1) / count)[:, None])
-    return np.concatenate(pieces)
