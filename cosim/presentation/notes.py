@@ -64,7 +64,7 @@ def _mishaps(description: Mapping[str, Any]) -> list[str]:
         found.append(_with_first(text, detours))
     elsewhere = description["n_others_teleported"]
     if elsewhere:
-        found.append(f"{elsewhere} times SUMO put a vehicle that had stood for too long elsewhere (teleport)")
+        found.append(f"SUMO's own vehicles that were teleported after standing for too long: {elsewhere}")
     beside = {lane: off for lane, off in description["tight_bends"].items() if off > BESIDE_THE_LANE}
     if beside:
         furthest = max(beside.values())
