@@ -49,17 +49,20 @@ Values = Mapping[tuple[str, str], float]
 class Outcome:
     """One run."""
 
+    scenario: str
     share: float
     seed: int
     values: Values
 
 
 def outcomes(runs: Sequence[StudyRun]) -> list[Outcome]:
-    """Return the numbers of the valid runs, by share and seed."""
+    """Return the numbers of the valid runs, by scenario, share and seed."""
     found = [
-        Outcome(float(run.setting.get("ego_share", 0.0)), run.seed, _values(run)) for run in runs if run.valid
+        Outcome(run.scenario_id, float(run.setting.get("ego_share", 0.0)), run.seed, _values(run))
+        for run in runs
+        if run.valid
     ]
-    return sorted(found, key=lambda one: (one.share, one.seed))
+    return sorted(found, key=lambda one: (one.scenario, one.share, one.seed))
 
 
 def _values(run: StudyRun) -> Values:

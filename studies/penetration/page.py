@@ -1,7 +1,7 @@
-"""``python -m studies.penetration.page STUDY PAGE``: table and figure over the share of egos.
+"""``python -m studies.penetration.page STUDY PAGE``: tables and figures over the share of egos.
 
-Writes the tables below the line ``## Tables`` of the page, which keeps what stands above it, and the figure
-beside the page.
+Writes the tables of each scenario below the line ``## Tables`` of the page, which keeps what stands above
+it, and the figures beside the page.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ TABLES = "## Tables"
 
 
 def markdown(found: Sequence[Outcome]) -> str:
-    """Return one table for each measure: a row for each share, with 95 % intervals over seeds."""
+    """Return a table for each measure in one scenario: a row a share, with 95 % intervals over seeds."""
     return "\n".join(_table(measure, found) for measure in MEASURES)
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write tables and figure of a study's folder.
+    """Write tables and figures of a study's folder.
 
     Raises
     ------
@@ -40,10 +40,14 @@ def write_page(folder: Path, page: Path) -> None:
     if not folders:
         raise StudyError(f"{folder}: no runs; cosim batch makes them")
     found = outcomes(read_runs(folders))
-    figure = page.with_suffix(".svg")
-    draw(found, figure)
-    text = f"![Safety and delay over the share of egos]({figure.name})\n\n{markdown(found)}"
-    write_below(page, TABLES, text, "# Penetration")
+    sections = []
+    for scenario in sorted({one.scenario for one in found}):
+        here = [one for one in found if one.scenario == scenario]
+        figure = page.with_name(f"{page.stem}-{scenario}.svg")
+        draw(here, figure)
+        shown = f"![Safety and delay over the share of egos, {scenario}]({figure.name})"
+        sections.append(f"### `{scenario}`\n\n{shown}\n\n{markdown(here)}")
+    write_below(page, TABLES, "\n".join(sections), "# Penetration")
 
 
 def of(found: Sequence[Outcome], share: float, measure: str, who: str) -> dict[int, float]:
@@ -65,7 +69,7 @@ def _table(measure: Measure, found: Sequence[Outcome]) -> str:
         runs = len({one.seed for one in found if one.share == share})
         rows.append([f"{share:g}", str(runs), *cells, against])
     title = measure.title[0].upper() + measure.title[1:]
-    return f"### {title} [{measure.unit}]\n\n{table(heads, rows)}\n"
+    return f"#### {title} [{measure.unit}]\n\n{table(heads, rows)}\n"
 
 
 def _mean(values: dict[int, float]) -> str:

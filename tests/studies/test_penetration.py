@@ -43,9 +43,10 @@ def test_the_page_splits_egos_and_others_over_the_share(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     write_page(tmp_path / "out", page)
     told = page.read_text("utf-8")
-    assert "### Conflicts, serious or worse [per 100 encounters]" in told
+    assert "### `midblock_zebra`" in told
+    assert "#### Conflicts, serious or worse [per 100 encounters]" in told
     assert "| 0.5 | 1 |" in told
-    assert page.with_suffix(".svg").is_file()
+    assert (tmp_path / "page-midblock_zebra.svg").is_file()
 
 
 def test_a_folder_without_runs_is_refused(tmp_path: Path) -> None:
