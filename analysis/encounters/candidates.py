@@ -14,8 +14,9 @@ import scipy
 
 from analysis.arrays import FloatArray, IntArray
 from analysis.encounters.crossings import Traversal
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 
 VEHICLE_SPACING_M, PERSON_SPACING_M = 1.0, 0.5

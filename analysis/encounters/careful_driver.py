@@ -29,7 +29,8 @@ from analysis.encounters.contacts import Contact
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.encounters.line_of_sight import is_visible
 from analysis.geometry import pairs_within, signed_distance, time_to_contact, to_frame
-from analysis.recording.tracks import Grid, There, Track
+from analysis.recording.fine_grid import Grid
+from analysis.recording.tracks import There, Track
 from analysis.thresholds import Thresholds
 
 _LOOK_BACK_S = 30.0

@@ -16,12 +16,16 @@ from analysis.encounters.crossings import Traversal, traversals
 from analysis.encounters.finding import Encounter, Surroundings, find_encounters, find_in_traffic
 from analysis.encounters.prediction import PredictedArea, predict_area
 from analysis.encounters.samples import Samples, gather
-from analysis.encounters.vehicle_conflicts import VehicleConflict, find_vehicle_conflicts
+from analysis.encounters.vehicle_conflicts import VehicleConflict, find_vehicle_conflicts, may_be_near
+from analysis.encounters.vehicle_encroachment import Encroachment, encroachments
 from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
 from analysis.recording.ego_steps import EgoSteps, ego_steps
+from analysis.recording.ego_tracks import EgoTracks, ego_tracks
+from analysis.recording.fine_grid import Grid, make_grid
 from analysis.recording.knowledge import Knowledge, knowledge_of
+from analysis.recording.object_tracks import Tracks
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid, There, Track, Tracks, ego_tracks, make_grid
+from analysis.recording.tracks import There, Track, way_of
 from analysis.thresholds import Thresholds
 
 Values = Mapping[str, Any]
@@ -42,7 +46,7 @@ class Case:
     """All recorded pedestrians: a long run is judged some of them at a time."""
     vehicles: Tracks
     """All recorded vehicles; egos are among them while another ego is near."""
-    bystanders: Sequence[Track]
+    bystanders: EgoTracks | None
     """Egos of other parts of the run that were there meanwhile; none where the run is judged at once."""
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
     encounters: Sequence[Encounter]
@@ -155,7 +159,7 @@ class _Rides:
     thresholds: Thresholds
     grid: Grid
     egos: Sequence[Track]
-    bystanders: Sequence[Track]
+    bystanders: EgoTracks | None
     crowd: Tracks
     vehicles: Tracks
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
@@ -168,26 +172,42 @@ class _Rides:
 def _rides(run: RecordedRun, thresholds: Thresholds) -> _Rides:
     grid = make_grid(run, thresholds)
     egos, vehicles = ego_tracks(run, grid, thresholds), Tracks(run, grid, "vehicle")
-    overlaps: list[VehicleOverlap] = []
-    conflicts: list[VehicleConflict] = []
-    for some in vehicles.some(SAMPLES_AT_ONCE):
-        overlaps += find_overlaps(egos, some, grid, run.levels)
-        conflicts += find_vehicle_conflicts(egos, some, grid, run.levels, thresholds, run.largest[0])
+    overlaps, conflicts = _with_vehicles(egos, vehicles, run, grid, thresholds)
     others = run.bystanders
     return _Rides(
         run=run,
         thresholds=thresholds,
         grid=grid,
         egos=egos,
-        bystanders=() if others is None else ego_tracks(run, grid, thresholds, others),
+        bystanders=None if others is None else EgoTracks(run, others, grid, thresholds),
         crowd=Tracks(run, grid, "pedestrian"),
         vehicles=vehicles,
         traversals=traversals(egos, run, grid),
         steps=ego_steps(run, egos, grid, thresholds),
-        overlaps=vehicle_overlaps.in_order(overlaps),
-        vehicle_conflicts=vehicle_conflicts.in_order(conflicts),
+        overlaps=overlaps,
+        vehicle_conflicts=conflicts,
         knowledge=knowledge_of(run),
     )
+
+
+def _with_vehicles(
+    egos: Sequence[Track], vehicles: Tracks, run: RecordedRun, grid: Grid, thresholds: Thresholds
+) -> tuple[list[VehicleOverlap], list[VehicleConflict]]:
+    """Return what happened between egos and other vehicles."""
+    overlaps: list[VehicleOverlap] = []
+    conflicts: list[VehicleConflict] = []
+    crossed: dict[tuple[int, int], Encroachment] = {}
+    near: list[int] = []
+    own, within_s = [way_of(ego) for ego in egos], thresholds.severity_ttc_slight_s
+    for ways in vehicles.ways(SAMPLES_AT_ONCE):
+        crossed |= encroachments(own, ways, grid, run.levels, thresholds, run.largest[0])
+        near += [to for to, way in ways.items() if any(may_be_near(one, way, within_s) for one in own)]
+    chosen = sorted({*near, *(to for _, to in crossed)})
+    first, last = min((ego.first for ego in egos), default=0), max((ego.last for ego in egos), default=0)
+    for some in vehicles.beside(chosen, SAMPLES_AT_ONCE, first, last):
+        overlaps += find_overlaps(egos, list(some.values()), grid, run.levels)
+        conflicts += find_vehicle_conflicts(egos, some, crossed, grid, run.levels, thresholds)
+    return vehicle_overlaps.in_order(overlaps), vehicle_conflicts.in_order(conflicts)
 
 
 def _case(
@@ -279,12 +299,13 @@ def _replays(
     return found
 
 
-def _there(vehicles: Tracks, *own: Sequence[Track]) -> There:
+def _there(vehicles: Tracks, egos: Sequence[Track], bystanders: EgoTracks | None) -> There:
     """Return what gives the vehicles, and the egos, that are recorded between two samples."""
 
     def there(first: int, last: int) -> list[Track]:
-        egos = [track for tracks in own for track in tracks if track.first <= last and first <= track.last]
-        return [*vehicles.during(first, last), *egos]
+        own = [track for track in egos if track.first <= last and first <= track.last]
+        others = [] if bystanders is None else bystanders.during(first, last)
+        return [*vehicles.during(first, last), *own, *others]
 
     return there
 

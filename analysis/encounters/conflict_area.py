@@ -17,7 +17,8 @@ from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.lines import Lines
 from analysis.geometry import pairs_within, signed_distance
 from analysis.polylines import arc_lengths
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.fine_grid import Grid
+from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 
 _POINT_SPACING_M = 0.05
@@ -67,12 +68,15 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     radius = 0.5 * person.width
     reach = 0.5 * float(np.hypot(ego.length, ego.width)) + radius
     margin = reach + 2.0 * (ego.largest_step + person.largest_step)
-    near_ego = _inside_box(ego, person, margin)
-    if len(near_ego) == 0:
+    # An ego that stands for hours is at one place, however many samples its track has.
+    x, y = ego.places
+    near = _near_box(x, y, person.x, person.y, margin)
+    if not near.any():
         return []
-    near_person = _inside_box(person, ego, margin, near_ego)
+    near_person = np.flatnonzero(_near_box(person.x, person.y, x[near], y[near], margin))
     if len(near_person) == 0:
         return []
+    near_ego = np.flatnonzero(_near_box(ego.x, ego.y, person.x, person.y, margin))
     # Standing users repeat themselves; only samples that moved are worth the work.
     moved, again = _moved(ego, near_ego)
     poses = near_ego[moved]
@@ -131,12 +135,13 @@ def _time(track: Track, grid: Grid) -> FloatArray:
     return grid.time[track.first : track.last + 1]
 
 
-def _inside_box(track: Track, other: Track, margin: float, chosen: IntArray | None = None) -> IntArray:
-    """Return the samples of a track near the bounding box of (the chosen samples of) another."""
-    x, y = (other.x, other.y) if chosen is None else (other.x[chosen], other.y[chosen])
-    near = (track.x >= x.min() - margin) & (track.x <= x.max() + margin)
-    near &= (track.y >= y.min() - margin) & (track.y <= y.max() + margin)
-    return np.flatnonzero(near)
+def _near_box(
+    x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, margin: float
+) -> BoolArray:
+    """Return which places are near the bounding box of others."""
+    near: BoolArray = (x >= other_x.min() - margin) & (x <= other_x.max() + margin)
+    near &= (y >= other_y.min() - margin) & (y <= other_y.max() + margin)
+    return near
 
 
 def _moved(track: Track, index: IntArray, new: BoolArray | None = None) -> tuple[IntArray, IntArray]:

@@ -15,7 +15,8 @@ from analysis.encounters.contacts import Contact
 from analysis.encounters.line_of_sight import is_visible
 from analysis.encounters.moments import stopping_distance
 from analysis.geometry import signed_distance, to_frame
-from analysis.recording.tracks import Grid, There, Track
+from analysis.recording.fine_grid import Grid
+from analysis.recording.tracks import There, Track
 from analysis.thresholds import Thresholds
 
 CLASSES = ("ego", "rolled_off", "walked_in", "appeared", "touching_at_start")

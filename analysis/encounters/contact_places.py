@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.polylines import inside
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import Area, RecordedRun
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 
 PLACES = ("crossing", "carriageway", "walking_area_or_kerb")
 _MARGIN_M = 1e-6

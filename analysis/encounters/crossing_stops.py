@@ -13,7 +13,8 @@ import numpy as np
 from analysis.encounters.crossings import Traversal
 from analysis.encounters.driven_path import DrivenPath, driven_path
 from analysis.geometry import clearance, rectangle_separation, to_frame
-from analysis.recording.tracks import Grid, There, Track
+from analysis.recording.fine_grid import Grid
+from analysis.recording.tracks import There, Track
 from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 

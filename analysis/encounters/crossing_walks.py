@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.arrays import BoolArray
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import Columns
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 

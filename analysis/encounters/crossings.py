@@ -9,8 +9,9 @@ import numpy as np
 
 from analysis.encounters.conflict_area import Visit, stays_on_lines
 from analysis.encounters.lines import Lines
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,9 @@ from analysis.arrays import BoolArray
 from analysis.encounters.candidates import Meeting, met, waited
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 from analysis.thresholds import Thresholds
 

@@ -10,8 +10,8 @@ import numpy as np
 from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.finding import Encounter, exposed_samples
 from analysis.geometry import clearance, time_to_contact, to_frame
+from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Grid
 from analysis.thresholds import Thresholds
 
 

@@ -11,16 +11,17 @@ vehicle follows show it. Each pair is one conflict for each kind in which it cam
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
-from analysis.encounters.vehicle_encroachment import Encroachment, encroachments
+from analysis.encounters.vehicle_encroachment import Encroachment
 from analysis.geometry import to_frame
+from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track, Way
 from analysis.thresholds import DRAC_LIMIT_MPS2, Thresholds
 
 FOLLOWED, FOLLOWING, BESIDE, ONCOMING, CROSSING = KINDS = (
@@ -65,26 +66,47 @@ class VehicleConflict:
 
 def find_vehicle_conflicts(
     egos: Sequence[Track],
-    vehicles: Sequence[Track],
+    vehicles: Mapping[int, Track],
+    crossed: Mapping[tuple[int, int], Encroachment],
     grid: Grid,
     levels: Levels,
     thresholds: Thresholds,
-    largest: float = 0.0,
 ) -> list[VehicleConflict]:
     """Return all conflicts, sorted by time and names.
 
     Listed are pairs with a TTC or, crossing, a PET of at most the limits of slight severity, and followers
-    who would have to brake harder than the limit of DRAC. ``largest`` is as for `encroachments`.
+    who would have to brake harder than the limit of DRAC.
+
+    Parameters
+    ----------
+    egos
+    vehicles
+        By their numbers at least what of their tracks is beside that of an ego.
+    crossed
+        By the numbers of ego and vehicle who crossed the other's way.
+    grid, levels, thresholds
     """
-    if not egos or not vehicles:
-        return []
-    crossed = encroachments(egos, vehicles, grid, levels, thresholds, largest)
     found: list[VehicleConflict] = []
     for i, ego in enumerate(egos):
-        for j, vehicle in enumerate(vehicles):
+        for j, vehicle in vehicles.items():
             if vehicle.name != ego.name:
                 found.extend(_of_pair(ego, vehicle, crossed.get((i, j)), grid, levels, thresholds))
     return in_order(found)
+
+
+def may_be_near(ego: Way, vehicle: Way, within_s: float) -> bool:
+    """Return whether the two may overlap or be within the limits at some time; told where one of them moved.
+
+    While both stand, nothing changes: of a vehicle that stood most of the time that is little to look at. Any
+    other one may be.
+    """
+    if not vehicle.stood:
+        return True
+    first, last = max(ego.fine[0], vehicle.fine[0]), min(ego.fine[-1], vehicle.fine[-1])
+    fine = np.concatenate([[first], ego.fine, vehicle.fine])
+    fine = fine[(fine >= first) & (fine <= last)]
+    a, b = (np.searchsorted(one.fine, fine, "right") - 1 for one in (ego, vehicle))
+    return bool(_near(ego, a, vehicle, b, within_s).any())
 
 
 def in_order(found: Iterable[VehicleConflict]) -> list[VehicleConflict]:
@@ -134,14 +156,21 @@ def _closing(ego: Track, vehicle: Track, levels: Levels, within_s: float) -> _To
         return None
     a = slice(first - ego.first, last - ego.first + 1)
     b = slice(first - vehicle.first, last - vehicle.first + 1)
+    near = _near(ego, a, vehicle, b, within_s) & ~levels.apart[ego.level[a], vehicle.level[b]]
+    fine = np.flatnonzero(near) + first
+    return _Together(fine, fine - ego.first, fine - vehicle.first) if len(fine) else None
+
+
+def _near(
+    ego: Track | Way, a: slice | IntArray, vehicle: Track | Way, b: slice | IntArray, within_s: float
+) -> BoolArray:
+    """Return at which of some samples of both they may be within the limits."""
     reach = 0.5 * float(np.hypot(ego.length, ego.width) + np.hypot(vehicle.length, vehicle.width))
     apart = np.hypot(ego.x[a] - vehicle.x[b], ego.y[a] - vehicle.y[b])
     relative = np.hypot(ego.x_speed[a] - vehicle.x_speed[b], ego.y_speed[a] - vehicle.y_speed[b])
     # A DRAC above its limit means a TTC below the closing speed over twice the limit.
     within = np.maximum(within_s, relative / (2.0 * DRAC_LIMIT_MPS2))
-    near = (apart <= reach + within * relative) & ~levels.apart[ego.level[a], vehicle.level[b]]
-    fine = np.flatnonzero(near) + first
-    return _Together(fine, fine - ego.first, fine - vehicle.first) if len(fine) else None
+    return np.asarray(apart <= reach + within * relative)
 
 
 def _times_to_collision(ego: Track, vehicle: Track, both: _Together) -> FloatArray:
@@ -240,8 +269,8 @@ def _describe(
 
 
 def _crossed(ego: Track, vehicle: Track, grid: Grid, crossed: Encroachment) -> VehicleConflict:
-    own, other = crossed.own, crossed.other
-    times = sorted((float(grid.time[ego.first + own]), float(grid.time[vehicle.first + other])))
+    own = crossed.own - ego.first
+    times = sorted((float(grid.time[crossed.own]), float(grid.time[crossed.other])))
     return VehicleConflict(
         ego_id=ego.name,
         vehicle_id=vehicle.name,
@@ -250,11 +279,11 @@ def _crossed(ego: Track, vehicle: Track, grid: Grid, crossed: Encroachment) -> V
         start=times[0],
         end=times[1],
         min_ttc=np.inf,
-        at=float(grid.time[ego.first + own]),
+        at=float(grid.time[crossed.own]),
         max_drac=np.nan,
         pet=crossed.pet,
         ego_speed=float(ego.speed[own]),
-        vehicle_speed=float(vehicle.speed[other]),
+        vehicle_speed=crossed.speed,
         ego_deceleration=float(max(-ego.acceleration[own], 0.0)),
         x=float(ego.x[own]),
         y=float(ego.y[own]),

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
-from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M, Places, places_on
+from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M
 from analysis.geometry import rectangle_separation
+from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Way
 from analysis.thresholds import Thresholds
 
 _POSE_SPACING_M = 0.25
@@ -25,13 +27,15 @@ class Encroachment:
     pet: float
     """[s]."""
     own: int
-    """Samples of both tracks between which it lies."""
+    """Fine indices of both between which it lies."""
     other: int
+    speed: float
+    """Of the vehicle, then [m/s]."""
 
 
 def encroachments(
-    egos: Sequence[Track],
-    vehicles: Sequence[Track],
+    egos: Sequence[Way],
+    vehicles: Mapping[int, Way],
     grid: Grid,
     levels: Levels,
     thresholds: Thresholds,
@@ -42,37 +46,80 @@ def encroachments(
     To the sample; footprints are those of rectangles about 0.25 m apart. ``largest`` is half the diagonal of
     a vehicle that is not among these, but whose places were looked up as these are [m].
     """
+    if not egos or not vehicles:
+        return {}
+    numbers, ways = list(vehicles), list(vehicles.values())
     limit = thresholds.severity_pet_slight_s
-    reach = max(2.0 * largest, *(float(np.hypot(one.length, one.width)) for one in (*egos, *vehicles)))
+    reach = max(2.0 * largest, *(float(np.hypot(one.length, one.width)) for one in (*egos, *ways)))
     reach += 2.0 * VEHICLE_SPACING_M
-    scale = reach / (limit + STAY_S)
-    own, other = (places_on(tracks, grid, VEHICLE_SPACING_M, scale) for tracks in (egos, vehicles))
+    apart_s = limit + STAY_S
+    turns = np.flatnonzero(np.diff(np.floor(grid.time / STAY_S)) != 0.0) + 1
+    own = _places(egos, grid, turns, reach / apart_s)
+    low, high = own.points[:, 2].min() - 2.0 * reach, own.points[:, 2].max() + 2.0 * reach
+    other = _places(ways, grid, turns, reach / apart_s, (low, high))
     pairs = scipy.spatial.cKDTree(own.points).sparse_distance_matrix(
         scipy.spatial.cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
     )
     i, j = pairs["i"], pairs["j"]
-    headings = [_headings(tracks, some) for tracks, some in ((egos, own), (vehicles, other))]
-    across = _crosses(headings[0][i], headings[1][j], thresholds.longitudinal_angle_deg)
+    across = _crosses(own.heading[i], other.heading[j], thresholds.longitudinal_angle_deg)
     i, j = i[across], j[across]
-    key = own.owner[i] * len(vehicles) + other.owner[j]
+    key = own.owner[i] * len(ways) + other.owner[j]
     found = {}
     order = np.argsort(key, kind="stable")
     for mine in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
         if len(mine) == 0:
             continue
-        at, to = divmod(int(key[mine[0]]), len(vehicles))
-        if egos[at].name == vehicles[to].name:
+        at, to = divmod(int(key[mine[0]]), len(ways))
+        if egos[at].name == ways[to].name:
             continue
-        stays = _stays(egos[at], own.sample[i[mine]]), _stays(vehicles[to], other.sample[j[mine]])
-        one = _encroachment(egos[at], vehicles[to], *stays, grid, levels, thresholds)
+        stays = _stays(egos[at], own.sample[i[mine]]), _stays(ways[to], other.sample[j[mine]])
+        one = _encroachment(egos[at], ways[to], *stays, grid, levels, thresholds)
         if one is not None:
-            found[at, to] = one
+            found[at, numbers[to]] = one
     return found
 
 
-def _headings(tracks: Sequence[Track], places: Places) -> FloatArray:
-    at = zip(places.owner.tolist(), places.sample.tolist(), strict=True)
-    return np.array([tracks[number].heading[sample] for number, sample in at])
+class _Places(NamedTuple):
+    points: FloatArray
+    """Place and scaled time, shape (n, 3) [m]."""
+    heading: FloatArray
+    owner: IntArray
+    sample: IntArray
+
+
+def _places(
+    ways: Sequence[Way],
+    grid: Grid,
+    turns: IntArray,
+    scale: float,
+    within: tuple[float, float] = (-np.inf, np.inf),
+) -> _Places:
+    """Return where ways led, as :func:`analysis.encounters.candidates.places_on`.
+
+    Parameters
+    ----------
+    ways
+    grid
+    turns
+        Fine indices with which a stay begins.
+    scale
+        Of times [m/s].
+    within
+        Scaled times between which places are wanted [m].
+    """
+    points, heading, owner, sample = [], [], [], []
+    for number, way in enumerate(ways):
+        moved = np.append(True, np.diff(np.floor(way.path / VEHICLE_SPACING_M)) != 0.0)
+        since, until = np.searchsorted(turns, way.fine[[0, -1]], "right")
+        fine = np.unique(np.concatenate([way.fine[moved], turns[since:until]]))
+        time = scale * grid.time[fine]
+        chosen = (time >= within[0]) & (time <= within[1])
+        at = np.searchsorted(way.fine, fine[chosen], "right") - 1
+        points.append(np.column_stack((way.x[at], way.y[at], time[chosen])))
+        heading.append(way.heading[at])
+        owner.append(np.full(len(at), number))
+        sample.append(at)
+    return _Places(*(np.concatenate(one) for one in (points, heading, owner, sample)))
 
 
 def _crosses(heading: FloatArray, other: FloatArray, angle_deg: float) -> BoolArray:
@@ -81,7 +128,7 @@ def _crosses(heading: FloatArray, other: FloatArray, angle_deg: float) -> BoolAr
     return np.asarray((turn > limit) & (turn < np.pi - limit))
 
 
-def _stays(track: Track, near: IntArray) -> tuple[IntArray, IntArray]:
+def _stays(track: Way, near: IntArray) -> tuple[IntArray, IntArray]:
     """Return first and last sample of each stay within a pose spacing of the path, around some samples."""
     low = np.searchsorted(track.path, track.path[near.min()] - track.length, "left")
     high = np.searchsorted(track.path, track.path[near.max()] + track.length, "right")
@@ -92,15 +139,15 @@ def _stays(track: Track, near: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _encroachment(
-    ego: Track,
-    vehicle: Track,
+    ego: Way,
+    vehicle: Way,
     own: tuple[IntArray, IntArray],
     other: tuple[IntArray, IntArray],
     grid: Grid,
     levels: Levels,
     thresholds: Thresholds,
 ) -> Encroachment | None:
-    time, there = grid.time[ego.first :], grid.time[vehicle.first :]
+    time, there = grid.time[ego.fine], grid.time[vehicle.fine]
     later = there[other[0]][None, :] - time[own[1]][:, None]
     sooner = time[own[0]][:, None] - there[other[1]][None, :]
     between = np.maximum(later, sooner)
@@ -116,4 +163,6 @@ def _encroachment(
     if len(hit) == 0:
         return None
     best = int(hit[np.argmin(gaps[hit])])
-    return Encroachment(float(gaps[best]), int(a[best]), int(b[best]))
+    first, second = int(a[best]), int(b[best])
+    speed = float(vehicle.speed[second])
+    return Encroachment(float(gaps[best]), int(ego.fine[first]), int(vehicle.fine[second]), speed)

@@ -9,8 +9,9 @@ import numpy as np
 
 from analysis.arrays import FloatArray, IntArray
 from analysis.geometry import gap_along, rectangle_separation
+from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.tracks import Track
 
 _SEPARATION_S = 2.0
 _TOUCH_M = 1e-6

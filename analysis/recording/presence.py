@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.arrays import FloatArray, IntArray
+from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.recording.reading import Columns
 
 VEHICLE, PEDESTRIAN = "vehicle", "pedestrian"
@@ -41,7 +41,7 @@ class Index:
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     """All recorded instants [s]."""
     at_once: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """Number of rows of each instant."""
+    """Number of rows of each instant, but for those of vehicles that stand."""
     largest: tuple[float, float] = (0.0, 0.0)
     """Half the longest diagonal of a vehicle that is no ego; half the greatest width of a pedestrian [m]."""
 
@@ -66,7 +66,8 @@ def index_of(groups: Iterable[Columns], egos: Set[str] = frozenset()) -> Index:
         time = rows.numbers["time_s"]
         last = float(time[-1])
         index.begins.append(float(np.round(time[0], 6)))
-        times.append(np.unique(np.round(time, 6), return_counts=True))
+        instants, which = np.unique(np.round(time, 6), return_inverse=True)
+        times.append((instants, np.bincount(which, ~_stands(rows))))
         index.places.update(rows.texts["edge_or_lane"].names)
         _add(index, number, rows, egos)
     if times:
@@ -103,6 +104,11 @@ def _add(index: Index, number: int, rows: Columns, egos: Set[str]) -> None:
         max(index.largest[0], float((0.5 * np.hypot(length[others], width[others])).max(initial=0.0))),
         max(index.largest[1], float((0.5 * width[people]).max(initial=0.0))),
     )
+
+
+def _stands(rows: Columns) -> BoolArray:
+    still = (rows.numbers["x_speed_mps"] == 0.0) & (rows.numbers["y_speed_mps"] == 0.0)
+    return np.asarray(still & rows.texts["object_kind"].equal(VEHICLE))
 
 
 def around(everybody: Mapping[str, Seen], spans: Iterable[Seen]) -> set[str]:

@@ -121,6 +121,9 @@ class RecordedRun:
     """Of a part of a recording, the edges and lanes on which somebody was in all of it."""
     bystanders: Columns | None = None
     """Of a part of a recording, egos of other parts that were there meanwhile."""
+    left_out: IntArray | None = None
+    """Of a part of a recording, how many rows of the same vehicle, each as the one before, are left out
+    before each row of ``neighbours``."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""

@@ -15,8 +15,9 @@ import numpy as np
 
 from analysis.arrays import IntArray
 from analysis.recording.columns import NEIGHBOURS, SENSING
+from analysis.recording.fine_grid import samples_per_step
 from analysis.recording.opening import opened_table
-from analysis.recording.presence import PEDESTRIAN, VEHICLE, Index, Seen, around, index_of, span_of
+from analysis.recording.presence import Index, Seen, around, index_of, span_of
 from analysis.recording.reading import (
     Columns,
     RecordedRun,
@@ -27,7 +28,7 @@ from analysis.recording.reading import (
     senses,
 )
 from analysis.recording.row_groups import RowGroups
-from analysis.recording.tracks import samples_per_step
+from analysis.recording.standing import WithoutRepeats
 from analysis.thresholds import Thresholds
 
 SAMPLES_AT_ONCE = 1_000_000
@@ -94,7 +95,8 @@ class Rides:
             return
         egos = self._egos()
         with ExitStack() as opened:
-            near = RowGroups(self._path, NEIGHBOURS, opened.enter_context(opened_table(self._path)))
+            file = opened.enter_context(opened_table(self._path))
+            near = WithoutRepeats(self._path, file, self.run.times)
             told = _Told(self.run, opened) if senses(self.run) else None
             for names in _together(egos, self._counts(), self._at_once):
                 yield self._part(near, told, egos, names)
@@ -120,18 +122,24 @@ class Rides:
         counts = np.bincount(names.codes, minlength=len(names.names)).tolist()
         return dict(zip(names.names, counts, strict=True))
 
-    def _part(self, near: RowGroups, told: _Told | None, egos: Mapping[str, Seen], names: Set[str]) -> Part:
+    def _part(
+        self, near: WithoutRepeats, told: _Told | None, egos: Mapping[str, Seen], names: Set[str]
+    ) -> Part:
         index, run = self._index, self.run
         span = _span([egos[name] for name in names], self._margin_s)
         people, vehicles = around(index.pedestrians, [span]), around(index.vehicles, [span])
-        groups = span_of(
-            [*(index.pedestrians[one] for one in people), *(index.vehicles[one] for one in vehicles)]
-        )
         rows = _rows_of(run.egos, names)
+        neighbours, left_out = near.of(
+            people,
+            span_of(index.pedestrians[one] for one in people),
+            vehicles,
+            span_of(index.vehicles[one] for one in vehicles),
+        )
         part = replace(
             run,
             egos=run.egos.picked(rows),
-            neighbours=near.of(groups, {PEDESTRIAN: people, VEHICLE: vehicles}, "object_kind", "object_id"),
+            neighbours=neighbours,
+            left_out=left_out,
             sensing=None if told is None else told.by(names),
             largest=(max(index.largest[0], self._largest), index.largest[1]),
             places={*index.places, *run.egos.texts["lane"].names},

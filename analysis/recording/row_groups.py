@@ -46,7 +46,7 @@ class RowGroups:
         """
         before, latest = 0, _Latest(-np.inf, frozenset())
         for number in range(len(self)):
-            rows = checked_rows(self._path, self._declared, self._table(number), before)
+            rows = checked_rows(self._path, self._declared, self.table(number), before)
             latest = latest.followed(self._path, self._declared.key, rows, before)
             yield rows
             before += len(rows)
@@ -62,11 +62,15 @@ class RowGroups:
         kind, name
             Columns of the kind, empty where all are of one, and of the name.
         """
-        empty = completed(self._declared, self._file.schema_arrow.empty_table().select(self._names))
-        tables = [_chosen(self._table(number), wanted, kind, name) for number in groups]
-        return checked_rows(self._path, self._declared, pa.concat_tables([empty, *tables]))
+        tables = [chosen_rows(self.table(number), wanted, kind, name) for number in groups]
+        return checked_rows(self._path, self._declared, pa.concat_tables([self.empty(), *tables]))
 
-    def _table(self, number: int) -> pa.Table:
+    def empty(self) -> pa.Table:
+        """Return the judged columns without rows."""
+        return completed(self._declared, self._file.schema_arrow.empty_table().select(self._names))
+
+    def table(self, number: int) -> pa.Table:
+        """Return the judged columns of one group, unchecked."""
         return completed(self._declared, self._file.read_row_group(number, self._names))
 
 
@@ -107,7 +111,8 @@ def _key(rows: Columns, key: Sequence[str], row: int) -> tuple[str, ...]:
     return tuple(rows.texts[name].at(row) for name in key)
 
 
-def _chosen(table: pa.Table, wanted: Mapping[str, Set[str]], kind: str, name: str) -> pa.Table:
+def chosen_rows(table: pa.Table, wanted: Mapping[str, Set[str]], kind: str, name: str) -> pa.Table:
+    """Return the rows of some, as `RowGroups.of`."""
     if not len(table):
         return table
     names = table[name].combine_chunks().dictionary_encode()

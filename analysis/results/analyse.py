@@ -14,9 +14,9 @@ from analysis.encounters.whole_run import WholeRun
 from analysis.errors import RecordingError
 from analysis.files import write_csv, write_json
 from analysis.recording.columns import SCHEMA_VERSION as RECORDING_VERSION
+from analysis.recording.fine_grid import samples_per_step
 from analysis.recording.reading import read_rides
 from analysis.recording.rides import Rides
-from analysis.recording.tracks import samples_per_step
 from analysis.recording.traffic import Traffic, has_traffic
 from analysis.results.exposure_rows import EXPOSURE, Exposures
 from analysis.results.metric_catalog import find_metrics

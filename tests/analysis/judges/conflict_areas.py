@@ -7,7 +7,8 @@ import shapely
 
 from analysis.encounters.conflict_area import conflict_areas
 from analysis.polylines import arc_lengths
-from analysis.recording.tracks import Grid, Track
+from analysis.recording.fine_grid import Grid
+from analysis.recording.tracks import Track
 from tests.analysis.judges.agreement import Agreement, Array, agreement
 from tests.analysis.judges.uniform_motion import rectangles
 

@@ -16,9 +16,10 @@ import analysis.recording.rides
 from analysis.encounters.case import Case
 from analysis.errors import RecordingError
 from analysis.recording.columns import EGOS, NEIGHBOURS, SENSING
+from analysis.recording.fine_grid import make_grid
+from analysis.recording.object_tracks import Tracks
 from analysis.recording.reading import RecordedRun, read_rides, read_run
 from analysis.recording.rides import Rides
-from analysis.recording.tracks import Tracks, make_grid
 from analysis.results import analyse
 from analysis.results.analyse import analyse_run
 from analysis.thresholds import Thresholds
