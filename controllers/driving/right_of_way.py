@@ -150,15 +150,33 @@ class RightOfWay:
         """Return the first place before the conflict where the ego can still stop.
 
         Who has passed the line waits where everybody waits in that junction: others take a vehicle beyond it
-        for one that goes first, and stop for it, however far it is from their way.
+        for one that goes first, and stop for it, however far it is from their way. At a green light everybody
+        waits there: in dense traffic who waits at the line comes through at the end of no green.
         """
         ego = perception.ego
         before = foe.entry - CONFLICT_GAP
         middle = before if foe.waiting_place is None else min(foe.waiting_place, before)
-        for place, overshoot in ((foe.stop_line, OVERSHOOT), (middle, 0.0), (before, 0.0)):
+        inside = _waits_inside(foe, perception)
+        places = ((middle, 0.0), (before, 0.0))
+        for place, overshoot in places if inside else ((foe.stop_line, OVERSHOOT), *places):
             if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
                 return StopPlace(foe.name, place)
         return None
+
+
+def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:
+    """Return whether the ego waits for a foe inside the junction: the first there, at a green light."""
+    place, ego, road = foe.waiting_place, perception.ego, perception.road
+    if place is None or place > foe.entry - CONFLICT_GAP or place < foe.stop_line:
+        return False
+    ahead = perception.gaps.ahead
+    if ahead is not None and ego.body.front + ahead.gap < place + CONFLICT_GAP:
+        return False
+    behind = place - ego.body.length
+    if any(crossing.entry < place and crossing.exit > behind for crossing in road.crossings):
+        return False
+    own = [one for one in road.signals if abs(one.stop_line - foe.stop_line) < OVERSHOOT]
+    return bool(own) and all(one.state is SignalState.GREEN for one in own)
 
 
 def must_stop(signal: Signal, ego: EgoState, share: float = HARD_SHARE) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -15,7 +16,7 @@ from controllers.driving.right_of_way import (
     travel_time,
 )
 from controllers.interface import JunctionFoe, Perception, Signal, SignalState, StopSign
-from tests.controllers.scenes import ego, perception
+from tests.controllers.scenes import Car, ego, perception, zebra
 
 
 def _foe(distance: float, speed: float, must_yield: bool = True, length: float = 5.0) -> JunctionFoe:
@@ -130,6 +131,27 @@ def test_past_the_stop_line_the_ego_waits_where_others_wait_in_that_junction() -
     for waiting_place, stop in ((9.0, 9.0), (13.5, 13.0), (2.0, 13.0)):
         seen = perception(ego(4.0), foes=[replace(foe, waiting_place=waiting_place)])
         assert _stops(seen) == [StopPlace("foe", stop)], waiting_place
+
+
+@pytest.mark.parametrize(
+    ("changed", "stop"),
+    [
+        ({}, 24.0),
+        ({"signals": []}, 20.0),
+        ({"signals": [Signal("tl", 20.0, SignalState.AMBER)]}, 20.0),
+        ({"signals": [Signal("beyond", 50.0, SignalState.GREEN)]}, 20.0),
+        ({"waiting_place": 25.5}, 20.0),
+        ({"cars": [Car(along=28.0, across=0.0)]}, 20.0),
+        ({"cars": [Car(along=34.0, across=0.0)]}, 24.0),
+        ({"crossings": [zebra(16.5)]}, 20.0),
+        ({"crossings": [zebra(14.5)]}, 24.0),
+    ],
+)
+def test_at_a_green_light_the_first_waits_inside_the_junction(changed: dict[str, Any], stop: float) -> None:
+    """Only where the junction has a place before the conflict, and no crossing is behind it."""
+    seen = {"signals": [Signal("tl", 20.0, SignalState.GREEN)], "waiting_place": 24.0} | changed
+    foe = replace(_foe(30.0, 10.0), waiting_place=seen.pop("waiting_place"))
+    assert StopPlace("foe", stop) in _stops(perception(ego(8.0), foes=[foe], **seen))
 
 
 def test_an_ego_in_the_conflict_clears_it() -> None:
