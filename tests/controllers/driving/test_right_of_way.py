@@ -149,7 +149,10 @@ def test_past_the_stop_line_the_ego_waits_where_others_wait_in_that_junction() -
 )
 def test_at_a_green_light_the_first_waits_inside_the_junction(changed: dict[str, Any], stop: float) -> None:
     """Only where the junction has a place before the conflict, and no crossing is behind it."""
-    seen = {"signals": [Signal("tl", 20.0, SignalState.GREEN)], "waiting_place": 24.0} | changed
+    seen: dict[str, Any] = {
+        "signals": [Signal("tl", 20.0, SignalState.GREEN)],
+        "waiting_place": 24.0,
+    } | changed
     foe = replace(_foe(30.0, 10.0), waiting_place=seen.pop("waiting_place"))
     assert StopPlace("foe", stop) in _stops(perception(ego(8.0), foes=[foe], **seen))
 
