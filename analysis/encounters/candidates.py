@@ -16,7 +16,7 @@ from analysis.arrays import FloatArray, IntArray
 from analysis.encounters.crossings import Traversal
 from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
-from analysis.recording.tracks import Track
+from analysis.recording.tracks import Track, Way
 from analysis.stretches import stretches
 
 VEHICLE_SPACING_M, PERSON_SPACING_M = 1.0, 0.5
@@ -37,6 +37,7 @@ class Places(NamedTuple):
 
     points: FloatArray
     """Place and scaled time, shape (n, 3) [m]."""
+    heading: FloatArray
     owner: IntArray
     sample: IntArray
 
@@ -85,17 +86,42 @@ def met(
     }
 
 
-def places_on(tracks: Sequence[Track], grid: Grid, spacing: float, scale: float) -> Places:
-    """Return where tracks were, about ``spacing`` apart [m]; times are multiplied by ``scale`` [m/s]."""
-    points, owner, sample = [], [], []
+def places_on(
+    tracks: Sequence[Track | Way],
+    grid: Grid,
+    spacing: float,
+    scale: float,
+    within: tuple[float, float] = (-np.inf, np.inf),
+) -> Places:
+    """Return where tracks were.
+
+    Parameters
+    ----------
+    tracks : Sequence
+        One at least.
+    grid : Grid
+    spacing : float
+        Places are about so far apart [m].
+    scale : float
+        Times are multiplied by it [m/s].
+    within : tuple
+        Scaled times between which places are wanted [m].
+    """
+    begin, end = min(int(one.fine[0]) for one in tracks), max(int(one.fine[-1]) for one in tracks)
+    stays = np.floor(grid.time[begin : end + 1] / STAY_S)
+    turns = np.flatnonzero(np.diff(stays) != 0.0) + 1 + begin
+    found = []
     for number, track in enumerate(tracks):
-        time = grid.time[track.first : track.last + 1]
-        way, stay = np.floor(track.path / spacing), np.floor(time / STAY_S)
-        kept = np.flatnonzero(np.concatenate([[True], (np.diff(way) != 0.0) | (np.diff(stay) != 0.0)]))
-        points.append(np.column_stack((track.x[kept], track.y[kept], scale * time[kept])))
-        owner.append(np.full(len(kept), number))
-        sample.append(kept)
-    return Places(np.concatenate(points), np.concatenate(owner), np.concatenate(sample))
+        own = track.fine
+        moved = np.append(True, np.diff(np.floor(track.path / spacing)) != 0.0)
+        since, until = np.searchsorted(turns, own[[0, -1]], "right")
+        fine = np.union1d(own[moved], turns[since:until])
+        time = scale * grid.time[fine]
+        chosen = (time >= within[0]) & (time <= within[1])
+        at = np.searchsorted(own, fine[chosen], "right") - 1
+        points = np.column_stack((track.x[at], track.y[at], time[chosen]))
+        found.append((points, track.heading[at], np.full(len(at), number), at))
+    return Places(*(np.concatenate(one) for one in zip(*found, strict=True)))
 
 
 def waited(

@@ -20,7 +20,7 @@ from analysis.encounters.vehicle_conflicts import VehicleConflict, find_vehicle_
 from analysis.encounters.vehicle_encroachment import Encroachment, encroachments
 from analysis.encounters.vehicle_overlaps import VehicleOverlap, find_overlaps
 from analysis.recording.ego_steps import EgoSteps, ego_steps
-from analysis.recording.ego_tracks import EgoTracks, ego_tracks
+from analysis.recording.ego_tracks import EgoTracks
 from analysis.recording.fine_grid import Grid, make_grid
 from analysis.recording.knowledge import Knowledge, knowledge_of
 from analysis.recording.object_tracks import Tracks
@@ -46,7 +46,7 @@ class Case:
     """All recorded pedestrians: a long run is judged some of them at a time."""
     vehicles: Tracks
     """All recorded vehicles; egos are among them while another ego is near."""
-    bystanders: EgoTracks | None
+    bystanders: EgoTracks
     """Egos of other parts of the run that were there meanwhile; none where the run is judged at once."""
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
     encounters: Sequence[Encounter]
@@ -159,7 +159,7 @@ class _Rides:
     thresholds: Thresholds
     grid: Grid
     egos: Sequence[Track]
-    bystanders: EgoTracks | None
+    bystanders: EgoTracks
     crowd: Tracks
     vehicles: Tracks
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
@@ -171,15 +171,16 @@ class _Rides:
 
 def _rides(run: RecordedRun, thresholds: Thresholds) -> _Rides:
     grid = make_grid(run, thresholds)
-    egos, vehicles = ego_tracks(run, grid, thresholds), Tracks(run, grid, "vehicle")
+    egos = list(EgoTracks(run, run.egos, grid, thresholds))
+    vehicles = Tracks(run, grid, "vehicle")
     overlaps, conflicts = _with_vehicles(egos, vehicles, run, grid, thresholds)
-    others = run.bystanders
+    bystanders = run.egos.picked(np.empty(0, np.int64)) if run.bystanders is None else run.bystanders
     return _Rides(
         run=run,
         thresholds=thresholds,
         grid=grid,
         egos=egos,
-        bystanders=None if others is None else EgoTracks(run, others, grid, thresholds),
+        bystanders=EgoTracks(run, bystanders, grid, thresholds),
         crowd=Tracks(run, grid, "pedestrian"),
         vehicles=vehicles,
         traversals=traversals(egos, run, grid),
@@ -299,13 +300,12 @@ def _replays(
     return found
 
 
-def _there(vehicles: Tracks, egos: Sequence[Track], bystanders: EgoTracks | None) -> There:
+def _there(vehicles: Tracks, egos: Sequence[Track], bystanders: EgoTracks) -> There:
     """Return what gives the vehicles, and the egos, that are recorded between two samples."""
 
     def there(first: int, last: int) -> list[Track]:
         own = [track for track in egos if track.first <= last and first <= track.last]
-        others = [] if bystanders is None else bystanders.during(first, last)
-        return [*vehicles.during(first, last), *own, *others]
+        return [*vehicles.during(first, last), *own, *bystanders.during(first, last)]
 
     return there
 

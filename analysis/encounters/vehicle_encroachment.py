@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
-from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M
+from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M, places_on
 from analysis.geometry import rectangle_separation
 from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
@@ -52,11 +51,10 @@ def encroachments(
     limit = thresholds.severity_pet_slight_s
     reach = max(2.0 * largest, *(float(np.hypot(one.length, one.width)) for one in (*egos, *ways)))
     reach += 2.0 * VEHICLE_SPACING_M
-    apart_s = limit + STAY_S
-    turns = np.flatnonzero(np.diff(np.floor(grid.time / STAY_S)) != 0.0) + 1
-    own = _places(egos, grid, turns, reach / apart_s)
+    scale = reach / (limit + STAY_S)
+    own = places_on(egos, grid, VEHICLE_SPACING_M, scale)
     low, high = own.points[:, 2].min() - 2.0 * reach, own.points[:, 2].max() + 2.0 * reach
-    other = _places(ways, grid, turns, reach / apart_s, (low, high))
+    other = places_on(ways, grid, VEHICLE_SPACING_M, scale, (low, high))
     pairs = scipy.spatial.cKDTree(own.points).sparse_distance_matrix(
         scipy.spatial.cKDTree(other.points), reach, p=np.inf, output_type="ndarray"
     )
@@ -77,49 +75,6 @@ def encroachments(
         if one is not None:
             found[at, numbers[to]] = one
     return found
-
-
-class _Places(NamedTuple):
-    points: FloatArray
-    """Place and scaled time, shape (n, 3) [m]."""
-    heading: FloatArray
-    owner: IntArray
-    sample: IntArray
-
-
-def _places(
-    ways: Sequence[Way],
-    grid: Grid,
-    turns: IntArray,
-    scale: float,
-    within: tuple[float, float] = (-np.inf, np.inf),
-) -> _Places:
-    """Return where ways led, as :func:`analysis.encounters.candidates.places_on`.
-
-    Parameters
-    ----------
-    ways
-    grid
-    turns
-        Fine indices with which a stay begins.
-    scale
-        Of times [m/s].
-    within
-        Scaled times between which places are wanted [m].
-    """
-    points, heading, owner, sample = [], [], [], []
-    for number, way in enumerate(ways):
-        moved = np.append(True, np.diff(np.floor(way.path / VEHICLE_SPACING_M)) != 0.0)
-        since, until = np.searchsorted(turns, way.fine[[0, -1]], "right")
-        fine = np.unique(np.concatenate([way.fine[moved], turns[since:until]]))
-        time = scale * grid.time[fine]
-        chosen = (time >= within[0]) & (time <= within[1])
-        at = np.searchsorted(way.fine, fine[chosen], "right") - 1
-        points.append(np.column_stack((way.x[at], way.y[at], time[chosen])))
-        heading.append(way.heading[at])
-        owner.append(np.full(len(at), number))
-        sample.append(at)
-    return _Places(*(np.concatenate(one) for one in (points, heading, owner, sample)))
 
 
 def _crosses(heading: FloatArray, other: FloatArray, angle_deg: float) -> BoolArray:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import overload
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,19 +14,7 @@ from analysis.recording.tracks import Track
 from analysis.thresholds import Thresholds
 
 
-def ego_tracks(run: RecordedRun, grid: Grid, thresholds: Thresholds) -> list[Track]:
-    """Return the egos' tracks.
-
-    Parameters
-    ----------
-    run : RecordedRun
-    grid : Grid
-    thresholds : Thresholds
-    """
-    return list(EgoTracks(run, run.egos, grid, thresholds))
-
-
-class EgoTracks(Sequence[Track]):
+class EgoTracks:
     """Tracks of egos: cubic Hermite in the rear axle's position and velocity, linear heading.
 
     Each is made when it is asked for, and not kept.
@@ -58,19 +45,8 @@ class EgoTracks(Sequence[Track]):
                 heading = np.unwrap(number["heading_rad"][piece])
                 self._pieces.append((name, step_of(run, time[piece][0]), index[piece], heading))
 
-    def __len__(self) -> int:
-        return len(self._pieces)
-
-    @overload
-    def __getitem__(self, index: int) -> Track: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Track]: ...
-    def __getitem__(self, index: int | slice) -> Track | list[Track]:
-        numbers = range(len(self))[index]
-        return self._track(numbers) if isinstance(numbers, int) else [self._track(one) for one in numbers]
-
     def __iter__(self) -> Iterator[Track]:
-        return map(self._track, range(len(self)))
+        return map(self._track, range(len(self._pieces)))
 
     def during(self, first: int, last: int) -> list[Track]:
         """Return the tracks between two samples of the fine grid, of each no more than what lies there."""

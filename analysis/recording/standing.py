@@ -61,8 +61,9 @@ class WithoutRepeats:
         """
         nobody = self._numbered(self._groups.empty(), 0)
         tables = [nobody, *(self._some(number, people, PEDESTRIAN) for number in of_people)]
-        standing = [nobody, *(self._moving(number, vehicles) for number in of_vehicles)]
-        table = pa.concat_tables([*tables, _without_repeats(pa.concat_tables(standing))])
+        moving = [nobody, *(self._moving(number, vehicles) for number in of_vehicles)]
+        # Once more, for those who stand through several row groups.
+        table = pa.concat_tables([*tables, _without_repeats(pa.concat_tables(moving))])
         table = table.take(pa.array(np.argsort(table[_ROW].to_numpy(), kind="stable")))
         left_out = table[_LEFT_OUT].to_numpy().astype(np.int64)
         return checked_rows(self._path, NEIGHBOURS, table.drop_columns([_ROW, _STEP, _LEFT_OUT])), left_out

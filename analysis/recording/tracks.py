@@ -40,6 +40,11 @@ class Track:
     width: float
 
     @property
+    def fine(self) -> IntArray:
+        """Fine index of each sample."""
+        return np.arange(self.first, self.last + 1)
+
+    @property
     def last(self) -> int:
         """Fine index of the last sample."""
         return self.first + len(self.x) - 1
@@ -104,7 +109,7 @@ class Way:
 
     @classmethod
     def of(cls, track: Track, fine: IntArray, kept: BoolArray) -> Way:
-        """Return some samples of a track, given the fine index of all of its samples."""
+        """Return some samples of a track, given the fine index of all of them."""
         names = ("x", "y", "heading", "x_speed", "y_speed", "speed", "path", "level")
         arrays = {name: getattr(track, name)[kept] for name in names}
         return cls(name=track.name, fine=fine[kept], length=track.length, width=track.width, **arrays)
@@ -116,4 +121,4 @@ def way_of(track: Track) -> Way:
     for values in (track.x, track.y, track.heading, track.speed, track.level):
         moved |= values[1:] != values[:-1]
     kept = np.append(True, moved) | np.append(moved, True)
-    return Way.of(track, np.arange(track.first, track.last + 1), kept)
+    return Way.of(track, track.fine, kept)

@@ -154,7 +154,6 @@ def test_an_ego_of_another_part_is_made_no_longer_than_it_is_looked_at(
         if "ego80.0" in part.egos.texts["ego_id"].names
         for case in prepare_in_parts(part, Thresholds())
     ]
-    assert case.bystanders is not None
     (stuck,) = case.bystanders.during(1700, 1710)
     assert (stuck.name, stuck.first <= 1700, stuck.last >= 1710) == ("stuck", True, True)
     assert len(stuck.x) <= 15
