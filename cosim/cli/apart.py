@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -13,8 +14,9 @@ from types import FrameType
 OWN_PROCESS = "own process"
 """Whether the command line has its process for itself; not so where a program calls it."""
 
-UNCAUGHT = 1
-"""Python's own exit code after an exception that nothing caught: `cosim run` means nothing by it."""
+CRASHES = {1: "an error that it could not report", errno.ENOMEM: "want of memory"}
+"""Exit codes by which `cosim run` means nothing: Python's own after an exception that nothing caught, and
+`Inside.give_up`'s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +32,7 @@ class Ended:
     @property
     def crash(self) -> str:
         """What ended it before it could report; empty where it reported."""
-        if self.signal:
-            return self.signal
-        return "an error that it could not report" if self.code == UNCAUGHT else ""
+        return self.signal or CRASHES.get(self.code, "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,11 @@ class Inside:
         """Leave word of where the run is recorded."""
         if self.pipe >= 0:
             os.write(self.pipe, str(folder.resolve()).encode())
+
+    def give_up(self) -> None:
+        """End the new process, which has no memory left to finish its files; without one, do nothing."""
+        if self.pipe >= 0:
+            os._exit(errno.ENOMEM)
 
 
 def begin() -> Inside | Ended:

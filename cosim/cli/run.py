@@ -127,7 +127,11 @@ def run(
             if ended.crash:
                 return _tell_of_crash(ended)
             raise SystemExit(ended.code)  # everything was said there
-        return _run(request, ended.tell, debug)
+        try:
+            return _run(request, ended.tell, debug)
+        except MemoryError:
+            ended.give_up()
+            raise
     return _run(request, lambda folder: None, debug)
 
 

@@ -21,6 +21,12 @@ def crash():
     os.kill(os.getpid(), signal.SIGSEGV)
 def fail_without_a_word():
     os._exit(1)
+def find_no_memory_to_finish():
+    from cosim.running import simulation
+    def fail(*_):
+        raise MemoryError
+    simulation._finish = fail
+    raise MemoryError
 def forbid_more_memory():
     with open("/proc/self/statm") as file:
         size = int(file.read().split()[0]) * resource.getpagesize()
@@ -43,6 +49,7 @@ sys.exit(main())
         (55, "crash", True, "SIGSEGV"),
         (2, "crash", False, "SIGSEGV"),
         (55, "fail_without_a_word", True, "could not report"),
+        (55, "find_no_memory_to_finish", True, "want of memory"),
     ],
 )
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
