@@ -7,6 +7,7 @@ from pathlib import Path
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import (
     HYBRID_LATERAL_RESOLUTION_M,
+    NEVER,
     Egos,
     Scenario,
     egos_of,
@@ -96,12 +97,13 @@ def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
         return variant(folder, table, _base_of(folder, table.base))
     parameters = defaults(table)
     sumocfg: Path | None = None
-    begin_s, step_s = 0.0, table.step_s or 0.1
+    begin_s, step_s, teleport_after_s = 0.0, table.step_s or 0.1, NEVER
     if table.network is None:
         sumocfg = packaged_file(table.packaged_sumocfg) if table.packaged_sumocfg else folder / table.sumocfg
         configuration = _microscopic(sumocfg)
         begin_s = configuration.begin_s
         step_s = table.step_s or configuration.step_s
+        teleport_after_s = configuration.teleport_after_s
     hybrid = HYBRID_LATERAL_RESOLUTION_M if table.actuation == "hybrid" else None
     demand = table.demand
     if table.warmup_s >= table.duration_s:
@@ -121,6 +123,7 @@ def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
         pedestrians_per_hour=demand.pedestrians_per_hour if demand else None,
         parameters=parameters,
         egos=egos_of(table, parameters),
+        teleport_after_s=teleport_after_s,
         table=table,
     )
     return with_pedestrians(scenario)

@@ -11,6 +11,8 @@ from sumo_scenarios.pedestrian_tables import PedestrianTable, read_pedestrians
 from sumo_scenarios.schema import Actuation, ParameterValue, ScenarioTable
 
 HYBRID_LATERAL_RESOLUTION_M = 0.4
+NEVER = -1.0
+"""Of SUMO's time-to-teleport."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +63,12 @@ class Scenario:
     parameters: Mapping[str, ParameterValue]
     """Further parameters of this scenario."""
     egos: Egos
+    teleport_after_s: float = NEVER
+    """How long a vehicle of SUMO's stands before SUMO puts it elsewhere; not positive: for ever [s]."""
     table: ScenarioTable | None = None
     """What scenario.toml says."""
     pedestrians: tuple[PedestrianTable, ...] = ()
     """Scripted ones, whom SUMO does not have."""
-    teleport_after_s: float = -1.0
-    """How long a vehicle of SUMO's stands before SUMO puts it elsewhere; not positive: for ever [s]."""
     variant: Path | None = None
     """Folder of the scenario.toml that has a base; ``folder`` is that of the base then."""
 

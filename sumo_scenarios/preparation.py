@@ -12,7 +12,7 @@ from string import Template
 from sumo_scenarios.demand import fill, placeholders
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.file_names import plain_name
-from sumo_scenarios.model import Scenario
+from sumo_scenarios.model import NEVER, Scenario
 from sumo_scenarios.network_cache import build_network, source_files
 from sumo_scenarios.outputs import NOWHERE, SilentCopies, included_files
 from sumo_scenarios.pedestrian_tables import TrajectoryTable
@@ -125,7 +125,7 @@ def _pedestrians(scenario: Scenario) -> dict[str, str]:
 def _teleport_after_s(scenario: Scenario) -> float:
     """Return how long SUMO lets a vehicle stand: long enough for no ego to be taken away [s]."""
     wanted = scenario.teleport_after_s
-    return max(wanted, SOONEST_TELEPORT_S) if wanted > 0.0 else -1.0
+    return max(wanted, SOONEST_TELEPORT_S) if wanted > 0.0 else NEVER
 
 
 def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:

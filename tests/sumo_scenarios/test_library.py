@@ -160,6 +160,33 @@ def test_a_configuration_gives_times_and_files(tmp_path: Path) -> None:
     assert prepared.options[0] == "--configuration-file"
 
 
+@pytest.mark.parametrize("in_folder", [False, True])
+@pytest.mark.parametrize(
+    ("more", "after"),
+    [
+        ("", "300"),
+        ('<time-to-teleport value="5"/>', "300"),
+        ('<time-to-teleport value="900"/>', "900"),
+        ('<time-to-teleport value="-1"/>', "-1"),
+    ],
+)
+def test_vehicles_are_teleported_as_the_configuration_says_but_never_soon(
+    tmp_path: Path, in_folder: bool, more: str, after: str
+) -> None:
+    """Whether it is named itself, or by a scenario.toml."""
+    path = write_configuration(tmp_path, more=f"<processing>{more}</processing>")
+    (tmp_path / "scenario.toml").write_text(
+        'description = "mine"\nduration_s = 60.0\nsumocfg = "mine.sumocfg"\n[egos]\nshare = 0.5\n'
+    )
+    options = prepare(load(str(tmp_path if in_folder else path)), 1, tmp_path / "work").options
+    assert options[options.index("--time-to-teleport") + 1] == after
+
+
+def test_vehicles_of_a_scenario_without_a_configuration_are_never_teleported(tmp_path: Path) -> None:
+    options = prepare(load("midblock_zebra"), 1, tmp_path).options
+    assert options[options.index("--time-to-teleport") + 1] == "-1"
+
+
 @pytest.mark.parametrize(
     ("net", "more", "expected"),
     [
