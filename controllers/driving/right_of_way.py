@@ -151,7 +151,7 @@ class RightOfWay:
 
         Who has passed the line waits where everybody waits in that junction: others take a vehicle beyond it
         for one that goes first, and stop for it, however far it is from their way. At a green light everybody
-        waits there: in dense traffic who waits at the line comes through at the end of no green.
+        waits there: in dense traffic, whoever waits at the line may lose the whole green.
         """
         ego = perception.ego
         before = foe.entry - CONFLICT_GAP
