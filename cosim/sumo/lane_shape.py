@@ -9,6 +9,8 @@ from itertools import pairwise
 
 SHORTEST_DIRECTION = 0.3
 """Shorter shapes have no direction [m]."""
+ROUNDED = 0.005
+"""What lengths and coordinates in a network are rounded by at most [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,3 +116,12 @@ class LaneShape:
         east, north = (x1 - x0) / piece, (y1 - y0) / piece
         forward = along - self.stations[number]
         return x0 + forward * east - across * north, y0 + forward * north + across * east
+
+    def drawn_off(self, place: Place, x: float, y: float) -> float:
+        """Return how far from a point [m] SUMO may draw its place [m].
+
+        In the wedge outside a corner of the shape no place is drawn, and next to the corner rounding decides
+        on which side of the wedge it is.
+        """
+        around = (place.along - ROUNDED, place.along + ROUNDED)
+        return max(math.dist(self.point(along, place.across), (x, y)) for along in around) - ROUNDED

@@ -293,7 +293,7 @@ class Placement:
             return False
         place = here.place(*aim)
         inside = abs(place.across) <= 0.5 * here.width
-        if inside and math.dist(here.point(place.along, place.across), aim) > POSITION_TOLERANCE:
+        if inside and here.drawn_off(place, *aim) > POSITION_TOLERANCE:
             return False  # the wedge outside a corner of the lane's shape, into which SUMO cannot drive
         if not 0.0 <= place.along < here.shape_length or not self._lanes.paved(
             here, ego.vehicle_class, ego.width, place.across

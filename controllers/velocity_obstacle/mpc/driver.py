@@ -16,6 +16,7 @@ import numpy as np
 
 from controllers.arrays import FloatArray
 from controllers.conflicts.path_conflicts import Conflicts
+from controllers.driving import wheels
 from controllers.driving.lanes import place_in_lane
 from controllers.driving.lanes.blocked_lanes import BlockedLanes
 from controllers.driving.right_of_way import RightOfWay
@@ -287,6 +288,7 @@ class VelocityObstacleMpc:
         if ego.speed < STANDING and float(speed.position.max()) < NOWHERE:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
+        command = replace(command, acceleration=wheels.held_back(perception, command.acceleration))
         planner = self._planner(perception)
         red_line = planner.right_of_way.red_line
         if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:

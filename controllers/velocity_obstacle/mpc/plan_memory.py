@@ -65,8 +65,12 @@ class PlanMemory:
             self._now = float(self.command.acceleration[i]), float(self.command.steering[i])
             self._asked = self.made_at, ego.time
         acceleration, steering = self._now
-        # A vehicle at its limits, or one that SUMO held, has left the command behind.
-        return (ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration), steering
+        # A vehicle at its limits, one that SUMO held, or one that the last check let drive otherwise has left
+        # the command behind.
+        return (
+            ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration,
+            ego.steering if abs(steering - ego.steering) > 0.2 else steering,
+        )
 
     def rest(self, time: float) -> Command | None:
         """Return what is left of the last command, as a command from now on."""

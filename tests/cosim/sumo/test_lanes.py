@@ -50,6 +50,16 @@ def test_of_a_lane_without_extent_every_point_is_beyond() -> None:
     assert point.place(12.0, 0.0).along > point.shape_length
 
 
+@pytest.mark.parametrize("side", [0.001, 0.199])
+def test_next_to_a_wedge_either_side_of_the_corner_counts(side: float) -> None:
+    corner = lane((0.0, 0.0), (10.0, 0.0), (10.0 + 10.0 * math.cos(0.2), 10.0 * math.sin(0.2)))
+    outside = 10.0 + math.sin(side), -math.cos(side)
+    assert corner.drawn_off(corner.place(*outside), *outside) == pytest.approx(0.2, abs=0.01)
+    inside = 10.0 - math.sin(side), math.cos(side)
+    for point in (inside, (5.0, -1.0), (15.0, 2.0)):
+        assert corner.drawn_off(corner.place(*point), *point) < 0.006
+
+
 @given(st.floats(1.0, 45.0), st.floats(-2.0, 2.0))
 def test_a_place_leads_back_to_its_point(along: float, across: float) -> None:
     place = BEND.place(*BEND.point(along, across))

@@ -67,6 +67,8 @@ def test_what_is_commanded_is_the_entry_of_this_instant(
 def test_a_vehicle_that_does_something_else_altogether_has_left_the_command_behind() -> None:
     assert _memory().commanded(ego(time=10.0, acceleration=-3.5))[0] == -3.5
     assert _memory().commanded(ego(time=10.0, acceleration=-2.5))[0] == 1.0
+    assert _memory().commanded(ego(time=10.0, steering=0.5))[1] == 0.5
+    assert _memory().commanded(ego(time=10.0, steering=0.1))[1] == 0.0
 
 
 def test_the_rest_of_a_command_goes_on_where_it_is() -> None:
