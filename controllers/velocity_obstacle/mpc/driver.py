@@ -288,7 +288,8 @@ class VelocityObstacleMpc:
         if ego.speed < STANDING and float(speed.position.max()) < NOWHERE:
             # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
-        command = replace(command, acceleration=wheels.held_back(perception, command.acceleration))
+        slower = wheels.held_back(ego, self._times, steering.command, command.acceleration)
+        command = replace(command, acceleration=slower)
         planner = self._planner(perception)
         red_line = planner.right_of_way.red_line
         if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:

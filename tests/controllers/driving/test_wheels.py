@@ -16,6 +16,13 @@ from tests.controllers.scenes import bend, ego, perception, straight_road
 RADIUS = 5.0
 ROUND = bend(straight_road(), 0.0, RADIUS, 60.0)
 WANTED, FASTEST = 2.2, 4.0
+TIMES = 0.1 * np.arange(1, 26)
+
+
+def _turned(now: float, wanted: float) -> FloatArray:
+    """Return a plan that turns the wheels as fast as they can."""
+    most = CAR_DRIVE.max_steering_rate * TIMES
+    return np.asarray(now + np.clip(wanted - now, -most, most))
 
 
 def _off_the_circle(angle: float, hold_back: bool) -> FloatArray:
@@ -32,7 +39,9 @@ def _off_the_circle(angle: float, hold_back: bool) -> FloatArray:
         times = lane_keeping.instants(seen.ego)
         acceleration = np.full(len(times), min(WANTED, FASTEST - plant.speed))
         if hold_back:
-            acceleration = wheels.held_back(seen, acceleration)
+            wanted = float(lane_keeping.steering(seen, 0.0, np.zeros(1))[0])
+            angles = _turned(plant.steering, wanted)
+            acceleration = wheels.held_back(seen.ego, TIMES, angles, acceleration)
         command = Command(times, acceleration, lane_keeping.steering(seen, 0.0, acceleration))
         for part in range(2):
             plant.follow(command, part * 0.05, 0.05)
@@ -50,3 +59,10 @@ def test_an_ego_with_its_wheels_turned_away_stays_on_its_way() -> None:
 def test_wheels_that_are_where_the_road_wants_them_hold_nothing_back() -> None:
     angle = math.atan(Body().wheelbase / RADIUS)
     assert _off_the_circle(angle, hold_back=True) == pytest.approx(_off_the_circle(angle, hold_back=False))
+
+
+def test_wheels_that_turn_gently_hold_nothing_back() -> None:
+    gently = 0.3 * TIMES  # half as fast as they can
+    assert wheels.held_back(ego(1.0), TIMES, gently, np.array([2.0])).tolist() == [2.0]
+    slower = wheels.held_back(ego(1.0), TIMES, 2.0 * gently, np.array([2.0]))
+    assert slower.tolist() == [-wheels.BRAKING]
