@@ -126,8 +126,8 @@ def _check_keys(
         if key in moved:
             raise InputError(f"{key}: no such parameter any more: {moved[key]}")
         hint = did_you_mean(key, sorted(known))
-        of_scenarios = dict.fromkeys(itertools.chain(*(place.parameters for place in places)))
-        exist = [f"the study's scenarios have {', '.join([*of_scenarios, *EGO_KEYS])}"]
+        of_scenarios = itertools.chain(*(place.parameters for place in places), EGO_KEYS)
+        exist = [f"the study's scenarios have {', '.join(dict.fromkeys(of_scenarios))}"]
         exist += [f"{name} has {', '.join(names) or 'none'}" for name, names in controllers.items()]
         raise InputError(f"{key}: no such parameter; {hint}{'; '.join(exist)}")
 

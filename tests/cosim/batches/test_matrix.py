@@ -112,6 +112,13 @@ def test_scenarios_are_found_beside_the_study_file(tmp_path: Path, monkeypatch: 
     assert one.scenario_name == "town"
 
 
+def test_what_a_configuration_has_is_said_once(tmp_path: Path) -> None:
+    town(tmp_path)
+    with pytest.raises(InputError) as caught:
+        matrix(tmp_path, scenarios=["town.sumocfg"], set={"ego_share": 0.1, "nonsense": 1})
+    assert str(caught.value).count("ego_share") == 1
+
+
 def test_two_scenarios_of_one_name_are_refused(tmp_path: Path) -> None:
     town(tmp_path / "a")
     town(tmp_path / "b")
