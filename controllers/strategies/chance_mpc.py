@@ -1,4 +1,4 @@
-"""Model predictive control with chance constraints: a bound on the probability of a contact at any time.
+"""Model predictive control with chance constraints: a bound on the probability of a contact within a plan.
 
 Along: a quadratic program over 5 s for each way to pass pedestrians ahead or behind; their places are normal
 variables whose deviation grows with time, and the margin follows from the accepted risk. Across: lane
@@ -30,12 +30,14 @@ class Settings(ControllerSettings):
 
     Notes
     -----
-    The form of the constraint is that of [Blackmore2011]_. The values are our choices; the scatter of
-    the pace is about that of walking speeds in [Knoblauch1996]_.
+    The form of the constraint is that of [Blackmore2011]_. That the risk of a plan is spread evenly over its
+    times, and the deviation of the place, are from the code of [Lew2023]_ for a car and a pedestrian, which
+    tries risks of 0.01 to 0.1. The scatter of the pace is about that of walking speeds in
+    [Knoblauch1996]_. The margins and weights are our choices.
     """
 
-    risk: Annotated[float, Field(gt=0.0, lt=0.5)] = 0.01
-    """ε, accepted probability of a contact with each pedestrian at each time."""
+    risk: Annotated[float, Field(gt=0.0, lt=0.5)] = 0.05
+    """Δ, accepted probability of a contact with each pedestrian within a plan of 5 s."""
     pace_deviation_mps: NotNegative = 0.3
     """Standard deviation of pedestrians' velocity along either axis."""
     place_deviation_m: NotNegative = 0.1
@@ -72,5 +74,6 @@ def build(settings: Settings) -> Controller:
     unsure = WalkingUncertainty(settings.pace_deviation_mps, settings.place_deviation_m)
     driver = BlindDriver(DrivingStyle(headway=settings.headway_s))
     watch = PathWatch(settings.side_margin_m, settings.standoff_m)
-    chance = ChanceFilter(program, unsure, settings.risk, settings.side_margin_m, solver)
+    each = settings.risk / STEPS
+    chance = ChanceFilter(program, unsure, each, settings.side_margin_m, solver)
     return FilteredDriver(driver, chance, watch)

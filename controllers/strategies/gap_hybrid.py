@@ -1,11 +1,13 @@
-"""A hybrid controller of four modes: drives on, yields, goes first or brakes hard, by the gap people accept.
+"""A hybrid controller of four modes: drives on, yields, brakes hard or gets past, by the gap people accept.
 
-A filter of a driver blind to pedestrians. Along: pedestrians who will take the gap before the ego are let
-pass with an even braking; before those who will refuse it the ego goes on; whoever steps out too late is
-braked for. Across: lane keeping, and lane changes for the route.
+A filter of a driver blind to pedestrians. Along: pedestrians who step out are stopped for, comfortably where
+that is enough and hard where it is not; where nothing would stop it in time, the ego gets past before they
+are there. Across: lane keeping, and lane changes for the route.
 """
 
 from __future__ import annotations
+
+from typing import ClassVar
 
 from controllers.driving.driving_style import DrivingStyle
 from controllers.interface import Controller
@@ -14,29 +16,34 @@ from controllers.yielding.facing import PathWatch
 from controllers.yielding.filtered_driver import BlindDriver, FilteredDriver
 from controllers.yielding.gap_modes import GapFilter, GapRule
 
+NO_GAP = "pedestrians who wait are left to accept their gap; the ego minds those who step out"
+
 
 class Settings(ControllerSettings):
     """What can be set.
 
     Notes
     -----
-    After the hybrid controller of [Kapania2019]_, of which only the abstract and the beginning were at hand:
-    four modes, and pedestrians who accept gaps, are its; the laws of the modes are our reading. The critical
-    gap is that of [HCM2010]_ with its values of walking speed and start-up time.
+    After the hybrid controller of [Kapania2019]_, with the values of the code that its authors published;
+    margins and time gap are ours.
     """
 
-    walking_speed_mps: Positive = 1.07
-    """S_p of the critical gap, 3.5 ft/s."""
-    start_up_s: NotNegative = 3.0
-    """t_s of the critical gap."""
-    comfortable_braking_mps2: Positive = 2.0
+    moved: ClassVar = {"start_up_s": NO_GAP, "attention_m": NO_GAP}
+
+    comfortable_braking_mps2: Positive = 3.0
     """The most that yielding brakes."""
-    hardest_braking_mps2: Positive = 8.0
+    hardest_braking_mps2: Positive = 9.0
     """The most in mode hard brake."""
-    pass_acceleration_mps2: NotNegative = 1.0
+    jerk_mps3: Positive = 1.5
+    """Of yielding: how fast its braking grows and ends."""
+    pass_acceleration_mps2: NotNegative = 3.0
     """The most in mode pass."""
-    attention_m: Positive = 60.0
-    """Pedestrians further ahead do not matter."""
+    gain_per_s: Positive = 2.0
+    """With which planned speeds are tracked."""
+    walking_speed_mps: Positive = 1.5
+    """Pedestrians on their way are taken to be as fast at least."""
+    time_advantage_s: NotNegative = 4.0
+    """An ego that arrives so much earlier than the pedestrian drives on."""
     side_margin_m: NotNegative = 0.6
     """What a pedestrian's disc is grown by across the way."""
     standoff_m: NotNegative = 1.5
@@ -48,12 +55,13 @@ class Settings(ControllerSettings):
 def build(settings: Settings) -> Controller:
     """Build the controller."""
     rule = GapRule(
-        settings.walking_speed_mps,
-        settings.start_up_s,
         settings.comfortable_braking_mps2,
         settings.hardest_braking_mps2,
+        settings.jerk_mps3,
         settings.pass_acceleration_mps2,
-        settings.attention_m,
+        settings.gain_per_s,
+        settings.walking_speed_mps,
+        settings.time_advantage_s,
     )
     driver = BlindDriver(DrivingStyle(headway=settings.headway_s))
     watch = PathWatch(settings.side_margin_m, settings.standoff_m)

@@ -1,61 +1,58 @@
-"""A hybrid controller of four modes that counts on pedestrians who accept or refuse the gap before a car."""
+"""A hybrid controller of four modes for pedestrians who step onto the road when they accept a gap."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 import numpy as np
 
-from controllers.arrays import FloatArray
+from controllers.arrays import BoolArray, FloatArray
 from controllers.driving.following import limit_now
 from controllers.yielding.facing import Answer, Facing
+
+WALKS = 0.2
+"""A slower pedestrian stands [m/s]."""
+SAMPLES = 200
+"""Of a braking's profile."""
 
 
 class Mode(StrEnum):
     """What the controller does."""
 
     NOMINAL = "nominal"
-    """Nobody asks for anything: the driver drives."""
+    """Nobody is stepping out: the driver drives."""
     YIELD = "yield"
-    """Stops before the crossing, as evenly as possible."""
+    """Comes to a stop before the pedestrian, comfortably."""
     PASS = "pass"
-    """Goes ahead of pedestrians who will refuse the gap, at the limit: a clear sign, and soon over."""
+    """Nothing would stop the ego before the pedestrian's way: it gets past them."""
     HARD_BRAKE = "hard_brake"
-    """Somebody steps out whom an even braking does not avoid."""
+    """Only more than comfortable braking stops the ego."""
 
 
 @dataclass(frozen=True, slots=True)
 class GapRule:
-    """When which mode is taken.
+    """When which mode is taken, and how it drives.
 
     Parameters
     ----------
-    walking_speed, start_up : S_p [m/s] and t_s [s] of the critical gap t_c = L / S_p + t_s
     comfortable, hardest : braking [m/s^2]
-    acceleration : in mode pass [m/s^2]
-    attention : distance along the road at which crossing pedestrians begin to matter [m]
+    jerk : of comfortable braking [m/s^3]
+    acceleration : in mode pass, at most [m/s^2]
+    gain : with which a speed is tracked [1/s]
+    walking_speed : pedestrians on their way are taken to be as fast at least [m/s]
+    advantage : an ego that arrives so much earlier than the pedestrian drives on [s]
     """
 
-    walking_speed: float
-    start_up: float
     comfortable: float
     hardest: float
+    jerk: float
     acceleration: float
-    attention: float
-
-    def critical_gap(self, length: FloatArray) -> FloatArray:
-        """Return the gap that pedestrians accept at least, shape (n,) [s].
-
-        Parameters
-        ----------
-        length : what is left to walk until they are out of the way, shape (n,) [m]
-
-        Notes
-        -----
-        Eq. (19-69) of [HCM2010]_.
-        """
-        return np.asarray(length / self.walking_speed + self.start_up)
+    gain: float
+    walking_speed: float
+    advantage: float
 
 
 class GapFilter:
@@ -64,49 +61,102 @@ class GapFilter:
     Parameters
     ----------
     rule : when which mode is taken
+
+    Notes
+    -----
+    The modes, their conditions and laws are those of [Kapania2019]_, read in the code that its authors
+    published. It treats one pedestrian at one crossing. Ours: of several the nearest counts; whoever would
+    be met is braked for and not passed; and as a filter, it only limits what the driver wants.
     """
 
     def __init__(self, rule: GapRule) -> None:
         self._rule = rule
         self._mode = Mode.NOMINAL
+        self._from = (0.0, 0.0)
+        """Speed and distance at which hard braking began [m/s, m]."""
 
     def allowed(self, facing: Facing) -> Answer:
         """Return what the mode asks for; the mode is the answer's status."""
-        ego, people, rule = facing.perception.ego, facing.people, self._rule
-        near = np.flatnonzero((facing.gaps < rule.attention) & (people.along + people.radius > 0.0))
-        if not len(near):
+        out = np.flatnonzero(self._stepping_out(facing))
+        if not len(out):
             self._mode = Mode.NOMINAL
             return Answer()
-        first = int(near[np.argmin(facing.gaps[near])])
-        name = people.names[first]
-        inside = people.enter[near] <= 0.0
-        accepts = self._accepts(facing, near) | inside
-        stoppers = near[accepts & facing.meets(rule.start_up)[near]]
-        if not len(stoppers):
+        speed, rule = max(facing.perception.ego.speed, 0.0), self._rule
+        distance = np.maximum(facing.gaps[out], 0.0)
+        late = (speed**2 > 2.0 * rule.hardest * distance) & ~facing.meets(0.0)[out]
+        if late.all():
             self._mode = Mode.PASS
-            limit = limit_now(facing.perception.road, ego.body.front)
-            faster = facing.wanted if ego.speed >= limit else max(facing.wanted, 0.0)
-            return Answer(min(faster, rule.acceleration), True, name, status=_told(self._mode))
-        gap = float(facing.gaps[stoppers].min())
-        who = people.names[int(stoppers[np.argmin(facing.gaps[stoppers])])]
-        needed = ego.speed**2 / (2.0 * max(gap, 0.1))
-        hard = needed > rule.comfortable * (0.7 if self._mode is Mode.HARD_BRAKE else 1.0)
-        self._mode = Mode.HARD_BRAKE if hard else Mode.YIELD
-        # Of an even braking the distance left is the same at every speed; it begins when it takes half.
-        begins = hard or needed > 0.5 * rule.comfortable or ego.speed < 1.0
-        most = -min(needed, rule.hardest) if begins else facing.wanted
-        return Answer(min(most, facing.wanted), True, who, status=_told(self._mode))
+            name = facing.people.names[int(out[np.argmin(distance)])]
+            return Answer(rule.acceleration, True, name, status=_told(self._mode))
+        out, distance = out[~late], distance[~late]
+        first = int(np.argmin(distance))
+        most = self._braking(facing, speed, float(distance[first]))
+        name = facing.people.names[int(out[first])]
+        return Answer(min(most, facing.wanted), True, name, status=_told(self._mode))
 
-    def _accepts(
-        self, facing: Facing, near: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
-    ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Say who of those near will take the gap before the ego, if it went on as it does."""
-        ego, people = facing.perception.ego, facing.people
-        half = 0.5 * ego.body.width + people.radius[near]
-        left = np.abs(people.across[near] - ego.across) + half
-        gap = np.maximum(people.along[near] - ego.body.front, 0.0) / max(ego.speed, 0.1)
-        walking = np.abs(people.across_speed[near]) > 0.2
-        return np.asarray((gap >= self._rule.critical_gap(left)) | (walking & (people.enter[near] < gap)))
+    def _stepping_out(self, facing: Facing) -> BoolArray:
+        """Return who is on their way into the path, or in it, and not long after the ego, shape (n,)."""
+        ego, people, rule = facing.perception.ego, facing.people, self._rule
+        pace = np.abs(people.across_speed)
+        inside = people.enter <= 0.0
+        to_walk = np.abs(people.across - ego.across) - 0.5 * ego.body.width - people.radius
+        reaches = np.maximum(to_walk, 0.0) / np.maximum(pace, rule.walking_speed)
+        arrives = facing.gaps / max(ego.speed, 0.1)
+        near = arrives - reaches >= -rule.advantage
+        ahead = people.along + people.radius > 0.0
+        return np.asarray(ahead & (inside | ((pace > WALKS) & near)))
+
+    def _braking(self, facing: Facing, speed: float, distance: float) -> float:
+        """Take the mode that stops within a distance, and return its acceleration [m/s^2]."""
+        rule = self._rule
+        hard = self._mode is Mode.HARD_BRAKE
+        if not hard and (self._mode is Mode.YIELD or speed**2 <= 2.0 * rule.comfortable * distance):
+            self._mode = Mode.YIELD
+            limit = limit_now(facing.perception.road, facing.perception.ego.body.front)
+            cruising = max(speed, limit) if math.isfinite(limit) else speed
+            wanted, planned = comfortable_stop(cruising, rule.comfortable, rule.jerk).at(distance)
+            return max(planned + rule.gain * (wanted - speed), -rule.hardest)
+        if not hard or distance > self._from[1]:
+            self._mode, self._from = Mode.HARD_BRAKE, (speed, max(distance, 1e-3))
+        began, way = self._from
+        needed = speed**2 / (2.0 * max(distance, 0.1))
+        wanted = began * math.sqrt(distance / way)
+        return max(-needed + rule.gain * (wanted - speed), -rule.hardest)
+
+
+@dataclass(frozen=True, slots=True)
+class StopProfile:
+    """Speed and acceleration over the distance that is left to the stop."""
+
+    distance: FloatArray
+    """Ascending [m]."""
+    speed: FloatArray
+    acceleration: FloatArray
+
+    def at(self, distance: float) -> tuple[float, float]:
+        """Return both at a distance; before braking begins the acceleration is 0."""
+        speed = np.interp(distance, self.distance, self.speed)
+        return float(speed), float(np.interp(distance, self.distance, self.acceleration))
+
+
+@lru_cache(maxsize=64)
+def comfortable_stop(speed: float, braking: float, jerk: float) -> StopProfile:
+    """Return a trapezoidal deceleration to standstill: up and down with the jerk, at most the braking.
+
+    >>> profile = comfortable_stop(12.0, 3.0, 1.5)
+    >>> round(float(profile.distance[-1]), 1)  # 12**2 / (2 * 3) + 12 * 3 / (2 * 1.5)
+    36.0
+    """
+    most = min(braking, math.sqrt(jerk * speed))
+    ramp = most / jerk
+    held = max(speed / most - ramp, 0.0) if most > 0.0 else 0.0
+    end = 2.0 * ramp + held
+    times = np.sort(np.append(np.linspace(0.0, end, SAMPLES), (ramp, end - ramp)))
+    deceleration = np.minimum(np.minimum(times, end - times) * jerk, most)
+    step = np.diff(times)
+    speeds = speed - np.append(0.0, np.cumsum(0.5 * step * (deceleration[1:] + deceleration[:-1])))
+    driven = np.append(0.0, np.cumsum(0.5 * step * (speeds[1:] + speeds[:-1])))
+    return StopProfile((driven[-1] - driven)[::-1], np.maximum(speeds, 0.0)[::-1], -deceleration[::-1])
 
 
 def _told(mode: Mode) -> str:

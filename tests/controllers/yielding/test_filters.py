@@ -12,7 +12,7 @@ from controllers.yielding.barrier import BarrierFilter, BarrierRule
 from controllers.yielding.chance import WalkingUncertainty, tightening
 from controllers.yielding.facing import Facing, PathWatch
 from controllers.yielding.filtered_driver import FilteredDriver
-from controllers.yielding.gap_modes import GapFilter, GapRule
+from controllers.yielding.gap_modes import GapFilter, GapRule, comfortable_stop
 from controllers.yielding.responsibility import ResponsibilityFilter, ResponsibilityRule
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import FRONT, Walker, ego, perception, straight_road
@@ -21,6 +21,7 @@ from tests.controllers.toy_runs import ride
 FILTERS = ("rss", "barrier", "chance_mpc", "gap_hybrid")
 RULE = ResponsibilityRule(0.5, 1.8, 4.0, 0.5, 0.2, 0.8, 0.1)
 BARRIER = BarrierRule(braking=4.0, rate=1.0, time_margin=1.0, slack_weight=100.0)
+GAPS = GapRule(3.0, 9.0, 1.5, 3.0, 2.0, 1.5, 4.0)
 ROAD = ToyRoad(lanes=1, lane_width=3.5)
 
 
@@ -121,13 +122,39 @@ def test_somebody_who_is_improbably_in_the_way_asks_for_nothing() -> None:
     assert not asked.counts.any()
 
 
-def test_the_modes_follow_the_gap_that_is_accepted() -> None:
-    """3.5 m to walk need 3.5 / 1.07 + 3 = 6.3 s; somebody on their way takes whatever gap they reach."""
-    rule = GapRule(1.07, 3.0, 2.0, 8.0, 1.0, 60.0)
-    assert float(rule.critical_gap(np.array([3.5]))[0]) == pytest.approx(6.271, abs=1e-3)
-    yields = GapFilter(rule).allowed(_facing(Walker(FRONT + 40.0, -2.0, 0.0, 1.2), 12.0))
-    assert yields.status == "mode_yield"
-    assert yields.most < -1.0
-    hard = GapFilter(rule).allowed(_facing(Walker(FRONT + 14.0, -0.5, 0.0, 1.0), 12.0))
-    assert hard.status == "mode_hard_brake"
-    assert hard.most == pytest.approx(-(12.0**2) / (2.0 * 12.75), abs=0.05)
+def _mode(walker: Walker, speed: float) -> tuple[str, float]:
+    answer = GapFilter(GAPS).allowed(_facing(walker, speed, wanted=1.0, standoff=1.5))
+    return answer.status, answer.most
+
+
+def test_the_modes_follow_the_distance_that_is_left() -> None:
+    """At 12 m/s 3 m/s² stop within 24 m, 9 m/s² within 8 m; a jerk of 1.5 m/s³ takes another 12 m."""
+    mode, most = _mode(Walker(FRONT + 27.0, -3.0, 0.0, 1.2), 12.0)
+    assert mode == "mode_yield"
+    assert -3.0 <= most < -1.0
+    mode, most = _mode(Walker(FRONT + 17.75, -3.0, 0.0, 1.2), 12.0)
+    assert (mode, most) == ("mode_hard_brake", pytest.approx(-(12.0**2) / 32.0))
+    assert _mode(Walker(FRONT + 5.0, -3.0, 0.0, 1.2), 12.0)[0] == "mode_pass"
+    # Whoever would be met is braked for, however late.
+    assert _mode(Walker(FRONT + 5.0, -1.0, 0.0, 1.2), 12.0) == ("mode_hard_brake", -9.0)
+
+
+def test_who_waits_or_comes_long_after_the_ego_is_not_minded() -> None:
+    assert _mode(Walker(FRONT + 32.0, -3.0), 12.0)[0] == "ok"
+    assert _mode(Walker(FRONT + 10.0, -9.0, 0.0, 1.2), 12.0)[0] == "ok"
+
+
+def test_a_comfortable_stop_takes_the_distance_of_its_trapezoid() -> None:
+    """v² / (2 a) + v a / (2 j) above a² / j = 6 m/s; below, a triangle of two ramps √(v / j) long each."""
+    for speed, distance in ((12.0, 36.0), (6.0, 12.0), (1.5, 1.5)):
+        profile = comfortable_stop(speed, 3.0, 1.5)
+        assert profile.distance[-1] == pytest.approx(distance, rel=1e-3)
+        assert profile.at(distance + 1.0) == (pytest.approx(speed), 0.0)
+        assert profile.at(0.0) == (pytest.approx(0.0, abs=1e-9), 0.0)
+        assert profile.acceleration.min() >= -3.0
+
+
+def test_yielding_stops_before_the_pedestrian_with_comfortable_braking() -> None:
+    track = ride(ROAD, [walk(FRONT + 60.0, -0.5, 0.0, 0.01)], duration=12.0, controller="gap_hybrid")
+    assert 0.5 < track.clearance() < 2.5
+    assert track.commands[:, 0].min() > -4.0
