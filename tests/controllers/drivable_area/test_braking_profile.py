@@ -115,6 +115,7 @@ def test_between_shortest_and_longest_a_cubic_never_undershoots(
     longest = longest_duration(speed, final, begin)
     assert longest[0] >= shortest[0] - 1e-9
     duration = float(shortest[0] + between * (longest[0] - shortest[0]))
+    assume(duration > 1e-6)
     times = np.linspace(0.0, duration, 201)[None, :]
     _, velocity, change = _smooth(speed, float(final[0]), begin, duration).at(times)
     assert velocity.min() >= final[0] - 1e-6 * speed
