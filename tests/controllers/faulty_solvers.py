@@ -47,7 +47,8 @@ def says_nothing(problem: qpsolvers.Problem) -> qpsolvers.Solution:
     """
     answer = qpsolvers.solve_problem(problem, "daqp")
     multipliers = [one for one in (answer.z, answer.z_box) if one is not None]
-    if not any(np.abs(one).max(initial=0.0) > SMALL for one in multipliers):
+    largest = max((np.abs(one).max(initial=0.0) for one in multipliers), default=0.0)
+    if largest <= SMALL * max(1.0, np.abs(problem.q).max()):
         return fails(problem)
     return qpsolvers.Solution(problem, found=True, x=answer.x)
 
