@@ -21,6 +21,8 @@ TOUCH = 0.05
 """A body has to reach so far into its lane [m]."""
 FLAT = 0.01
 """SUMO's positions on a lane are proportional to the plan's, where they differ by less than this [m]."""
+ANSWERS_KEPT = 2000
+"""Answers about routes that are kept: in a run of hours there are ever new routes."""
 NEXT_EDGES = 8
 """A vehicle's lane is looked for among so many edges of the rest of its route."""
 
@@ -164,6 +166,8 @@ class Lanes:
             earlier, later = pairwise(driven + route[:1]), pairwise(route)
             here = self._junctions(*next(later, ("", "")))
             found = any(here & self._junctions(*pair) for pair in (*earlier, *later))
+            if len(self._returning) >= ANSWERS_KEPT:
+                self._returning.clear()
             self._returning[key] = found
         return found
 

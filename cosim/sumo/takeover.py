@@ -11,7 +11,7 @@ from cosim.sumo.bends import Turning, turning_of
 from cosim.sumo.driven_ego import DrivenEgo, own_limit
 from cosim.sumo.network import Network
 from cosim.sumo.placement import Executed
-from cosim.sumo.route import Route
+from cosim.sumo.shared_routes import SharedRoutes
 from cosim.sumo.track import Track
 
 
@@ -25,9 +25,8 @@ class Takeover:
     """
 
     def __init__(self, network: Network, drive: Drive) -> None:
-        self._network = network
         self._drive = drive
-        self._routes: dict[tuple[tuple[str, ...], str, Turning], Route] = {}
+        self._routes = SharedRoutes(network)
 
     def ego_of(self, sumo: Any, name: str) -> DrivenEgo:
         """Return the ego that a vehicle is from now on: where it is, as fast, on its route.
@@ -62,17 +61,12 @@ class Takeover:
             If the route cannot be driven.
         """
         vehicle = sumo.vehicle
-        route = self._route(tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name), turning)
+        edges, kind = tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name)
+        route = self._routes.route(edges, kind, turning)
         track = Track(route, vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
         track.update(now.x, now.y)
         track.number = number
         return track
-
-    def _route(self, edges: tuple[str, ...], kind: str, turning: Turning) -> Route:
-        key = (edges, kind, turning)
-        if key not in self._routes:
-            self._routes[key] = Route(self._network, edges, kind, turning)
-        return self._routes[key]
 
 
 def seen(sumo: Any, name: str) -> Executed:
