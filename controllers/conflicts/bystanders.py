@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
+from controllers.driving.standing import walking
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Body, Perception, RoadAhead
 
@@ -33,8 +34,6 @@ SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.5
 passes them at the least [m/s]."""
 HASTE = 2.5
 """Who stands in the road may set off as fast as they came, at most with this [m/s]."""
-WALKING = 0.1
-"""[m/s]"""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
@@ -141,7 +140,7 @@ def bystanders(
         np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
     )
     clearance = disc_clearances(x, y, heading, ego.body, *still)[:, 0, :]
-    walk = np.hypot(people.along_speed[who], people.across_speed[who]) > WALKING
+    walk = walking(people)[who]
     return Bystanders(places, who, people.waiting[who], walk, np.minimum(sets_off[who], HASTE), clearance)
 
 

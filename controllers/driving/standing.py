@@ -1,4 +1,4 @@
-"""What counts as standing, for how long somebody has, and how a car is kept there."""
+"""What counts as standing and walking, for how long somebody has stood, and how a car is kept there."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from controllers.arrays import BoolArray
-from controllers.interface import Vehicles
+from controllers.interface import Pedestrians, Vehicles
 
 STANDING = 0.05
 """A slower car stands, if its speed is known as well as the ego's is [m/s]."""
 VEHICLE_STANDING = 0.1
 """Another vehicle that is slower stands [m/s]."""
+WALKING = 0.1
+"""A pedestrian who is faster walks [m/s]."""
 HOLDING = -2.0
 """Keeps a standing car standing [m/s^2]."""
 HOLDING_GENTLY = -0.5
@@ -24,6 +26,11 @@ HOLDING_GENTLY = -0.5
 def standing(vehicles: Vehicles) -> BoolArray:
     """Return which vehicles stand, shape (n,)."""
     return np.asarray(np.hypot(vehicles.along_speed, vehicles.across_speed) < VEHICLE_STANDING)
+
+
+def walking(people: Pedestrians) -> BoolArray:
+    """Return which pedestrians walk, shape (n,)."""
+    return np.asarray(np.hypot(people.along_speed, people.across_speed) > WALKING)
 
 
 @dataclass(slots=True)

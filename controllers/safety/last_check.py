@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
-from controllers.driving.standing import STANDING
+from controllers.driving.standing import STANDING, walking
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, Perception, Plan
@@ -51,8 +51,8 @@ WALK_ON = 0.7
 """Walking pedestrians not expected to enter the ego's way stand only after this time, not at once [s]."""
 STARTING = 0.5
 """An ego that stood starts until it is faster [m/s]."""
-WALKING, WALKERS_MARGIN = 0.1, 0.3
-"""Faster pedestrians walk [m/s] and may step aside: this distance to them counts as contact [m]."""
+WALKERS_MARGIN = 0.3
+"""Pedestrians who walk may step aside: this distance to them counts as contact [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
 TIGHT, BENDS_WITHIN = 1.0 / 15.0, 20.0
@@ -128,7 +128,7 @@ class LastCheck:
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, people, cars, path, motion)
-        walk = np.hypot(told.along_speed[near], told.across_speed[near]) > WALKING
+        walk = walking(told)[near]
         margin = self._margins(perception, clearance[0, 0], walk, starts)
         touched = bool(_touches(clearance, motion, margin)[0])
         if not starts:
