@@ -5,82 +5,71 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from analysis.statistics.intervals import mean_interval
-from analysis.study.design import Study
+from studies.methods.against import OURS, Against
+from studies.methods.answer import REFERENCES
 from studies.methods.rows import Row
 
-WIDTH, HEIGHT = 0.2, 0.1
-"""Points nearer to each other than this share of the largest delay, and of all encounters, have labels that
-would overlap."""
-LINE = 11.0
-"""Height of a line of text [points]."""
+MARKERS = "osD^vP*X"
+COLOURS = "tab10"
 
 
-def draw(path: Path, study: Study, rows: Mapping[str, Row]) -> None:
-    """Draw contacts per 100 encounters, with their exact interval, over the delay with that of the mean.
+def draw(path: Path, rows: Mapping[str, Row], others: Sequence[Against]) -> None:
+    """Draw contacts per 100 encounters, with their exact interval, over the delay in pairs of runs.
+
+    Drivers that avoid nobody would flatten all others: where they do not fit, they stand at the upper edge,
+    and the legend says so.
 
     Parameters
     ----------
     path : of the picture
-    study : for the delay of every run
     rows : of each label over all conditions
+    others : every other method against ours; one without a difference of delays is left out
     """
-    figure = Figure(figsize=(8.0, 5.5), layout="constrained")
+    figure = Figure(figsize=(8.5, 5.0), layout="constrained")
     axes = figure.add_subplot()
-    shown = {label: row for label, row in rows.items() if row.delay is not None and row.contact_share}
-    heights = _heights([(row.delay or 0.0, row.contacts / row.encounters) for row in shown.values()])
-    for (label, row), height in zip(shown.items(), heights, strict=True):
-        if row.delay is None or row.contact_share is None:
-            continue
-        each = np.array(
-            [
-                run.numbers["ego_delay_mean_s"]
-                for run in study.runs
-                if study.label(run) == label and run.valid and "ego_delay_mean_s" in run.numbers
-            ]
-        )
-        share = 100.0 * row.contacts / row.encounters
-        known = mean_interval(each)
-        sides = None
-        if known is not None:
-            sides = [[max(row.delay - known.low, 0.0)], [max(known.high - row.delay, 0.0)]]
+    known = [one for one in others if one.delay.difference is not None]
+    delays = {OURS: (0.0, 0.0, 0.0)} | {one.method: _delay(one) for one in known}
+    points = {
+        label: (delays[label], 100.0 * row.contacts / row.encounters, row)
+        for label, row in rows.items()
+        if label in delays and row.contact_share
+    }
+    tops = [100.0 * row.contact_share.high for label, (_, _, row) in points.items() if row.contact_share]
+    methods = [top for label, top in zip(points, tops, strict=True) if label not in REFERENCES]
+    highest = 1.1 * max(methods or tops, default=1.0)
+    for number, (label, ((delay, low, high), share, row)) in enumerate(points.items()):
+        assert row.contact_share is not None
+        beyond = share > highest
         axes.errorbar(
-            row.delay,
-            share,
-            xerr=sides,
-            yerr=[[share - 100.0 * row.contact_share.low], [100.0 * row.contact_share.high - share]],
-            fmt="o",
-            markersize=4.0,
-            linewidth=0.7,
+            delay,
+            highest if beyond else share,
+            xerr=[[low], [high]],
+            yerr=None
+            if beyond
+            else [[share - 100.0 * row.contact_share.low], [100.0 * row.contact_share.high - share]],
+            markersize=6.0,
+            linestyle="none",
+            linewidth=0.8,
+            label=f"{label}{f' ({share:.1f}, not to scale)' if beyond else ''}",
+            clip_on=not beyond,
+            color=colormaps[COLOURS](number % 10),
+            marker=MARKERS[(number // 10 + number) % len(MARKERS)],
         )
-        axes.annotate(
-            label, (row.delay, share), xytext=(4, 4 + height), textcoords="offset points", fontsize=8
-        )
-    axes.set_xlabel("delay of a trip [s]")
-    axes.set_ylabel("contacts per 100 encounters")
-    axes.set_ylim(0.0, None)
-    axes.set_xlim(0.0, 1.15 * axes.get_xlim()[1])
+    axes.axvline(0.0, color="0.8", linewidth=0.8, zorder=0)
+    axes.set_xlabel(f"delay of a trip minus that of {OURS}, same condition and seed [s]")
+    axes.set_ylabel("contacts per 100 entered encounters")
+    axes.set_ylim(-0.03 * highest, highest)
+    if points:
+        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     figure.savefig(path, dpi=120, metadata={"Software": None})
 
 
-def _heights(points: Sequence[tuple[float, float]]) -> list[float]:
-    """Return how far above its point each label stands, so that those of near points are apart [points].
-
-    >>> _heights([(9.0, 0.0), (1.0, 0.0), (9.5, 0.0), (9.2, 1.0)])
-    [0.0, 0.0, 11.0, 0.0]
-    """
-    most = max((delay for delay, _ in points), default=0.0)
-    levels = [0] * len(points)
-    done: list[int] = []
-    for i in sorted(range(len(points)), key=lambda i: points[i]):
-        near = {
-            levels[j]
-            for j in done
-            if points[i][0] - points[j][0] < WIDTH * most and abs(points[i][1] - points[j][1]) < HEIGHT
-        }
-        levels[i] = next(level for level in range(len(points)) if level not in near)
-        done.append(i)
-    return [LINE * level for level in levels]
+def _delay(one: Against) -> tuple[float, float, float]:
+    """Return the difference, and how far its interval reaches below and above [s]."""
+    difference, interval = one.delay.difference or 0.0, one.delay.interval
+    if interval is None:
+        return difference, 0.0, 0.0
+    return difference, max(difference - interval.low, 0.0), max(interval.high - difference, 0.0)

@@ -65,10 +65,10 @@ pedestrians and vehicles, on the same seeds, beside methods of today and SUMO's 
 beyond it stands in [the methods at work](methods-at-work.md).
 """
 _PICTURE = f"""\
-![contacts per 100 encounters over the delay of a trip, a point a method]({FIGURE})
+![contacts per 100 encounters over the delay against {OURS}, a point a method]({FIGURE})
 
-*Safety against delay over all conditions, with 95 % intervals: exact ones of the share, Student's t over runs
-of the delay.*
+*Safety against delay over all conditions, with 95 % intervals: exact ones of the share of contacts, and those
+of the paired difference of delays.*
 """
 _HOW = f"""\
 ## How it was counted
@@ -101,9 +101,8 @@ def markdown(study: Study, aside: Study | None = None, planned: Mapping[str, int
     aside : variants of single methods
     planned : runs of each batch of the whole study, by its folder
     """
-    labels = study.all_labels()
     rows_of = {condition: rows(study, condition) for condition in study.conditions}
-    whole = {label: row for label in labels if (row := pooled(study, label)).runs}
+    whole = _whole(study)
     others = against(study, whole)
     fewest = min((row.encounters for found in rows_of.values() for row in found), default=0)
     told = sentences(study, whole, fewest, others, sum((planned or {}).values()))
@@ -138,7 +137,8 @@ def write_page(folder: Path, page: Path) -> None:
     folders = run_folders(folder)
     main = [one for one in folders if VARIANTS not in one.parts]
     study = _read(main or folders)
-    draw(page.parent / FIGURE, study, {label: pooled(study, label) for label in study.all_labels()})
+    whole = _whole(study)
+    draw(page.parent / FIGURE, whole, against(study, whole))
     aside = [one for one in folders if VARIANTS in one.parts]
     beside = [one for one in main if MIDBLOCK in one.parts] if aside else []
     plan = folder / PLAN
@@ -150,6 +150,11 @@ def write_page(folder: Path, page: Path) -> None:
             replace(both, runs=tuple(one for one in both.runs if one.controller == "vo_paper"))
         )
     write_text(page, markdown(study, variants, planned))
+
+
+def _whole(study: Study) -> dict[str, Row]:
+    """Return the row of each method over all conditions, of those that have runs."""
+    return {label: row for label in study.all_labels() if (row := pooled(study, label)).runs}
 
 
 def _read(folders: Sequence[Path]) -> Study:
