@@ -1,4 +1,4 @@
-"""A hybrid controller of four modes: drives on, yields, brakes hard or gets past, by the gap people accept.
+"""A hybrid controller of four modes: drives on, yields, brakes hard or gets past whoever steps out.
 
 A filter of a driver blind to pedestrians. Along: pedestrians who step out are stopped for, comfortably where
 that is enough and hard where it is not; where nothing would stop it in time, the ego gets past before they

@@ -30,39 +30,40 @@ def draw(path: Path, rows: Mapping[str, Row], others: Sequence[Against]) -> None
     """
     figure = Figure(figsize=(8.5, 5.0), layout="constrained")
     axes = figure.add_subplot()
-    known = [one for one in others if one.delay.difference is not None]
-    delays = {OURS: (0.0, 0.0, 0.0)} | {one.method: _delay(one) for one in known}
-    points = {
-        label: (delays[label], 100.0 * row.contacts / row.encounters, row)
+    delays = {OURS: (0.0, 0.0, 0.0)} | {
+        one.method: _delay(one) for one in others if one.delay.difference is not None
+    }
+    shares = {
+        label: (row.contacts / row.encounters, row.contact_share)
         for label, row in rows.items()
         if label in delays and row.contact_share
     }
-    tops = [100.0 * row.contact_share.high for label, (_, _, row) in points.items() if row.contact_share]
-    methods = [top for label, top in zip(points, tops, strict=True) if label not in REFERENCES]
-    highest = 1.1 * max(methods or tops, default=1.0)
-    for number, (label, ((delay, low, high), share, row)) in enumerate(points.items()):
-        assert row.contact_share is not None
+    tops = {label: interval.high for label, (_, interval) in shares.items()}
+    methods = [top for label, top in tops.items() if label not in REFERENCES]
+    highest = 1.1 * max(methods or tops.values(), default=0.01)
+    for number, (label, (share, interval)) in enumerate(shares.items()):
+        delay, below, above = delays[label]
         beyond = share > highest
+        reach = None if beyond else [[100.0 * (share - interval.low)], [100.0 * (interval.high - share)]]
         axes.errorbar(
             delay,
-            highest if beyond else share,
-            xerr=[[low], [high]],
-            yerr=None
-            if beyond
-            else [[share - 100.0 * row.contact_share.low], [100.0 * row.contact_share.high - share]],
+            100.0 * min(share, highest),
+            xerr=[[below], [above]],
+            yerr=reach,
             markersize=6.0,
             linestyle="none",
             linewidth=0.8,
-            label=f"{label}{f' ({share:.1f}, not to scale)' if beyond else ''}",
+            label=f"{label} ({100.0 * share:.1f}, not to scale)" if beyond else label,
             clip_on=not beyond,
             color=colormaps[COLOURS](number % 10),
+            # A colour that comes again has another marker.
             marker=MARKERS[(number // 10 + number) % len(MARKERS)],
         )
     axes.axvline(0.0, color="0.8", linewidth=0.8, zorder=0)
     axes.set_xlabel(f"delay of a trip minus that of {OURS}, same condition and seed [s]")
     axes.set_ylabel("contacts per 100 entered encounters")
-    axes.set_ylim(-0.03 * highest, highest)
-    if points:
+    axes.set_ylim(-3.0 * highest, 100.0 * highest)
+    if shares:
         figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     figure.savefig(path, dpi=120, metadata={"Software": None})
 

@@ -92,27 +92,33 @@ be so against every method needs every bound below, and no correction.
 """
 
 
-def markdown(study: Study, aside: Study | None = None, planned: Mapping[str, int] | None = None) -> str:
+def markdown(
+    study: Study,
+    whole: Mapping[str, Row],
+    others: Sequence[Against],
+    aside: Study | None,
+    planned: Mapping[str, int],
+) -> str:
     """Return the whole page.
 
     Parameters
     ----------
     study : what everybody drove
+    whole : the row of each method over all conditions
+    others : every other method against ours
     aside : variants of single methods
     planned : runs of each batch of the whole study, by its folder
     """
     rows_of = {condition: rows(study, condition) for condition in study.conditions}
-    whole = _whole(study)
-    others = against(study, whole)
     fewest = min((row.encounters for found in rows_of.values() for row in found), default=0)
-    told = sentences(study, whole, fewest, others, sum((planned or {}).values()))
+    told = sentences(study, whole, fewest, others, sum(planned.values()))
     marks = differences(study, study.conditions, list(whole))
     parts = [
         _TITLE,
         "## The answer\n",
         "\n".join(f"{n}. {one}" for n, one in enumerate(told, 1)) + "\n",
         _PICTURE,
-        basis(study, rows_of, planned or {}),
+        basis(study, rows_of, planned),
         "## Every method over all conditions\n",
         table((*_HEADINGS,), map(_cells, whole.values())) + "\n",
         f"## Every method against `{OURS}`\n",
@@ -137,8 +143,9 @@ def write_page(folder: Path, page: Path) -> None:
     folders = run_folders(folder)
     main = [one for one in folders if VARIANTS not in one.parts]
     study = _read(main or folders)
-    whole = _whole(study)
-    draw(page.parent / FIGURE, whole, against(study, whole))
+    whole = {label: row for label in study.all_labels() if (row := pooled(study, label)).runs}
+    others = against(study, whole)
+    draw(page.parent / FIGURE, whole, others)
     aside = [one for one in folders if VARIANTS in one.parts]
     beside = [one for one in main if MIDBLOCK in one.parts] if aside else []
     plan = folder / PLAN
@@ -149,12 +156,7 @@ def write_page(folder: Path, page: Path) -> None:
         variants = balanced(
             replace(both, runs=tuple(one for one in both.runs if one.controller == "vo_paper"))
         )
-    write_text(page, markdown(study, variants, planned))
-
-
-def _whole(study: Study) -> dict[str, Row]:
-    """Return the row of each method over all conditions, of those that have runs."""
-    return {label: row for label in study.all_labels() if (row := pooled(study, label)).runs}
+    write_text(page, markdown(study, whole, others, variants, planned))
 
 
 def _read(folders: Sequence[Path]) -> Study:

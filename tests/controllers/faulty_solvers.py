@@ -9,6 +9,7 @@ import pytest
 import qpsolvers
 
 SMALL = 0.01
+"""Multipliers below this share of the largest term of the objective: a certificate does without them."""
 Answer = Callable[[qpsolvers.Problem], qpsolvers.Solution]
 
 
