@@ -147,19 +147,13 @@ def _is_finite(command: Command) -> bool:
 
 @contextmanager
 def rarely_collected() -> Iterator[None]:
-    """Let Python look for garbage seldom, and not among what has been there before.
+    """Let Python look for garbage seldom: a step makes thousands of objects, hardly any of which is garbage.
 
-    A world and its network are a hundred thousand objects that stay. To look through them again and again
-    takes a twentieth of the time of a step with many egos, and a tenth of a second at once. A program that
-    has frozen objects itself keeps those that it chose: there is no way to unfreeze some of them.
+    The world and its network, a hundred thousand objects that stay, are then looked through hardly ever.
     """
-    before, frozen = gc.get_threshold(), gc.get_freeze_count() > 0
-    if not frozen:
-        gc.freeze()
+    before = gc.get_threshold()
     gc.set_threshold(_NEW_OBJECTS, *before[1:])
     try:
         yield
     finally:
         gc.set_threshold(*before)
-        if not frozen:
-            gc.unfreeze()
