@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -25,6 +26,9 @@ ANSWERS_KEPT = 2000
 """Answers about routes that are kept: in a run of hours there are ever new routes."""
 NEXT_EDGES = 8
 """A vehicle's lane is looked for among so many edges of the rest of its route."""
+
+_Question = tuple[str, int, tuple[str, ...]]
+"""What is asked about a route, how many of its edges are driven, and all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +56,7 @@ class Lanes:
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._inside: dict[tuple[str, str], frozenset[str]] = {}
-        self._returning: dict[tuple[int, tuple[str, ...]], bool] = {}
+        self._answers: dict[_Question, bool] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -158,17 +162,42 @@ class Lanes:
         near = (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
         return near and not self._returns(driven, route)
 
+    def meets_again(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
+        """Return whether the present way, up to the next edge, meets an edge or a junction that was driven.
+
+        Parameters
+        ----------
+        driven : edges of the route before the present one
+        route : edges from the present one on
+        """
+        if not driven:
+            return False
+        return self._kept(("meets", len(driven), driven + route), self._met)
+
+    def _met(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
+        near = driven[-1:] + route[:2]
+        here: set[str] = set().union(*(self._junctions(*pair) for pair in pairwise(near)))
+        return not set(driven).isdisjoint(route[:2]) or any(
+            here & self._junctions(*pair) for pair in pairwise(driven)
+        )
+
     def _returns(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
         """Return whether a route passes its next junction more than once, or has passed it already."""
-        key = (len(driven), driven + route)
-        found = self._returning.get(key)
+        return self._kept(("returns", len(driven), driven + route), self._returning)
+
+    def _returning(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
+        earlier, later = pairwise(driven + route[:1]), pairwise(route)
+        here = self._junctions(*next(later, ("", "")))
+        return any(here & self._junctions(*pair) for pair in (*earlier, *later))
+
+    def _kept(self, key: _Question, answer: Callable[[tuple[str, ...], tuple[str, ...]], bool]) -> bool:
+        """Return the answer to a question about a route, worked out once."""
+        found = self._answers.get(key)
         if found is None:
-            earlier, later = pairwise(driven + route[:1]), pairwise(route)
-            here = self._junctions(*next(later, ("", "")))
-            found = any(here & self._junctions(*pair) for pair in (*earlier, *later))
-            if len(self._returning) >= ANSWERS_KEPT:
-                self._returning.clear()
-            self._returning[key] = found
+            if len(self._answers) >= ANSWERS_KEPT:
+                self._answers.clear()
+            _, present, edges = key
+            found = self._answers[key] = answer(edges[:present], edges[present:])
         return found
 
     def _junctions(self, edge: str, onward: str) -> set[str]:

@@ -20,9 +20,13 @@ SMOOTHING = 5
 cut by less than 0.1 m."""
 SEGMENT_COLUMNS = 12
 _NOTHING = (np.zeros(0), np.zeros(0), np.zeros(0))
-SAME_ROAD, SAME_WAY, ANOTHER = 4.0, math.radians(30.0), 15.0
-"""Samples this near to each other, of directions this near, are two passages of one road where they are this
-far apart along the path [m, rad, m]."""
+SAME_PLACE, ANOTHER = 6.0, 15.0
+"""Samples this near to each other are two passages of one place where they are so far apart along the path: a
+vehicle's length, as one that waits across a lane is in the way with its rear [m]."""
+COMES_BACK = 0.5 * math.pi
+"""A path that turns less comes to no place again [rad]."""
+BEHIND = 2.0
+"""So much farther away counts a passage that has been driven than one that is to come."""
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
 
@@ -187,19 +191,20 @@ class Path:
 
     @cached_property
     def passages(self) -> Mapping[int, IntArray]:
-        """Samples of other passages of the same road, by sample; empty for a path that never comes back."""
-        if np.ptp(self.heading) < 2.0 * math.pi - SAME_WAY:
+        """Samples of other passages of the same place, by sample; empty for a path that never comes back."""
+        if np.ptp(self.heading) < COMES_BACK:
             return {}
-        one, other = self._tree.query_pairs(SAME_ROAD, output_type="ndarray").T
-        turned = np.abs(np.angle(np.exp(1j * (self.heading[one] - self.heading[other]))))
-        again = (np.abs(self.along[one] - self.along[other]) > ANOTHER) & (turned < SAME_WAY)
+        one, other = self._tree.query_pairs(SAME_PLACE, output_type="ndarray").T
+        again = np.abs(self.along[one] - self.along[other]) > ANOTHER
         first, second = np.append(one[again], other[again]), np.append(other[again], one[again])
         order = np.argsort(first, kind="stable")
         numbers, starts = np.unique(first[order], return_index=True)
         return dict(zip(numbers.tolist(), np.split(second[order], starts)[1:], strict=True))
 
     def passage_nearest(self, points: FloatArray, samples: IntArray, along: FloatArray) -> IntArray:
-        """Return the samples nearest to points, of those passages that are nearest to arc lengths.
+        """Return the samples nearest to points, of those passages that arc lengths come to first.
+
+        Those before an arc length may be nearer to it by far, as a road just driven is.
 
         Parameters
         ----------
@@ -214,7 +219,8 @@ class Path:
                 continue
             known = np.append(sample, others)
             away = self.along[known] - wanted
-            passage = known[np.abs(away - away[np.argmin(np.abs(away))]) < ANOTHER]
+            first = np.argmin(np.where(away < 0.0, -BEHIND * away, away))
+            passage = known[np.abs(away - away[first]) < ANOTHER]
             found[i] = passage[np.argmin(np.hypot(*(self.points[passage] - points[i]).T))]
         return found
 

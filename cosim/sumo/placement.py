@@ -129,6 +129,7 @@ class Placement:
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
         self._refusal: type[Exception] = getattr(connection, "TraCIException", Exception)
+        self._routes_shortened = 0
         self.routes_restored_of_all = 0
         """How often a route had to be set again, of all vehicles so far."""
 
@@ -333,7 +334,7 @@ class Placement:
         """Put the vehicle there, with the lane that the route says as the hint."""
         vehicle = self._connection.vehicle
         if not ego.moved and not ego.astray:
-            ego.driven, ego.route = self._route(name)
+            self._take_route(name, ego)
         ego.asked_speed = speed
         if there is None:
             there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
@@ -358,6 +359,23 @@ class Placement:
         edges, present = tuple(vehicle.getRoute(name)), max(vehicle.getRouteIndex(name), 0)
         return edges[:present], edges[present:]
 
+    def _take_route(self, name: str, ego: _Ego) -> None:
+        """Take SUMO's route as the ego's own, without the driven edges where its way meets one of them again.
+
+        SUMO would find a moved vehicle on the first of its passages that fits the place, and its route would
+        go on from there.
+        """
+        vehicle = self._connection.vehicle
+        ego.driven, ego.route = self._route(name)
+        if self._lanes.meets_again(ego.driven, ego.route):
+            # To `setRoute` SUMO adds the driven edges.
+            self._routes_shortened += 1
+            shorter = f"{name}!ahead{self._routes_shortened}"
+            self._connection.route.add(shorter, ego.route)
+            vehicle.setRouteID(name, shorter)
+            ego.driven = ()
+        ego.route_id = vehicle.getRouteID(name)
+
     def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
         """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
 
@@ -365,13 +383,13 @@ class Placement:
         back on its way first.
         """
         vehicle = self._connection.vehicle
-        driven, rest = self._route(name)
+        _, rest = self._route(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
         ego.off_route = not kept
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:
             if not ego.astray:
-                ego.driven, ego.route, ego.route_id = driven, rest, vehicle.getRouteID(name)
+                self._take_route(name, ego)
             return
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))

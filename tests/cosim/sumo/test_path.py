@@ -117,8 +117,27 @@ def test_a_lane_beside_the_one_of_the_next_passage_is_still_beside_this_one() ->
     assert across[0] == pytest.approx(3.0, abs=0.1)
 
 
-def test_a_path_that_turns_back_beside_itself_is_not_the_same_road() -> None:
+@pytest.mark.parametrize(
+    ("near", "first"), [(5.0, True), (60.0, False)], ids=["on the way out", "before the turn"]
+)
+def test_who_stands_on_the_way_back_is_beside_the_way_out_before_being_ahead_on_it(
+    near: float, first: bool
+) -> None:
+    """Unless that part of the way out has been driven."""
     hairpin = Path(np.array([[0.0, 0.0], [60.0, 0.0], [63.0, 1.6], [60.0, 3.2], [0.0, 3.2]]))
-    found, across, _ = project_all([hairpin], np.array([[30.0, 3.1]]), [1], [5.0])
-    assert found[0] > 80.0
-    assert across[0] == pytest.approx(0.1, abs=0.1)
+    found, across, _ = project_all([hairpin], np.array([[30.0, 3.1]]), [1], [near])
+    assert (found[0] < 31.0) == first
+    assert (found[0] > 80.0) != first
+    assert across[0] == pytest.approx(3.1 if first else 0.1, abs=0.1)
+
+
+def test_a_vehicle_that_waits_across_the_way_is_there_and_not_where_the_path_comes_across_later() -> None:
+    """With its front it stands where the path, round the block, crosses the junction a second time."""
+    path = Path(np.array([[0.0, 0.0], [80.0, 0.0], [80.0, 50.0], [30.0, 50.0], [30.0, -40.0]]))
+    front, rear = [30.1, 4.0], [28.0, -0.5]
+    found, across, heading = project_all([path], np.array([front, rear]), [2], [5.0])
+    assert found == pytest.approx([30.1, 28.0], abs=0.1)
+    assert across == pytest.approx([4.0, -0.5], abs=0.1)
+    assert heading == pytest.approx([0.0, 0.0], abs=0.01)
+    later, _, _ = project_all([path], np.array([front]), [1], [150.0])
+    assert later[0] > 200.0

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import libsumo
 import pytest
 
 from cosim.conformance.stage import build, pose_of, scene, tool, wait_for
@@ -269,3 +270,34 @@ def test_an_ego_at_the_end_of_its_route_gets_no_longer_one() -> None:
             placement.executed("ego")
             assert tuple(sumo.vehicle.getRoute("ego")) == ("wx",)
         assert placement.strayed("ego") > 5.0
+
+
+def test_a_route_that_comes_along_a_road_again_is_not_driven_once_more(tmp_path: Path) -> None:
+    """Wide of its bend the ego is on the way straight on that it took before: SUMO would have it there again."""
+    net = tmp_path / "grid.net.xml"
+    subprocess.run(
+        [tool("netgenerate"), "--grid", "--grid.number=3", "-o", net], check=True, capture_output=True
+    )
+    before, ahead = ("A1B1", "B1C1", "C1C0", "C0B0", "B0A0", "A0A1"), ("A1B1", "B1B0", "B0C0")
+    routes = tmp_path / "ego.rou.xml"
+    routes.write_text(
+        f"""<routes><vType id="ego" length="4.5" width="1.8" sigma="0"/>
+        <vehicle id="ego" type="ego" depart="0" departEdge="{len(before)}" departPos="80" departSpeed="4">
+            <route edges="{" ".join((*before, *ahead))}"/></vehicle></routes>"""
+    )
+    options = ["--step-length", "0.1", "--lateral-resolution", "0.4", "--no-step-log", "true"]
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), *options])
+    try:
+        wait_for(libsumo, "ego")
+        placement = Placement(libsumo, 0.1)
+        placement.take_over("ego")
+        begin = pose_of(libsumo, "ego")
+        for number in range(1, 80):
+            placement.drive("ego", begin.x + 0.3 * number, begin.y, 0.0, 3.0)
+            libsumo.simulationStep()
+            placement.executed("ego")
+            assert not placement.astray("ego")
+            assert tuple(libsumo.vehicle.getRoute("ego"))[-3:] == ahead
+        assert placement.moves("ego") > 20
+    finally:
+        libsumo.close()
