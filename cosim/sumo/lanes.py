@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -22,13 +21,8 @@ TOUCH = 0.05
 """A body has to reach so far into its lane [m]."""
 FLAT = 0.01
 """SUMO's positions on a lane are proportional to the plan's, where they differ by less than this [m]."""
-ANSWERS_KEPT = 2000
-"""Answers about routes that are kept: in a run of hours there are ever new routes."""
 NEXT_EDGES = 8
 """A vehicle's lane is looked for among so many edges of the rest of its route."""
-
-_Question = tuple[str, int, tuple[str, ...]]
-"""What is asked about a route, how many of its edges are driven, and all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +50,7 @@ class Lanes:
         self._paved: dict[tuple[str, str], tuple[float, float]] = {}
         self._beside: dict[tuple[str, str], tuple[LaneShape, ...]] = {}
         self._inside: dict[tuple[str, str], frozenset[str]] = {}
-        self._answers: dict[_Question, bool] = {}
+        self._junctions: dict[str, tuple[str, str]] = {}
         self._banned: dict[str, frozenset[str]] = {}
 
     def shape(self, name: str) -> LaneShape:
@@ -159,49 +153,34 @@ class Lanes:
         place = lane.place(x, y)
         past = max(-place.along, place.along - lane.shape_length, 0.0)
         aside = 0.5 * (lane.width + width) - TOUCH
-        near = (lane.internal or past > 0.0) and math.hypot(past, place.across) <= aside
-        return near and not self._returns(driven, route)
+        if not (lane.internal or past > 0.0) or math.hypot(past, place.across) > aside:
+            return False
+        here = _junction(lane.edge) if lane.internal else self._ends(lane.edge)[place.along > 0.0]
+        return self._passed(driven + route).count(here) == 1
 
     def meets_again(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
-        """Return whether the present way, up to the next edge, meets an edge or a junction that was driven.
+        """Return whether the present edge begins or ends at a junction that was passed before.
 
         Parameters
         ----------
         driven : edges of the route before the present one
         route : edges from the present one on
         """
-        if not driven:
-            return False
-        return self._kept(("meets", len(driven), driven + route), self._met)
+        passed = self._passed(driven + route)
+        present = passed[len(driven) : len(driven) + 2]
+        return not set(present).isdisjoint(passed[: len(driven)])
 
-    def _met(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
-        near = driven[-1:] + route[:2]
-        here: set[str] = set().union(*(self._junctions(*pair) for pair in pairwise(near)))
-        return not set(driven).isdisjoint(route[:2]) or any(
-            here & self._junctions(*pair) for pair in pairwise(driven)
-        )
+    def _passed(self, edges: tuple[str, ...]) -> list[str]:
+        """Return the junctions at the beginning of a route and at the end of each of its edges."""
+        return [self._ends(edge)[0] for edge in edges[:1]] + [self._ends(edge)[1] for edge in edges]
 
-    def _returns(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
-        """Return whether a route passes its next junction more than once, or has passed it already."""
-        return self._kept(("returns", len(driven), driven + route), self._returning)
-
-    def _returning(self, driven: tuple[str, ...], route: tuple[str, ...]) -> bool:
-        earlier, later = pairwise(driven + route[:1]), pairwise(route)
-        here = self._junctions(*next(later, ("", "")))
-        return any(here & self._junctions(*pair) for pair in (*earlier, *later))
-
-    def _kept(self, key: _Question, answer: Callable[[tuple[str, ...], tuple[str, ...]], bool]) -> bool:
-        """Return the answer to a question about a route, worked out once."""
-        found = self._answers.get(key)
+    def _ends(self, edge: str) -> tuple[str, str]:
+        """Return the junctions where an edge begins and where it ends."""
+        found = self._junctions.get(edge)
         if found is None:
-            if len(self._answers) >= ANSWERS_KEPT:
-                self._answers.clear()
-            _, present, edges = key
-            found = self._answers[key] = answer(edges[:present], edges[present:])
+            asked = self._connection.edge
+            found = self._junctions[edge] = asked.getFromJunction(edge), asked.getToJunction(edge)
         return found
-
-    def _junctions(self, edge: str, onward: str) -> set[str]:
-        return {_junction(inside) for inside in self.inside(edge, onward)} if edge else set()
 
     def placeable(
         self, lane: LaneShape, width: float, x: float, y: float, heading: float, astray: bool = False
@@ -368,6 +347,6 @@ def _junction(edge: str) -> str:
     """Return the junction that an edge is inside.
 
     >>> _junction(":town_hall_12")
-    ':town_hall'
+    'town_hall'
     """
-    return edge.rpartition("_")[0]
+    return edge[1:].rpartition("_")[0]

@@ -385,6 +385,9 @@ class Placement:
         vehicle = self._connection.vehicle
         _, rest = self._route(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
+        if kept and ego.moved:  # and not on the way back along the same road, or at the end of a round trip
+            gone = len(ego.route) - len(rest)
+            kept = self._lanes.on_way(_edge_of(ego.lane), ego.route[max(gone - 1, 0) : gone + 2])
         ego.off_route = not kept
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:

@@ -191,5 +191,7 @@ def test_lanes_of_the_route_decide_in_junctions_that_it_passes_once(tmp_path: Pa
         assert not lanes.found_on_route(inside, (), once, 1.8, *inside.point(0.5 * inside.shape_length, 3.0))
         assert lanes.found_on_route(road, (), once, 1.8, *road.point(-0.5, 1.0))
         assert not lanes.found_on_route(road, (), once, 1.8, *road.point(20.0, 1.0))
+        # A round trip ends there.
+        assert not lanes.found_on_route(road, (), twice[:-1], 1.8, *road.point(-0.5, 1.0))
     finally:
         libsumo.close()
