@@ -104,7 +104,7 @@ class NearEgos:
         kind = np.repeat(np.tile([0, 1, 2], len(cars)), sizes)
         rows = _joined(groups) + fronts * kind
         counts = [2 * len(near) + len(on_foot) for near, on_foot in zip(cars, persons, strict=True)]
-        # A route round a block comes along the same road again: who is near is not a whole block away.
+        # A route round a block comes to the same place again: who is near is not a whole block away.
         origins = [frame.origin for frame in self._frames]
         curves = [frame.path.curve for frame in self._frames]
         along, across, heading = project_all(curves, places[rows], counts, origins)

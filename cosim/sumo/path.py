@@ -26,7 +26,7 @@ vehicle's length, as one that waits across a lane is in the way with its rear [m
 COMES_BACK = 0.5 * math.pi
 """A path that turns less comes to no place again [rad]."""
 BEHIND = 2.0
-"""So much farther away counts a passage that has been driven than one that is to come."""
+"""So many times as far away counts a passage that an ego has driven as one that is to come."""
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
 
@@ -110,7 +110,7 @@ class Path:
         Parameters
         ----------
         points : (n, 2) [m]
-        near : arc length for each point; where the curve comes along the same road again, the passage
+        near : arc length for each point; where the curve comes to the same place again, the passage
             nearest to that counts; ``None``: the one nearest to the point [m]
         """
         if not len(points):
@@ -201,16 +201,17 @@ class Path:
         numbers, starts = np.unique(first[order], return_index=True)
         return dict(zip(numbers.tolist(), np.split(second[order], starts)[1:], strict=True))
 
-    def passage_nearest(self, points: FloatArray, samples: IntArray, along: FloatArray) -> IntArray:
-        """Return the samples nearest to points, of those passages that arc lengths come to first.
-
-        Those before an arc length may be nearer to it by far, as a road just driven is.
+    def passage_nearest(
+        self, points: FloatArray, samples: IntArray, along: FloatArray, behind: float = 1.0
+    ) -> IntArray:
+        """Return the samples nearest to points, of those passages that are nearest to arc lengths.
 
         Parameters
         ----------
         points : (n, 2) [m]
         samples : nearest to them of all, shape (n,)
         along : arc lengths, shape (n,) [m]
+        behind : how many times as far away a passage counts that lies before its arc length
         """
         found = samples.copy()
         for i, (sample, wanted) in enumerate(zip(samples.tolist(), along.tolist(), strict=True)):
@@ -219,8 +220,8 @@ class Path:
                 continue
             known = np.append(sample, others)
             away = self.along[known] - wanted
-            first = np.argmin(np.where(away < 0.0, -BEHIND * away, away))
-            passage = known[np.abs(away - away[first]) < ANOTHER]
+            nearest = np.argmin(np.where(away < 0.0, -behind * away, away))
+            passage = known[np.abs(away - away[nearest]) < ANOTHER]
             found[i] = passage[np.argmin(np.hypot(*(self.points[passage] - points[i]).T))]
         return found
 
@@ -239,8 +240,9 @@ def project_all(
     paths
     points : (n, 2), those of the first path first [m]
     counts : how many of them belong to each path
-    near : arc length on each path; where it comes along the same road again, the passage nearest to that
-        counts; ``None``: the one nearest to the point [m]
+    near : arc length on each path; where it comes to the same place again, the passage nearest to that
+        counts, and one that is to come before one that has been driven; ``None``: the one nearest to the
+        point [m]
     """
     if not len(points):
         return _NOTHING
@@ -255,7 +257,7 @@ def project_all(
         for (path, part), along in zip(parts, places, strict=True):
             if path.passages:
                 there = np.full(part.stop - part.start, along)
-                segment[part] = path.passage_nearest(points[part], segment[part], there)
+                segment[part] = path.passage_nearest(points[part], segment[part], there, BEHIND)
     segment = np.minimum(segment, last)
 
     def rows_of(numbers: IntArray) -> FloatArray:
