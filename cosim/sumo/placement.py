@@ -81,6 +81,8 @@ class _Ego:
     """SUMO's name of that route; a changed route has another one."""
     driven: tuple[str, ...]
     """Edges of it before them."""
+    whole_route_id: str = ""
+    """SUMO's name of a route from which SUMO does not take the driven edges."""
     moved: bool = False
     """The last step was a move."""
     moves_on: str = ""
@@ -365,16 +367,22 @@ class Placement:
         SUMO would find a moved vehicle on the first of its passages that fits the place, and its route would
         go on from there.
         """
-        vehicle = self._connection.vehicle
         ego.driven, ego.route = self._route(name)
-        if self._lanes.meets_again(ego.driven, ego.route):
-            # To `setRoute` SUMO adds the driven edges.
-            self._routes_shortened += 1
-            shorter = f"{name}!ahead{self._routes_shortened}"
+        ego.route_id = self._connection.vehicle.getRouteID(name)
+        if ego.route_id != ego.whole_route_id and self._lanes.meets_again(ego.driven, ego.route):
+            self._shorten_route(name, ego)
+
+    def _shorten_route(self, name: str, ego: _Ego) -> None:
+        """Take the driven edges off SUMO's route; to `setRoute` SUMO adds them again."""
+        self._routes_shortened += 1
+        shorter = f"{name}!ahead{self._routes_shortened}"
+        try:
             self._connection.route.add(shorter, ego.route)
-            vehicle.setRouteID(name, shorter)
-            ego.driven = ()
-        ego.route_id = vehicle.getRouteID(name)
+            self._connection.vehicle.setRouteID(name, shorter)
+        except self._refusal:
+            ego.whole_route_id = ego.route_id
+        else:
+            ego.driven, ego.route_id = (), shorter
 
     def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
         """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
