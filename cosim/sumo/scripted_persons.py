@@ -235,6 +235,6 @@ class ScriptedPersons:
 
 def road_user(name: str, plant: Plant, track: Track) -> RoadUser:
     """Return an ego as pedestrians see it."""
-    way = way_along(track.path.curve, *plant.front)
+    way = way_along(track.path.curve, *plant.front, track.along)
     body = plant.body
     return RoadUser(name, *plant.front, plant.heading, plant.speed, body.length, body.width, way)

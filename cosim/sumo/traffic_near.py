@@ -17,7 +17,7 @@ from cosim.pedestrians.behaviour import RoadUser, Way
 from cosim.step.frames import heading_of
 from cosim.sumo.egos import ROADLESS_CLASSES
 from cosim.sumo.network import Network
-from cosim.sumo.path import Path
+from cosim.sumo.path import Path, project_all
 from cosim.sumo.road_users import INVALID, sumo_constant
 
 NEAR = 100.0
@@ -154,13 +154,20 @@ class TrafficNear:
         return tuple(lanes)
 
 
-def way_along(path: Path, x: float, y: float) -> Way:
-    """Return places relative to the path of a vehicle with its front bumper at (x, y)."""
-    alongs, acrosses, _ = path.project(np.array([[x, y]]))
+def way_along(path: Path, x: float, y: float, near: float = 0.0) -> Way:
+    """Return places relative to the path of a vehicle with its front bumper at (x, y).
+
+    Parameters
+    ----------
+    path
+    x, y : [m]
+    near : about where on the path that is; it decides where the path comes to the same place again [m]
+    """
+    alongs, acrosses, _ = project_all([path], np.array([[x, y]]), [1], [near])
     front, beside = float(alongs[0]), float(acrosses[0])
 
     def sees(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        alongs, acrosses, _ = path.project(points)
+        alongs, acrosses, _ = project_all([path], points, [len(points)], [front])
         return alongs - front, acrosses - beside
 
     return sees
