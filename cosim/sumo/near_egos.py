@@ -21,6 +21,9 @@ from cosim.sumo.road_users import Cars
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.view import Frame
 
+COMES_ALONG = 0.3
+"""Who walks along the road faster than this, and than across it, is not yet about to cross [m/s]."""
+
 
 class NearEgos:
     """Everybody near the egos at one instant.
@@ -161,7 +164,11 @@ class NearEgos:
     def _express_at_crossings(
         self, told: Pedestrians, rows: IntArray, crossings: Sequence[PathCrossing], origin: float
     ) -> None:
-        """Put those on, or about to enter, a crossing into the straight frame where the path meets it."""
+        """Put those on, or about to enter, a crossing into the straight frame where the path meets it.
+
+        Whoever walks up to it from along the road stays in the path's own frame: in a bend they meet its
+        inner side long before the straight one.
+        """
         persons = self._surroundings.persons
         # Of a crossing that the path passes again the first passage counts.
         index_of: dict[str, int] = {}
@@ -173,17 +180,19 @@ class NearEgos:
             return
         told.crossing[:] = indices
         position, velocity = persons.position[rows], persons.velocity[rows]
+        on_crossing = persons.on_crossing[rows]
         for index in concerned:
             place = crossings[index]
-            members = told.crossing == index
             forward = np.array([math.cos(place.heading), math.sin(place.heading)])
             leftward = np.array([-forward[1], forward[0]])
+            onward, across = velocity @ forward, velocity @ leftward
+            comes_along = ~on_crossing & (np.abs(onward) > np.maximum(np.abs(across), COMES_ALONG))
+            members = (told.crossing == index) & ~comes_along
             relative = position[members] - place.origin
             told.along[members] = place.middle - origin + relative @ forward
             told.across[members] = relative @ leftward
-            told.along_speed[members] = velocity[members] @ forward
-            told.across_speed[members] = velocity[members] @ leftward
-        on_crossing = persons.on_crossing[rows]
+            told.along_speed[members] = onward[members]
+            told.across_speed[members] = across[members]
         told.on_crossing[:] = (told.crossing >= 0) & on_crossing
         told.waiting[:] = (told.crossing >= 0) & ~on_crossing
 
