@@ -8,6 +8,7 @@ import statsmodels.api as sm
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
+from statsmodels.stats.multitest import multipletests
 
 from analysis.statistics import intervals
 from analysis.statistics.intervals import (
@@ -327,6 +328,12 @@ def test_one_pair_of_yes_and_no_is_tested_and_shows_nothing() -> None:
 def test_holm_corrects_as_in_the_manual_of_r() -> None:
     assert holm([0.01, 0.02, 0.03, 0.04]) == pytest.approx([0.04, 0.06, 0.06, 0.06])
     assert holm([0.04, 0.001, 0.6]) == pytest.approx([0.08, 0.003, 0.6])
+
+
+@settings(max_examples=20)
+@given(st.lists(st.floats(0.0, 1.0) | st.sampled_from([0.01, 0.04]), min_size=1, max_size=12))
+def test_holm_corrects_as_statsmodels_does(p_values: list[float]) -> None:
+    assert holm(p_values) == multipletests(p_values, method="holm")[1].tolist()
 
 
 def test_a_test_that_was_not_made_is_not_in_the_family() -> None:
