@@ -166,9 +166,8 @@ class Lanes:
         driven : edges of the route before the present one
         route : edges from the present one on
         """
-        passed = self._passed(driven + route)
-        present = passed[len(driven) : len(driven) + 2]
-        return not set(present).isdisjoint(passed[: len(driven)])
+        passed = self._passed(driven + route[:1])
+        return not set(passed[-2:]).isdisjoint(passed[:-2])
 
     def _passed(self, edges: tuple[str, ...]) -> list[str]:
         """Return the junctions at the beginning of a route and at the end of each of its edges."""

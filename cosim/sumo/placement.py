@@ -336,7 +336,7 @@ class Placement:
         """Put the vehicle there, with the lane that the route says as the hint."""
         vehicle = self._connection.vehicle
         if not ego.moved and not ego.astray:
-            self._take_route(name, ego)
+            self._take_route(name, ego, *self._route(name))
         ego.asked_speed = speed
         if there is None:
             there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
@@ -361,13 +361,13 @@ class Placement:
         edges, present = tuple(vehicle.getRoute(name)), max(vehicle.getRouteIndex(name), 0)
         return edges[:present], edges[present:]
 
-    def _take_route(self, name: str, ego: _Ego) -> None:
+    def _take_route(self, name: str, ego: _Ego, driven: tuple[str, ...], rest: tuple[str, ...]) -> None:
         """Take SUMO's route as the ego's own, without the driven edges where its way meets one of them again.
 
         SUMO would find a moved vehicle on the first of its passages that fits the place, and its route would
         go on from there.
         """
-        ego.driven, ego.route = self._route(name)
+        ego.driven, ego.route = driven, rest
         ego.route_id = self._connection.vehicle.getRouteID(name)
         if ego.route_id != ego.whole_route_id and self._lanes.meets_again(ego.driven, ego.route):
             self._shorten_route(name, ego)
@@ -391,7 +391,7 @@ class Placement:
         back on its way first.
         """
         vehicle = self._connection.vehicle
-        _, rest = self._route(name)
+        driven, rest = self._route(name)
         kept = bool(rest) and ego.route[-len(rest) :] == rest
         if kept and ego.moved:  # and not on the way back along the same road, or at the end of a round trip
             gone = len(ego.route) - len(rest)
@@ -400,7 +400,7 @@ class Placement:
         ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
         if kept:
             if not ego.astray:
-                self._take_route(name, ego)
+                self._take_route(name, ego, driven, rest)
             return
         # SUMO takes no route that the present edge or the way through the junction does not lead along.
         fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
