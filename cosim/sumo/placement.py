@@ -17,6 +17,7 @@ from cosim.errors import SimulationError
 from cosim.step.frames import degrees_of
 from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.lanes import Lanes
+from cosim.sumo.own_route import OwnRoute, RouteKeeper
 
 OBEY_SPEED = 32
 """Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
@@ -75,14 +76,7 @@ class _Ego:
     """Where we believe it to be."""
     speed: float
     """At the beginning of the step [m/s]."""
-    route: tuple[str, ...]
-    """Edges still to drive, as they were when SUMO's route was last seen to be the ego's own."""
-    route_id: str
-    """SUMO's name of that route; a changed route has another one."""
-    driven: tuple[str, ...]
-    """Edges of it before them."""
-    whole_route_id: str = ""
-    """SUMO's name of a route from which SUMO does not take the driven edges."""
+    route: OwnRoute
     moved: bool = False
     """The last step was a move."""
     moves_on: str = ""
@@ -91,11 +85,6 @@ class _Ego:
     """Where the front bumper has to be after the step under way."""
     asked_speed: float = 0.0
     moves: int = 0
-    routes_restored: int = 0
-    astray: bool = False
-    """After the last step SUMO had another route than the ego's own, or the ego on a foreign lane."""
-    off_route: bool = False
-    """It was another route."""
     strayed: float = 0.0
     """From where the front bumper is to where it was put, in the last move [m]."""
 
@@ -130,10 +119,7 @@ class Placement:
         self._dither = dither
         self._lanes = Lanes(connection)
         self._egos: dict[str, _Ego] = {}
-        self._refusal: type[Exception] = getattr(connection, "TraCIException", Exception)
-        self._routes_shortened = 0
-        self.routes_restored_of_all = 0
-        """How often a route had to be set again, of all vehicles so far."""
+        self._routes = RouteKeeper(connection, self._lanes)
 
     def take_over(self, name: str) -> None:
         """Begin to drive a vehicle that is on the road; SUMO no longer decides anything for it.
@@ -148,7 +134,6 @@ class Placement:
         if not lane:
             raise SimulationError(f"vehicle {name} cannot be taken over: it is not on a lane")
         hybrid = self._method is Method.HYBRID
-        driven, route = self._route(name)
         self._egos[name] = _Ego(
             vehicle_class=vehicle.getVehicleClass(name),
             width=vehicle.getWidth(name),
@@ -160,9 +145,7 @@ class Placement:
             else (),
             lane=lane,
             speed=vehicle.getSpeed(name),
-            route=route,
-            route_id=vehicle.getRouteID(name),
-            driven=driven,
+            route=self._routes.of(name),
         )
         vehicle.setSpeedMode(name, OBEY_SPEED)
         vehicle.setLaneChangeMode(name, OBEY_LANE)
@@ -190,7 +173,7 @@ class Placement:
             ego.moves_on = ""
         believed = self._lanes.shape(ego.lane)
         # After a move SUMO may have taken a crossing lane for ours; a lane beside ours is a matter of taste.
-        trusted = bool(found) and not ego.astray
+        trusted = bool(found) and not ego.route.astray
         trusted = trusted and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
         here = self._lanes.shape(found) if trusted else believed
         there = self._lanes.shape(lane) if lane else None
@@ -210,8 +193,8 @@ class Placement:
         x, y = vehicle.getPosition(name)
         lane = vehicle.getLaneID(name)
         if ego.aim is not None:
-            if ego.moved or ego.astray or vehicle.getRouteID(name) != ego.route_id:
-                self._keep_route(name, ego, lane)
+            if ego.moved or ego.route.astray or self._routes.changed(name, ego.route):
+                self._routes.keep(name, ego.route, lane, ego.lane, ego.moved)
             if not ego.moved:
                 ego.lane = lane or ego.lane
                 if math.dist((x, y), ego.aim) > POSITION_TOLERANCE:
@@ -233,14 +216,19 @@ class Placement:
 
     def routes_restored(self, name: str) -> int:
         """Return how often the rest of the route had to be set again after a move."""
-        return self._ego(name).routes_restored
+        return self._ego(name).route.restored
+
+    @property
+    def routes_restored_of_all(self) -> int:
+        """How often a route had to be set again, of all vehicles so far."""
+        return self._routes.restored_of_all
 
     def astray(self, name: str) -> bool:
         """Return whether after the last step SUMO had another route or a lane that is none of the ego's way.
 
         What could be mended at once has been; else the next step is a move that mends it.
         """
-        return self._ego(name).astray
+        return self._ego(name).route.astray
 
     def strayed(self, name: str) -> float:
         """Return how far from the plant [m] the vehicle was put, because SUMO cannot place it there."""
@@ -255,16 +243,8 @@ class Placement:
 
         It may be one that has been handed back.
         """
-        vehicle = self._connection.vehicle
-        try:
-            vehicle.setRoute(name, edges)
-        except self._refusal:
-            return False
-        if name in self._egos:
-            ego = self._egos[name]
-            ego.driven, ego.route = self._route(name)
-            ego.route_id = vehicle.getRouteID(name)
-        return True
+        ego = self._egos.get(name)
+        return self._routes.reroute(name, edges, None if ego is None else ego.route)
 
     def release(self, name: str) -> None:
         """Hand the vehicle back to SUMO's driver, with everything as `take_over` found it."""
@@ -334,85 +314,23 @@ class Placement:
         speed: float,
     ) -> None:
         """Put the vehicle there, with the lane that the route says as the hint."""
-        vehicle = self._connection.vehicle
-        if not ego.moved and not ego.astray:
-            self._take_route(name, ego, *self._route(name))
+        vehicle, route = self._connection.vehicle, ego.route
+        if not ego.moved and not route.astray:
+            self._routes.take(name, route)
         ego.asked_speed = speed
         if there is None:
-            there, way = self._lanes.reach(here, ego.route, ego.vehicle_class, *aim)
+            there, way = self._lanes.reach(here, route.ahead, ego.vehicle_class, *aim)
             if self._method is Method.HYBRID and trusted:
                 rate = (way - vehicle.getLanePosition(name)) / self._step
                 slowest, fastest = sorted((ego.speed, speed))
                 ego.asked_speed = min(max(rate, 0.9 * slowest), 1.1 * fastest)
         vehicle.setSpeed(name, ego.asked_speed)
         x, y, angle, keep = *aim, heading, ON_ROUTE
-        if ego.off_route or not self._lanes.found_on_route(there, ego.driven, ego.route, ego.width, *aim):
-            x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, ego.astray)
+        if route.left or not self._lanes.found_on_route(there, route.driven, route.ahead, ego.width, *aim):
+            x, y, angle = self._lanes.placeable(there, ego.width, *aim, heading, route.astray)
             keep = EXACT_POSITION
         ego.strayed = math.dist((x, y), aim)
         vehicle.moveToXY(name, there.edge, there.index, x, y, degrees_of(angle), keep)
         ego.lane = there.name
         ego.moved = True
         ego.moves += 1
-
-    def _route(self, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Return the edges of SUMO's route that are driven, and those from the present one on."""
-        vehicle = self._connection.vehicle
-        edges, present = tuple(vehicle.getRoute(name)), max(vehicle.getRouteIndex(name), 0)
-        return edges[:present], edges[present:]
-
-    def _take_route(self, name: str, ego: _Ego, driven: tuple[str, ...], rest: tuple[str, ...]) -> None:
-        """Take SUMO's route as the ego's own, without the driven edges where its way meets one of them again.
-
-        SUMO would find a moved vehicle on the first of its passages that fits the place, and its route would
-        go on from there.
-        """
-        ego.driven, ego.route = driven, rest
-        ego.route_id = self._connection.vehicle.getRouteID(name)
-        if ego.route_id != ego.whole_route_id and self._lanes.meets_again(ego.driven, ego.route):
-            self._shorten_route(name, ego)
-
-    def _shorten_route(self, name: str, ego: _Ego) -> None:
-        """Take the driven edges off SUMO's route; to `setRoute` SUMO adds them again."""
-        self._routes_shortened += 1
-        shorter = f"{name}!ahead{self._routes_shortened}"
-        try:
-            self._connection.route.add(shorter, ego.route)
-            self._connection.vehicle.setRouteID(name, shorter)
-        except self._refusal:
-            ego.whole_route_id = ego.route_id
-        else:
-            ego.driven, ego.route_id = (), shorter
-
-    def _keep_route(self, name: str, ego: _Ego, lane: str) -> None:
-        """Compare SUMO's route and lane with the ego's own, and set the rest of the route again.
-
-        Where SUMO takes no route that leads on from the lane on which it has the ego, the next step puts it
-        back on its way first.
-        """
-        vehicle = self._connection.vehicle
-        driven, rest = self._route(name)
-        kept = bool(rest) and ego.route[-len(rest) :] == rest
-        if kept and ego.moved:  # and not on the way back along the same road, or at the end of a round trip
-            gone = len(ego.route) - len(rest)
-            kept = self._lanes.on_way(_edge_of(ego.lane), ego.route[max(gone - 1, 0) : gone + 2])
-        ego.off_route = not kept
-        ego.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ego.route))
-        if kept:
-            if not ego.astray:
-                self._take_route(name, ego, driven, rest)
-            return
-        # SUMO takes no route that the present edge or the way through the junction does not lead along.
-        fits = bool(rest) and rest[0] in ego.route and (lane == ego.lane or not lane.startswith(":"))
-        if lane and fits:  # else again after the next step
-            try:
-                vehicle.setRoute(name, ego.route[ego.route.index(rest[0]) :])
-            except self._refusal:
-                return  # it stays astray; who drives it decides for how long
-            ego.route_id = vehicle.getRouteID(name)
-            ego.routes_restored += 1
-            self.routes_restored_of_all += 1
-
-
-def _edge_of(lane: str) -> str:
-    return lane.rpartition("_")[0]
