@@ -57,9 +57,9 @@ class SpeedWeights:
 
     speed: float = 0.3
     """[1/(m/s)^2]"""
-    acceleration: float = 1.0
+    acceleration: float = 0.2
     """[1/(m/s^2)^2]"""
-    jerk: float = 0.6
+    jerk: float = 0.3
     """[1/(m/s^3)^2]"""
     violation: float = 100.0
     """Per metre that a position bound is violated."""

@@ -43,7 +43,7 @@ LATEST_FOR_THE_ROAD, LATEST_FOR_PEOPLE = 3.3, 2.0
 """Decelerations with which those ceilings are met [m/s^2]."""
 SPEEDING_UP = 1.0
 """How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
-STOPPING = 2.0
+STOPPING = 3.0
 """Deceleration with which the ego comes to where it stops [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
