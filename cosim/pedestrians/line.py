@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -109,9 +110,8 @@ class Line:
         -----
         Looked for at points 0.5 m apart; between two of them the line is straight in the vehicle's frame.
         """
-        ways = np.linspace(0.0, self.length, max(math.ceil(self.length / SPACING), 1) + 1)
-        east, north = self.direction
-        along, beside = vehicle.sees(np.column_stack([self.x + ways * east, self.y + ways * north]))
+        ways, places = _evenly_on(self)
+        along, beside = vehicle.sees(places)
         middle = _first_zero(ways, beside - across)
         if middle is None:
             return None
@@ -125,6 +125,14 @@ class Line:
         last = self.length if leaves is None else leaves
         inner = np.interp([first, middle, last], ways, along)
         return Meeting(float(inner[1]), first, middle, last, float(inner.min()), float(inner.max()))
+
+
+@lru_cache(maxsize=1024)
+def _evenly_on(line: Line) -> tuple[FloatArray, FloatArray]:
+    """Return distances along a line, and the places there, shape (n, 2) [m]."""
+    ways = np.linspace(0.0, line.length, max(math.ceil(line.length / SPACING), 1) + 1)
+    east, north = line.direction
+    return ways, np.column_stack([line.x + ways * east, line.y + ways * north])
 
 
 def _first_zero(places: FloatArray, values: FloatArray) -> float | None:

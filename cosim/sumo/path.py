@@ -29,6 +29,8 @@ BEHIND = 2.0
 """So many times as far away counts a passage that an ego has driven as one that is to come."""
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
+ASKED_AGAIN = 256
+"""Sets of points whose projections are remembered."""
 
 
 class Path:
@@ -93,6 +95,7 @@ class Path:
             ]
         )
         self._tree = scipy.spatial.cKDTree(self.points)
+        self._known: dict[bytes, tuple[FloatArray, FloatArray]] = {}
 
     def station_along(self, station: float) -> float:
         """Return the arc length on the smooth curve [m] of a station of the polyline."""
@@ -120,6 +123,24 @@ class Path:
         if near is not None and self.passages:
             samples = self.passage_nearest(points, samples, near)
         return _projected(points, np.minimum(samples, last), last, self.segments)
+
+    def project_again(self, points: FloatArray, near: float) -> tuple[FloatArray, FloatArray]:
+        """Return arc length and offset to the left [m] of points that are asked for at step after step.
+
+        Parameters
+        ----------
+        points : (n, 2) [m]
+        near : arc length on the path; see `project_all` [m]
+        """
+        if self.passages:
+            return project_all([self], points, [len(points)], [near])[:2]
+        key = points.tobytes()
+        found = self._known.get(key)
+        if found is None:
+            if len(self._known) >= ASKED_AGAIN:
+                self._known.clear()
+            found = self._known[key] = self.project(points)[:2]
+        return found
 
     def at(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the world coordinates (n, 2) [m] of points in the curve's frame; inverse of `project`."""

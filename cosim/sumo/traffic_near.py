@@ -167,7 +167,7 @@ def way_along(path: Path, x: float, y: float, near: float = 0.0) -> Way:
     front, beside = float(alongs[0]), float(acrosses[0])
 
     def sees(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        alongs, acrosses, _ = project_all([path], points, [len(points)], [front])
+        alongs, acrosses = path.project_again(points, front)
         return alongs - front, acrosses - beside
 
     return sees
