@@ -57,7 +57,7 @@ class SpeedWeights:
 
     speed: float = 0.3
     """[1/(m/s)^2]"""
-    acceleration: float = 0.2
+    acceleration: float = 0.25
     """[1/(m/s^2)^2]"""
     jerk: float = 0.3
     """[1/(m/s^3)^2]"""

@@ -94,7 +94,8 @@ def test_a_slow_ego_speeds_up_within_its_limits_and_does_not_overshoot() -> None
 def test_it_stops_before_a_bound_with_comfortable_braking_where_that_is_enough() -> None:
     task = _task(10.0, upper=np.full(N, 30.0), stoppable=np.full(N, 30.0))
     plan = _program().solve(task)
-    plan = _program().solve(task._replace(expected=plan.speed))
+    for _ in range(2):  # the braking distance is linearised about the plan before
+        plan = _program().solve(task._replace(expected=plan.speed))
     _assert_within_limits(plan, task)
     # Whatever speed is left at the end of the horizon, the way left is enough to stop.
     ways_to_stop = plan.speed**2 / (2.0 * LIMITS.freeze_braking)
