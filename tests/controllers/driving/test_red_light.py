@@ -36,10 +36,10 @@ def test_the_ego_stops_before_the_line_where_its_brakes_can_do_that(speed: float
 
 
 def test_it_comes_to_the_line_without_creeping() -> None:
-    # 51 m at 12.5 m/s and then 39 m at -2 m/s² would take 10.3 s.
-    beyond, _ = _drive(12.5, 90.0, 10.0)
-    assert beyond > -4.0
-    beyond, speed = _drive(12.5, 90.0, 13.5)
+    # 64 m at 12.5 m/s and then 26 m at -3 m/s² would take 9.3 s.
+    beyond, _ = _drive(12.5, 90.0, 9.0)
+    assert beyond > -3.0
+    beyond, speed = _drive(12.5, 90.0, 12.0)
     assert -1.0 < beyond <= 0.0
     assert speed == 0.0
 
