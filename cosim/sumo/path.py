@@ -29,7 +29,7 @@ BEHIND = 2.0
 """So many times as far away counts a passage that an ego has driven as one that is to come."""
 WALK = 20
 """Segments walked over before a point near a guess is searched for everywhere."""
-ASKED_AGAIN = 256
+ASKED_AGAIN = 64
 """Sets of points whose projections are remembered."""
 
 
