@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.sumo.path import Path, crossing_point, interpolated, project_all
+from cosim.arrays import FloatArray
+from cosim.sumo.path import ASKED_AGAIN, Path, crossing_point, interpolated, project_all
 
 BEND = np.array([[-60.0, 0.0], [0.0, 0.0], [6.0, 1.0], [10.0, 5.0], [11.0, 11.0], [11.0, 80.0]])
 
@@ -107,6 +108,18 @@ def test_where_a_path_comes_along_the_same_road_again_the_passage_near_the_ego_c
     assert found[0] == pytest.approx(along, abs=5.0), "corners are cut"
     assert found[1] == pytest.approx(85.0, abs=5.0), "there it passes once"
     assert across == pytest.approx([0.4, -0.4], abs=0.05)
+
+
+@pytest.mark.parametrize("line", [BEND, ROUND_THE_BLOCK], ids=["bend", "round the block"])
+def test_points_that_are_asked_for_again_are_where_they_were(line: FloatArray) -> None:
+    """To the last bit, however many others were asked for in between and wherever the asker is by then."""
+    path, random = Path(line), np.random.default_rng(2)
+    sets = [random.uniform(-80.0, 90.0, (5, 2)) for _ in range(ASKED_AGAIN + 10)]
+    for near in (0.0, 0.0, 200.0):
+        for points in sets:
+            found = path.project_again(points, near)
+            expected = project_all([path], points, [len(points)], [near])[:2]
+            assert [values.tobytes() for values in found] == [values.tobytes() for values in expected]
 
 
 def test_a_lane_beside_the_one_of_the_next_passage_is_still_beside_this_one() -> None:
