@@ -29,7 +29,13 @@ from controllers.velocity_obstacle.mpc.longitudinal import (
 from controllers.velocity_obstacle.mpc.passing_classes import ClassBounds
 from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
-from controllers.velocity_obstacle.mpc.speed_tasks import SLOW, SpeedTasks, stopping_within, swept
+from controllers.velocity_obstacle.mpc.speed_tasks import (
+    SLOW,
+    STOPPING_FOR_PEOPLE,
+    SpeedTasks,
+    stopping_within,
+    swept,
+)
 
 REACHED = 0.3
 """A bound nearer to a plan than this has shaped it [m]."""
@@ -312,8 +318,9 @@ class SpeedPlanner:
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
         stoppable = np.minimum(bounds.freeze[behind], max(line - front, 0.0))
+        slower = stopping_within(stoppable - task.positions, braking=STOPPING_FOR_PEOPLE)
         return task._replace(
-            reference=np.minimum(task.reference, stopping_within(stoppable - task.positions)),
+            reference=np.minimum(task.reference, slower),
             upper=upper,
             # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
             lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),

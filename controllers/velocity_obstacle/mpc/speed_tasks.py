@@ -43,8 +43,9 @@ LATEST_FOR_THE_ROAD, LATEST_FOR_PEOPLE = 3.3, 2.0
 """Decelerations with which those ceilings are met [m/s^2]."""
 SPEEDING_UP = 1.0
 """How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
-STOPPING = 3.0
-"""Deceleration with which the ego comes to where it stops [m/s^2]."""
+STOPPING, STOPPING_FOR_PEOPLE = 3.0, 2.0
+"""Decelerations with which the ego comes to where it stops: for lines and vehicles, and for people, who may
+come nearer than they seemed to [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
 
@@ -199,7 +200,9 @@ class SpeedTasks:
         return nearest, name if np.isfinite(nearest) else ""
 
 
-def stopping_within(room: FloatArray, then: float | FloatArray = 0.0) -> FloatArray:
+def stopping_within(
+    room: FloatArray, then: float | FloatArray = 0.0, braking: float = STOPPING
+) -> FloatArray:
     """Return the speeds from which the ego stops comfortably, ``sqrt(then^2 + 2 b room)``, shape (N,) [m/s].
 
     On the way to a place that is not to be passed, it is cheapest to use all the time that the horizon has.
@@ -210,8 +213,9 @@ def stopping_within(room: FloatArray, then: float | FloatArray = 0.0) -> FloatAr
     ----------
     room : from the expected positions to where the ego stops, shape (N,) [m]
     then : speed there, of somebody who drives on [m/s]
+    braking : b [m/s^2]
     """
-    return np.asarray(np.sqrt(np.square(then) + 2.0 * STOPPING * np.maximum(room, 0.0)))
+    return np.asarray(np.sqrt(np.square(then) + 2.0 * braking * np.maximum(room, 0.0)))
 
 
 def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:
