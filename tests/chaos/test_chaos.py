@@ -8,7 +8,7 @@ import pytest
 
 from tests.chaos.rounds import Chaos
 
-ROUNDS, SEED = 3, 1
+ROUNDS, SEED = 5, 1
 
 
 @pytest.mark.sumo

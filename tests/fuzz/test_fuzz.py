@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope="module")
 def fuzzed() -> str:
     """Return what is printed; in a process of its own, of which every case is a copy: one without threads."""
-    command = [sys.executable, "-m", "tests.fuzz", "--cases", "60", "--seed", "2"]
+    command = [sys.executable, "-m", "tests.fuzz", "--cases", "100", "--seed", "2"]
     done = subprocess.run(
         command, cwd=ROOT, env=source_environment(), capture_output=True, text=True, timeout=300, check=False
     )
@@ -27,8 +27,8 @@ def fuzzed() -> str:
     return done.stdout
 
 
-def test_sixty_cases_behave(fuzzed: str) -> None:
-    assert "60 of 60 behaved" in fuzzed
+def test_a_hundred_cases_behave(fuzzed: str) -> None:
+    assert "100 of 100 behaved" in fuzzed
     for kind in ("scenario", "pedestrians", "tracks", "study", "criteria", "sumo"):
         assert f"  {kind} " in fuzzed
 

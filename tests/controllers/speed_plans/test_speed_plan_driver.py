@@ -235,7 +235,7 @@ def test_a_standing_car_is_driven_round_where_there_is_another_lane() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize("step", [0.05, 0.2, 1.0])
+@pytest.mark.parametrize("step", [0.05, 0.1, 0.2, 0.5, 1.0])
 @pytest.mark.parametrize("lanes", [1, 2])
 def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
     name: str, step: float, lanes: int
