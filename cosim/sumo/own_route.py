@@ -87,12 +87,15 @@ class RouteKeeper:
         moved : it was put there in the last step
         """
         driven, rest = self._read(vehicle)
-        kept = bool(rest) and own.ahead[-len(rest) :] == rest
+        ours = own.ahead
+        if rest[1:] == ours and lane.startswith(":") and self._lanes.on_way(_edge_of(lane), rest[:2]):
+            ours = rest  # between two lanes, SUMO has it still in the junction that it has left
+        kept = bool(rest) and ours[-len(rest) :] == rest
         if kept and moved:  # and not on the way back along the same road, or at the end of a round trip
-            gone = len(own.ahead) - len(rest)
-            kept = self._lanes.on_way(_edge_of(believed), own.ahead[max(gone - 1, 0) : gone + 2])
+            gone = len(ours) - len(rest)
+            kept = self._lanes.on_way(_edge_of(believed), ours[max(gone - 1, 0) : gone + 2])
         own.left = not kept
-        own.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), own.ahead))
+        own.astray = not kept or (bool(lane) and not self._lanes.on_way(_edge_of(lane), ours))
         if kept:
             if not own.astray:
                 self._take(vehicle, own, driven, rest)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import libsumo
+import numpy as np
 import pytest
 
 from cosim.conformance.stage import build, pose_of, scene, tool, wait_for
@@ -299,5 +300,43 @@ def test_a_route_that_comes_along_a_road_again_is_not_driven_once_more(tmp_path:
             assert not placement.astray("ego")
             assert tuple(libsumo.vehicle.getRoute("ego"))[-3:] == ahead
         assert placement.moves("ego") > 20
+    finally:
+        libsumo.close()
+
+
+def test_between_two_lanes_an_ego_that_sumo_has_in_the_junction_again_is_on_its_way(tmp_path: Path) -> None:
+    """Out of its bend the ego comes between two lanes; it depends on millimetres which of them is nearer."""
+    net = tmp_path / "grid.net.xml"
+    options = ("--grid", "--grid.number=3", "--default.lanenumber=2")
+    subprocess.run([tool("netgenerate"), *options, "-o", net], check=True, capture_output=True)
+    routes = tmp_path / "ego.rou.xml"
+    routes.write_text(
+        """<routes><vType id="ego" length="4.5" width="1.8" sigma="0"/>
+        <vehicle id="ego" type="ego" depart="0" departLane="1" departPos="last"><route edges="B2B1 B1C1"/>
+        </vehicle></routes>"""
+    )
+    settings = ["--step-length", "0.1", "--lateral-resolution", "0.4", "--no-step-log", "true"]
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), *settings])
+    try:
+        wait_for(libsumo, "ego")
+        placement = Placement(libsumo, 0.1)
+        placement.take_over("ego")
+        begin = pose_of(libsumo, "ego")
+        lanes = [libsumo.lane.getShape(f"B1C1_{index}")[0] for index in (0, 1)]
+        lane_begin, between = lanes[0][0], 0.5 * (lanes[0][1] + lanes[1][1])
+        turn = [
+            (begin.x + share * (lane_begin - 0.6 - begin.x), begin.y + share * (between - begin.y))
+            for share in np.linspace(0.0, 1.0, 60)
+        ]
+        wave = [(lane_begin - 0.6 + 0.02 * number, between + 0.02 * (-1) ** number) for number in range(60)]
+        seen = []
+        for x, y in (*turn, *wave):
+            placement.drive("ego", x, y, 0.2, 2.0)
+            libsumo.simulationStep()
+            seen.append(placement.executed("ego").lane)
+            assert not placement.astray("ego")
+        there = [lane.startswith("B1C1") for lane in seen]
+        assert [True, False] in [there[place : place + 2] for place in range(len(there))]
+        assert placement.routes_restored("ego") == 0
     finally:
         libsumo.close()
