@@ -15,6 +15,8 @@ PAST_END = 1.0
 """So far before a lane's beginning SUMO takes a vehicle in the middle for one of that lane [m]."""
 MIDDLE = 0.5
 """Offset from the lane's centre line up to which that holds [m]."""
+AT_BEGINNING = 0.1
+"""Nearer to its beginning than this [m] it does not: another way through the junction ends there, too."""
 INSIDE_END = 0.01
 """Vehicles that would be past a lane's ends are put so far inside them [m]."""
 TOUCH = 0.05
@@ -205,7 +207,7 @@ class Lanes:
         aside = 0.5 * (lane.width + width) - TOUCH
         past = max(-place.along, place.along - lane.shape_length)
         # Beyond the last lane of its route SUMO gives it a longer one, which stops of the demand may forbid.
-        near_start = -PAST_END <= place.along < lane.shape_length and abs(place.across) <= MIDDLE
+        near_start = -PAST_END <= place.along < -AT_BEGINNING and abs(place.across) <= MIDDLE
         if not astray and (near_start or (past <= 0.0 and abs(place.across) <= aside)):
             return x, y, heading
         if lane.internal:

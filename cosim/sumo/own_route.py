@@ -65,8 +65,7 @@ class RouteKeeper:
         except self._refusal:
             return False
         if own is not None:
-            own.driven, own.ahead = self._read(vehicle)
-            own.name = self._connection.vehicle.getRouteID(vehicle)
+            self.take(vehicle, own)
         return True
 
     def take(self, vehicle: str, own: OwnRoute) -> None:

@@ -15,9 +15,10 @@ import sumo
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cosim.step.frames import degrees_of
 from cosim.sumo.lane_shape import LaneShape
-from cosim.sumo.lanes import Lanes
-from cosim.sumo.placement import Placement
+from cosim.sumo.lanes import MIDDLE, Lanes
+from cosim.sumo.placement import EXACT_POSITION, OBEY_SPEED, Placement
 
 
 def lane(*points: tuple[float, float], length: float | None = None) -> LaneShape:
@@ -193,5 +194,39 @@ def test_lanes_of_the_route_decide_in_junctions_that_it_passes_once(tmp_path: Pa
         assert not lanes.found_on_route(road, (), once, 1.8, *road.point(20.0, 1.0))
         # A round trip ends there.
         assert not lanes.found_on_route(road, (), twice[:-1], 1.8, *road.point(-0.5, 1.0))
+    finally:
+        libsumo.close()
+
+
+@pytest.mark.sumo
+@pytest.mark.parametrize("along", [-0.06, -0.03, -0.01])
+def test_at_the_beginning_of_its_lane_sumo_does_not_take_the_ego_for_one_straight_on(
+    along: float, tmp_path: Path
+) -> None:
+    """Another way through the junction ends where that of the ego's turn does, and is nearer on its side."""
+    net = str(tmp_path / "grid.net.xml")
+    netgenerate = str(Path(sumo.SUMO_HOME) / "bin" / "netgenerate")
+    options = ["--grid", "--grid.number=3", "--default.lanenumber=2"]
+    subprocess.run([netgenerate, *options, "-o", net], check=True, capture_output=True)
+    libsumo.start(["sumo", "-n", net, "--step-length", "0.1"])
+    try:
+        edges = ("C1B1", "B1B0")
+        libsumo.route.add("turn", edges)
+        libsumo.vehicle.add("ego", "turn", departLane="1", departPos="last")
+        libsumo.simulationStep()
+        lanes = Lanes(libsumo)
+        lane = lanes.shape("B1B0_1")
+        (inside,) = (lanes.shape(link.via) for link in lanes.links("C1B1_1") if link.lane == lane.name)
+        libsumo.vehicle.setSpeedMode("ego", OBEY_SPEED)
+        before = inside.point(inside.shape_length - 0.6, 0.0)
+        libsumo.vehicle.moveToXY("ego", inside.edge, inside.index, *before, 180.0, EXACT_POSITION)
+        libsumo.simulationStep()
+        place = lane.point(along, -MIDDLE)
+        x, y, heading = lanes.placeable(lane, 1.8, *place, math.radians(-100.0))
+        assert math.dist((x, y), place) < 0.1
+        libsumo.vehicle.moveToXY("ego", lane.edge, lane.index, x, y, degrees_of(heading), EXACT_POSITION)
+        libsumo.simulationStep()
+        assert libsumo.vehicle.getRoute("ego") == edges
+        assert libsumo.vehicle.getLaneID("ego") == lane.name
     finally:
         libsumo.close()
