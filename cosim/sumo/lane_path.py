@@ -21,7 +21,11 @@ from cosim.sumo.path import Path, crossing_point
 STOP_MARGIN = 1.0
 """Distance from a stop line to the crossing behind it [m]."""
 SAME_APPROACH = 8.0
-"""A crossing that begins at most this far behind a lane's end is the one that lane stops for [m]."""
+"""A crossing that begins at most this far behind a lane's end is one that lane stops for [m].
+
+In a small junction that is also the second crossing of a turn: a car that waits between the two stands on the
+first one, with people on all sides.
+"""
 PASSED_AXIS = 6.0
 """A crossing whose axis ends nearer to the path than this is on the path [m]."""
 LEFT_BEHIND = 30.0
