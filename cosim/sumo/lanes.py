@@ -16,7 +16,7 @@ PAST_END = 1.0
 MIDDLE = 0.5
 """Offset from the lane's centre line up to which that holds [m]."""
 AT_BEGINNING = 0.1
-"""Nearer to its beginning than this [m] it does not: another way through the junction ends there, too."""
+"""Nearer to its beginning than this [m] it does not: other ways of the junction end or begin there, too."""
 INSIDE_END = 0.01
 """Vehicles that would be past a lane's ends are put so far inside them [m]."""
 TOUCH = 0.05

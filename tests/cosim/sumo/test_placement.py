@@ -273,26 +273,30 @@ def test_an_ego_at_the_end_of_its_route_gets_no_longer_one() -> None:
         assert placement.strayed("ego") > 5.0
 
 
-def test_a_route_that_comes_along_a_road_again_is_not_driven_once_more(tmp_path: Path) -> None:
-    """Wide of its bend the ego is on the way straight on that it took before: SUMO would have it there again."""
-    net = tmp_path / "grid.net.xml"
-    subprocess.run(
-        [tool("netgenerate"), "--grid", "--grid.number=3", "-o", net], check=True, capture_output=True
-    )
-    before, ahead = ("A1B1", "B1C1", "C1C0", "C0B0", "B0A0", "A0A1"), ("A1B1", "B1B0", "B0C0")
-    routes = tmp_path / "ego.rou.xml"
-    routes.write_text(
-        f"""<routes><vType id="ego" length="4.5" width="1.8" sigma="0"/>
-        <vehicle id="ego" type="ego" depart="0" departEdge="{len(before)}" departPos="80" departSpeed="4">
-            <route edges="{" ".join((*before, *ahead))}"/></vehicle></routes>"""
-    )
-    options = ["--step-length", "0.1", "--lateral-resolution", "0.4", "--no-step-log", "true"]
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), *options])
+@contextmanager
+def in_a_grid(folder: Path, vehicle: str, *options: str) -> Iterator[tuple[Placement, Pose]]:
+    """Drive the vehicle in a net of ``netgenerate``, three junctions by three; give also where it begins."""
+    net, routes = folder / "grid.net.xml", folder / "ego.rou.xml"
+    grid = ("--grid", "--grid.number=3", *options)
+    subprocess.run([tool("netgenerate"), *grid, "-o", net], check=True, capture_output=True)
+    routes.write_text(f'<routes><vType id="ego" length="4.5" width="1.8" sigma="0"/>{vehicle}</routes>')
+    settings = ["--step-length", "0.1", "--lateral-resolution", "0.4", "--no-step-log", "true"]
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), *settings])
     try:
         wait_for(libsumo, "ego")
         placement = Placement(libsumo, 0.1)
         placement.take_over("ego")
-        begin = pose_of(libsumo, "ego")
+        yield placement, pose_of(libsumo, "ego")
+    finally:
+        libsumo.close()
+
+
+def test_a_route_that_comes_along_a_road_again_is_not_driven_once_more(tmp_path: Path) -> None:
+    """Wide of its bend the ego is on the way straight on that it took before: SUMO would have it there again."""
+    before, ahead = ("A1B1", "B1C1", "C1C0", "C0B0", "B0A0", "A0A1"), ("A1B1", "B1B0", "B0C0")
+    vehicle = f"""<vehicle id="ego" type="ego" depart="0" departEdge="{len(before)}" departPos="80"
+        departSpeed="4"><route edges="{" ".join((*before, *ahead))}"/></vehicle>"""
+    with in_a_grid(tmp_path, vehicle) as (placement, begin):
         for number in range(1, 80):
             placement.drive("ego", begin.x + 0.3 * number, begin.y, 0.0, 3.0)
             libsumo.simulationStep()
@@ -300,28 +304,13 @@ def test_a_route_that_comes_along_a_road_again_is_not_driven_once_more(tmp_path:
             assert not placement.astray("ego")
             assert tuple(libsumo.vehicle.getRoute("ego"))[-3:] == ahead
         assert placement.moves("ego") > 20
-    finally:
-        libsumo.close()
 
 
 def test_between_two_lanes_an_ego_that_sumo_has_in_the_junction_again_is_on_its_way(tmp_path: Path) -> None:
     """Out of its bend the ego comes between two lanes; it depends on millimetres which of them is nearer."""
-    net = tmp_path / "grid.net.xml"
-    options = ("--grid", "--grid.number=3", "--default.lanenumber=2")
-    subprocess.run([tool("netgenerate"), *options, "-o", net], check=True, capture_output=True)
-    routes = tmp_path / "ego.rou.xml"
-    routes.write_text(
-        """<routes><vType id="ego" length="4.5" width="1.8" sigma="0"/>
-        <vehicle id="ego" type="ego" depart="0" departLane="1" departPos="last"><route edges="B2B1 B1C1"/>
-        </vehicle></routes>"""
-    )
-    settings = ["--step-length", "0.1", "--lateral-resolution", "0.4", "--no-step-log", "true"]
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), *settings])
-    try:
-        wait_for(libsumo, "ego")
-        placement = Placement(libsumo, 0.1)
-        placement.take_over("ego")
-        begin = pose_of(libsumo, "ego")
+    vehicle = """<vehicle id="ego" type="ego" depart="0" departLane="1" departPos="last">
+        <route edges="B2B1 B1C1"/></vehicle>"""
+    with in_a_grid(tmp_path, vehicle, "--default.lanenumber=2") as (placement, begin):
         lanes = [libsumo.lane.getShape(f"B1C1_{index}")[0] for index in (0, 1)]
         lane_begin, between = lanes[0][0], 0.5 * (lanes[0][1] + lanes[1][1])
         turn = [
@@ -338,5 +327,3 @@ def test_between_two_lanes_an_ego_that_sumo_has_in_the_junction_again_is_on_its_
         there = [lane.startswith("B1C1") for lane in seen]
         assert [True, False] in [there[place : place + 2] for place in range(len(there))]
         assert placement.routes_restored("ego") == 0
-    finally:
-        libsumo.close()
