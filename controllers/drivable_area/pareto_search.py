@@ -9,7 +9,6 @@ import numpy as np
 
 from controllers.arrays import FloatArray
 
-MISSING = "needs pymoo: pip install pymoo matplotlib"
 Judge = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Genes, shape (n, 2) -> costs, shape (n, m), and violations that are positive where broken, (n, k)."""
 
@@ -32,20 +31,6 @@ class Front:
     """Shape (n, m)."""
     looked_at: int
     """Candidates evaluated."""
-
-
-def require_pymoo() -> None:
-    """Check that pymoo can be used.
-
-    Raises
-    ------
-    ValueError
-        If it is not installed.
-    """
-    try:
-        import pymoo  # noqa: F401
-    except ImportError as error:
-        raise ValueError(MISSING) from error
 
 
 def search(

@@ -60,6 +60,7 @@ class RightOfWay:
         self._speeds: dict[str, tuple[float, float]] = {}
         """Of foes: when they were looked at, and how fast they were [s, m/s]."""
         self._faster: set[str] = set()
+        self._watched_at = -math.inf
         self._braking_for: set[str] = set()
         self._stopped_at: set[str] = set()
         self.red_line = math.inf
@@ -110,6 +111,10 @@ class RightOfWay:
         return found
 
     def _watch(self, time: float, road: RoadAhead) -> None:
+        """Look at the foes, once an instant: compared with themselves, none would speed up."""
+        if time == self._watched_at:
+            return
+        self._watched_at = time
         self._standing.look((foe.name for foe in road.foes if foe.foe_speed < STANDING), time)
         self._faster = {foe.name for foe in road.foes if self._speeds_up(foe, time)}
         self._speeds = {foe.name: (time, foe.foe_speed) for foe in road.foes}

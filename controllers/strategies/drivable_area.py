@@ -27,13 +27,14 @@ from controllers.drivable_area.costs import CostWeights, SpeedRisk
 from controllers.drivable_area.course import Course, steering
 from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
-from controllers.drivable_area.pareto_search import Budget, require_pymoo
+from controllers.drivable_area.pareto_search import Budget
 from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, Pedestrians, Perception, Plan
+from controllers.optimisation.packages import require_pymoo
 from controllers.own_part import ANGLE, IDLE, OwnPart, differ
 from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative

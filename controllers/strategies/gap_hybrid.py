@@ -31,7 +31,7 @@ class Settings(ControllerSettings):
     moved: ClassVar = {"start_up_s": NO_GAP, "attention_m": NO_GAP}
 
     comfortable_braking_mps2: Positive = 3.0
-    """The most that yielding brakes."""
+    """With which yielding is planned; keeping to the plan may brake harder."""
     hardest_braking_mps2: Positive = 9.0
     """The most in mode hard brake."""
     jerk_mps3: Positive = 1.5

@@ -14,10 +14,11 @@ from typing import Annotated
 from pydantic import Field
 
 from controllers.interface import Controller
+from controllers.optimisation.packages import require_pymoo
 from controllers.prediction import by_name
 from controllers.settings import AtLeastOne
 from controllers.velocity_obstacle.paper.driver import AvoidanceDriver
-from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, GeneticOptimiser, check_pymoo
+from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, GeneticOptimiser
 from controllers.velocity_obstacle.paper.settings import PaperSettings
 
 
@@ -38,7 +39,7 @@ def build(settings: Settings) -> Controller:
     ValueError
         If pymoo is not installed.
     """
-    check_pymoo()
+    require_pymoo()
     return AvoidanceDriver(
         settings.driver(),
         GeneticOptimiser(GeneticBudget(settings.generations, settings.population), settings.seed),

@@ -88,7 +88,7 @@ class ChanceFilter:
         best: tuple[float, int, ChancePlan | None] = (np.inf, n, None)
         for behind in tried:
             plan = self._planned(facing, asked, concerned[:behind], concerned[behind:])
-            cost = plan.cost * (KEPT if behind == now and plan.cost > 0.0 else 1.0)
+            cost = plan.cost * (KEPT if behind == now else 1.0)
             if plan.solved and cost < best[0]:
                 best = (cost, behind, plan)
         return best[1], best[2]
@@ -107,16 +107,16 @@ class ChanceFilter:
         upper = np.where(asked.counts[behind], np.maximum(stops, 0.0), np.inf).min(axis=0, initial=np.inf)
         past = asked.expected[ahead] + asked.margin[ahead] + body.rear_overhang
         lower = np.where(asked.counts[ahead], past, -np.inf).max(axis=0, initial=-np.inf)
+        wanted = self._wanted(facing)
         problem = self._program.problem(
             speed,
             ego.acceleration,
-            self._wanted(facing),
+            wanted,
             upper,
             np.minimum(lower, upper),
             max(min(ego.drive.max_acceleration, 2.0), 0.1),
         )
-        problem.h[problem.h > 1e6] = np.inf
-        return self._program.solve(problem, speed)
+        return self._program.solve(problem, speed, ego.acceleration, wanted)
 
     def _wanted(self, facing: Facing) -> FloatArray:
         """Return the speeds that the driver would drive."""

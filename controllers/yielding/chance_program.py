@@ -120,16 +120,20 @@ class ChanceProgram:
         problem.lower[count:] = 0.0
         return problem
 
-    def solve(self, problem: Problem, speed: float) -> ChancePlan:
-        """Return the plan that a program comes to."""
-        count = len(self.times)
+    def solve(self, problem: Problem, speed: float, before: float, wanted: FloatArray) -> ChancePlan:
+        """Return the plan that a program comes to; for the others see ``problem``."""
+        count, w = len(self.times), self._weights
         found = solve(problem, self._solver, self.memory)
-        accelerations = found.z[:count]
+        accelerations, slack = found.z[:count], found.z[count:]
+        speeds = speed + self._to_speed @ accelerations
+        changes = self._change @ accelerations
+        changes[0] -= before / self._step
+        squares = w.speed * (speeds - wanted) ** 2 + w.acceleration * accelerations**2 + w.change * changes**2
         return ChancePlan(
             found.solved,
-            found.cost,
+            float(self._step * squares.sum() + w.violation * (slack**2).sum()),
             accelerations,
             speed * self.times + self._to_position @ accelerations,
-            speed + self._to_speed @ accelerations,
-            float(max(found.z[count:].max(), 0.0)),
+            speeds,
+            float(max(slack.max(), 0.0)),
         )

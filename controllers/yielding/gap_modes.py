@@ -72,6 +72,7 @@ class GapFilter:
     def __init__(self, rule: GapRule) -> None:
         self._rule = rule
         self._mode = Mode.NOMINAL
+        self._yields_to = ""
         self._from = (0.0, 0.0)
         """Speed and distance at which hard braking began [m/s, m]."""
 
@@ -90,8 +91,8 @@ class GapFilter:
             return Answer(rule.acceleration, True, name, status=_told(self._mode))
         out, distance = out[~late], distance[~late]
         first = int(np.argmin(distance))
-        most = self._braking(facing, speed, float(distance[first]))
         name = facing.people.names[int(out[first])]
+        most = self._braking(facing, speed, float(distance[first]), name)
         return Answer(min(most, facing.wanted), True, name, status=_told(self._mode))
 
     def _stepping_out(self, facing: Facing) -> BoolArray:
@@ -106,12 +107,16 @@ class GapFilter:
         ahead = people.along + people.radius > 0.0
         return np.asarray(ahead & (inside | ((pace > WALKS) & near)))
 
-    def _braking(self, facing: Facing, speed: float, distance: float) -> float:
-        """Take the mode that stops within a distance, and return its acceleration [m/s^2]."""
+    def _braking(self, facing: Facing, speed: float, distance: float, name: str) -> float:
+        """Take the mode that stops within a distance, and return its acceleration [m/s^2].
+
+        Yielding to somebody goes on when it needs more than is comfortable; to somebody else it begins anew.
+        """
         rule = self._rule
         hard = self._mode is Mode.HARD_BRAKE
-        if not hard and (self._mode is Mode.YIELD or speed**2 <= 2.0 * rule.comfortable * distance):
-            self._mode = Mode.YIELD
+        yields = self._mode is Mode.YIELD and self._yields_to == name
+        if not hard and (yields or speed**2 <= 2.0 * rule.comfortable * distance):
+            self._mode, self._yields_to = Mode.YIELD, name
             limit = limit_now(facing.perception.road, facing.perception.ego.body.front)
             cruising = max(speed, limit) if math.isfinite(limit) else speed
             wanted, planned = comfortable_stop(cruising, rule.comfortable, rule.jerk).at(distance)

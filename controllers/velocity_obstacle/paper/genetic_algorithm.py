@@ -6,7 +6,6 @@ that costs less. No passing side is given: at each step the better one counts.
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from controllers.arrays import FloatArray
 from controllers.optimisation.settings import SolverSettings
 from controllers.optimisation.solve import Tally
+from controllers.velocity_obstacle.paper.genetic_search import search
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, margins
 from controllers.velocity_obstacle.paper.sequential_programs import FOLLOWER_PRICE, AvoidancePlan, valued
 
@@ -32,12 +32,6 @@ class GeneticBudget:
 
     generations: int
     population: int
-
-
-def check_pymoo() -> None:
-    """Raise ``ValueError`` when pymoo is not installed."""
-    if importlib.util.find_spec("pymoo") is None:
-        raise ValueError("needs pymoo: pip install pymoo matplotlib")
 
 
 @dataclass(slots=True)
@@ -105,14 +99,8 @@ def solve_genetically(
 
     Notes
     -----
-    [VOMPC2019]_ says no more than that it uses a genetic algorithm. Crossover (simulated binary) and mutation
-    (polynomial) are pymoo's defaults for real numbers.
+    [VOMPC2019]_ says no more than that it uses a genetic algorithm.
     """
-    # pymoo takes a second to load, and only this solver needs it.
-    from pymoo.algorithms.soo.nonconvex.ga import GA
-    from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
-
     either = problem.passed(np.zeros(len(problem.people)))
     low, high = problem.bounds()
     free = high > low
@@ -123,14 +111,6 @@ def solve_genetically(
         inputs[:, free] = genes
         return inputs
 
-    class Avoidance(Problem):  # type: ignore[misc]
-        def __init__(self) -> None:
-            super().__init__(n_var=int(free.sum()), n_obj=1, n_ieq_constr=1, xl=low[free], xu=high[free])
-
-        def _evaluate(self, x: FloatArray, out: dict[str, FloatArray]) -> None:
-            cost, short = valued_for_search(either, inputs_of(x))
-            out["F"], out["G"] = cost[:, None], short[:, None]
-
     drawn = np.random.default_rng(seed)
     shares = drawn.uniform(0.0, 1.0, (budget.population, 1)) ** CROWDING
     first = wanted[free] + shares * (drawn.uniform(low[free], high[free], (budget.population, free.sum())))
@@ -138,16 +118,12 @@ def solve_genetically(
     first[0] = wanted[free]
     if start is not None:
         first[1] = np.clip(start, low, high)[free]
-    result = minimize(
-        Avoidance(),
-        GA(pop_size=budget.population, sampling=first, eliminate_duplicates=False),
-        ("n_gen", budget.generations),
-        seed=seed,
-    )
-    # Without a feasible individual the result is the one that violates least.
-    best = result.pop if result.opt is None else result.opt
-    chosen = int(np.lexsort((best.get("F")[:, 0], best.get("CV")[:, 0]))[0])
-    return valued(either, inputs_of(best.get("X")[chosen : chosen + 1])[0])
+
+    def value(genes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return valued_for_search(either, inputs_of(genes))
+
+    last = search(first, value, low[free], high[free], budget.generations, seed)
+    return valued(either, inputs_of(last[:1])[0])
 
 
 def _margin(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from controllers.arrays import FloatArray
-from controllers.drivable_area.pareto_search import Budget, Front, require_pymoo, search
+from controllers.drivable_area.pareto_search import Budget, Front, search
+from controllers.optimisation.packages import require_pymoo
 
 LOWER, UPPER = np.array([-2.0, 0.0]), np.array([2.0, 10.0])
 

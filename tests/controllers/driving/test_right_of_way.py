@@ -95,6 +95,15 @@ def test_a_foe_that_must_yield_and_drives_off_all_the_same_is_yielded_to() -> No
     assert rule.stops(perception(ego(9.0, time=0.4), foes=[slower])) == [], "it brakes"
 
 
+def test_a_foe_that_speeds_up_is_yielded_to_however_often_one_asks_in_a_step() -> None:
+    rule = RightOfWay(1.8)
+    for i, speed in enumerate((1.0, 3.0)):
+        foe = _foe(6.0 - 0.1 * i, speed, must_yield=False)
+        scene = perception(ego(9.0, time=0.1 * i), foes=[foe])
+        asked = [rule.stops(scene) for _ in range(3)]
+    assert asked == [[StopPlace("foe", 20.0)]] * 3
+
+
 def test_a_foe_that_must_yield_and_cannot_stop_any_more_is_yielded_to() -> None:
     assert _stops(perception(ego(8.0), foes=[_foe(12.0, 10.0, must_yield=False)])) == [StopPlace("foe", 20.0)]
 

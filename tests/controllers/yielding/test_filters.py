@@ -10,6 +10,7 @@ from controllers.interface import Decision, Manoeuvre
 from controllers.optimisation.settings import SolverSettings
 from controllers.yielding.barrier import BarrierFilter, BarrierRule
 from controllers.yielding.chance import WalkingUncertainty, tightening
+from controllers.yielding.chance_program import ChanceProgram, ChanceWeights
 from controllers.yielding.facing import Facing, PathWatch
 from controllers.yielding.filtered_driver import FilteredDriver
 from controllers.yielding.gap_modes import GapFilter, GapRule, comfortable_stop
@@ -138,6 +139,33 @@ def test_the_modes_follow_the_distance_that_is_left() -> None:
     assert _mode(Walker(FRONT + 5.0, -3.0, 0.0, 1.2), 12.0)[0] == "mode_pass"
     # Whoever would be met is braked for, however late.
     assert _mode(Walker(FRONT + 5.0, -1.0, 0.0, 1.2), 12.0) == ("mode_hard_brake", -9.0)
+
+
+def test_somebody_who_steps_out_near_is_braked_hard_for_while_the_ego_yields_to_another() -> None:
+    filter_ = GapFilter(GAPS)
+    far, near = (Walker(FRONT + ahead, -3.0, 0.0, 1.2) for ahead in (27.0, 17.75))
+    told = []
+    for walkers in ([far], [far, near], [far, near]):
+        scene = perception(ego(12.0), straight_road(), walkers)
+        facing = PathWatch(0.3, 1.5).look(scene, Decision(Manoeuvre.KEEP, 0), 1.0)
+        told.append(filter_.allowed(facing).status)
+    assert told == ["mode_yield", "mode_hard_brake", "mode_hard_brake"]
+
+
+def test_a_plan_costs_what_its_objective_says() -> None:
+    """The program leaves out what no plan changes; the class that is kept is 10 % cheaper of the whole."""
+    weights = ChanceWeights(speed=1.0, acceleration=0.5, change=0.2, violation=1000.0)
+    program = ChanceProgram(0.5, 8, weights, 9.0, SolverSettings("osqp", 1e-6))
+    speed, before, wanted = 8.0, -2.0, np.full(8, 10.0)
+    upper = np.full(8, 20.0)
+    problem = program.problem(speed, before, wanted, upper, np.full(8, -np.inf), 2.0)
+    plan = program.solve(problem, speed, before, wanted)
+    jerk = np.diff(plan.acceleration, prepend=before) / 0.5
+    over = max(float((plan.position - upper).max()), 0.0)
+    squares = (plan.speed - wanted) ** 2 + 0.5 * plan.acceleration**2 + 0.2 * jerk**2
+    assert plan.solved
+    assert plan.cost == pytest.approx(0.5 * squares.sum() + 1000.0 * over**2, rel=1e-3)
+    assert plan.cost > 0.0
 
 
 def test_who_waits_or_comes_long_after_the_ego_is_not_minded() -> None:

@@ -15,6 +15,7 @@ from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.cone_margins import People, clearances, cone_margins
 from controllers.velocity_obstacle.paper.euler_bicycle import ALONG, SPEED, EulerBicycle
 from controllers.velocity_obstacle.paper.genetic_algorithm import GeneticBudget, solve_genetically
+from controllers.velocity_obstacle.paper.genetic_search import search
 from controllers.velocity_obstacle.paper.passing_classes import QuadraticOptimiser, class_jumps
 from controllers.velocity_obstacle.paper.problem import (
     AvoidanceProblem,
@@ -181,6 +182,31 @@ def test_the_search_gives_the_same_plan_for_the_same_seed_and_none_that_is_cheap
     for plan in (one, other):
         assert plan.into_cones < 1e-6
         assert best.cost * (1.0 - 1e-3) <= plan.cost < 3.0 * best.cost
+
+
+@pytest.mark.parametrize("population", [12, 13])
+def test_the_search_is_that_of_pymoos_own_algorithm(population: int) -> None:
+    """Only faster: its crossover, mutation, selection and survival, with the same random numbers."""
+    ga = pytest.importorskip("pymoo.algorithms.soo.nonconvex.ga")
+    functional = pytest.importorskip("pymoo.problems.functional")
+    optimize = pytest.importorskip("pymoo.optimize")
+    drawn = np.random.default_rng(3)
+    first = drawn.uniform(-1.0, 1.0, (population, 5))
+
+    def value(genes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return (genes**2).sum(axis=1).round(1), np.maximum(0.3 - genes[:, 0], 0.0).round(1)
+
+    problem = functional.FunctionalProblem(
+        5,
+        [lambda x: value(x[None])[0][0]],
+        constr_ieq=[lambda x: value(x[None])[1][0]],
+        xl=np.full(5, -1.0),
+        xu=np.ones(5),
+    )
+    own = ga.GA(pop_size=population, sampling=first, eliminate_duplicates=False)
+    found = optimize.minimize(problem, own, ("n_gen", 15), seed=7)
+    genes = search(first, value, -np.ones(5), np.ones(5), 15, 7)
+    np.testing.assert_array_equal(genes, found.pop.get("X"))
 
 
 def test_the_septic_path_has_the_peaks_of_its_closed_form() -> None:
