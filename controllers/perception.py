@@ -9,8 +9,10 @@ field says that infinity means "not within range".
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,6 +155,22 @@ class Vehicles:
 
     def __len__(self) -> int:
         return len(self.names)
+
+
+Many = TypeVar("Many", Pedestrians, Vehicles)
+
+
+def only(many: Many, chosen: Sequence[int] | IntArray) -> Many:
+    """Return some of the pedestrians or vehicles, by index."""
+    arrays = {one.name: getattr(many, one.name)[chosen] for one in fields(many) if one.name != "names"}
+    return replace(many, names=tuple(many.names[i] for i in chosen), **arrays)
+
+
+_NONE = np.zeros(0)
+NOBODY = Pedestrians(
+    (), _NONE, _NONE, _NONE, _NONE, _NONE, np.zeros(0, np.int64), np.zeros(0, np.bool_), np.zeros(0, np.bool_)
+)
+"""No pedestrians."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import corners
+from controllers.geometry.footprints import footprints
 from controllers.geometry.plane import to_plane
 from controllers.interface import Perception
 
@@ -187,7 +188,7 @@ def shadows(perception: Perception, band: tuple[float, float]) -> Shadows | None
     slow = np.hypot(them.along_speed, them.across_speed) < STANDING
     if not slow.any():
         return None
-    low, high, right, left = (values[slow] for values in _extents(perception))
+    low, high, right, left = (values[slow] for values in footprints(them)[:4])
     beside = np.where(left <= band[0], -1.0, np.where(right >= band[1], 1.0, 0.0))
     kept = (beside != 0.0) & (high > eyesight.ahead) & (low < LOOK_AHEAD)
     if not kept.any():
@@ -198,16 +199,6 @@ def shadows(perception: Perception, band: tuple[float, float]) -> Shadows | None
     outward = side[:, None] * np.column_stack((-np.sin(heading), np.cos(heading)))
     edge = np.where(side < 0.0, -band[0], band[1])
     return Shadows(_corners(perception, rows), side, along, foot, outward, edge)
-
-
-def _extents(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return lowest and highest along coordinate of each vehicle, and its right and left end across [m]."""
-    them = perception.vehicles
-    cosine, sine = np.cos(them.heading_error), np.sin(them.heading_error)
-    middle = them.along - 0.5 * them.length * cosine
-    half_along = 0.5 * (them.length * np.abs(cosine) + them.width * np.abs(sine))
-    half_across = 0.5 * (them.length * np.abs(sine) + them.width * np.abs(cosine))
-    return middle - half_along, middle + half_along, them.across - half_across, them.across + half_across
 
 
 def _corners(perception: Perception, rows: NDArray[np.int64]) -> FloatArray:
@@ -241,7 +232,7 @@ def _blocked(found: Shadows, perception: Perception, outward: FloatArray) -> NDA
     """Return which hidden places another standing vehicle leaves no room for, or no way from, (q, n)."""
     them = perception.vehicles
     slow = np.hypot(them.along_speed, them.across_speed) < STANDING
-    low, high, right, left = (values[slow] for values in _extents(perception))
+    low, high, right, left = (values[slow] for values in footprints(them)[:4])
     beside = (low[None] < found.along[:, None] + RADIUS) & (high[None] > found.along[:, None] - RADIUS + 1e-9)
     # Outward from the centre line on the side of each hidden place, (n, m).
     near = np.where(found.side[:, None] < 0.0, -left[None], right[None])

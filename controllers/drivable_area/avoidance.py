@@ -22,10 +22,10 @@ from controllers.drivable_area.evaluation import (
 )
 from controllers.drivable_area.pareto_search import Budget, Front, search
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
-from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.driving import lane_keeping
 from controllers.driving.following import limit_now
 from controllers.interface import Perception
+from controllers.safety.emergency_braking import GRAVITY
 
 CREEPING = 2.0
 """A car slower than this may speed up to it to get past [m/s]."""
@@ -50,14 +50,11 @@ class AvoidanceSettings:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A way past pedestrians, and what else was found."""
+    """A way past pedestrians."""
 
     course: Course
-    front: Front
     verdict: Verdict
-    """Of the candidates of the front."""
-    chosen: int
-    """Index of the chosen one."""
+    """Of all candidates among which it was chosen."""
 
 
 def choose(
@@ -140,7 +137,7 @@ def plan(
     end, final_speed = front.genes[chosen : chosen + 1].T
     path = quintic_paths(scene.start, scene.length, end)
     course = Course(path, smooth_speeds(scene, rules, final_speed), road.reference)
-    return Found(course, front, verdict, chosen)
+    return Found(course, verdict)
 
 
 def scene_of(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers.arrays import FloatArray
+from controllers.geometry.path_clearance import beyond_edges
 from controllers.interface import Body
 
 
@@ -57,14 +58,10 @@ class Shape:
         >>> Shape(Body()).beyond_edges(np.array([0.0, 1.0]), np.zeros(2), -1.75, 1.75).round(2).tolist()
         [-0.85, 0.15]
         """
-        centre = across + self.middle * np.sin(heading)
-        long, wide = (
-            (0.0, 2.0 * self.disc_radius)
-            if self.disc_radius is not None
-            else (self.body.length, self.body.width)
-        )
-        half = 0.5 * (long * np.abs(np.sin(heading)) + wide * np.cos(heading))
-        return np.asarray(np.maximum(centre + half - left, right - centre + half))
+        if self.disc_radius is None:
+            return beyond_edges(across, heading, self.body, right, left)
+        half = self.disc_radius * np.cos(heading)
+        return np.asarray(np.maximum(across + half - left, right - across + half))
 
 
 def _seen_from(

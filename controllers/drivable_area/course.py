@@ -131,38 +131,24 @@ def steering(perception: Perception, course: Course, acceleration: FloatArray, l
     path a little ahead + (ψ* − ψ) / ℓ_ψ − sin(ψ − ψ_path) / ℓ_e.
     """
     ego, road = perception.ego, perception.road
-    drive, body = ego.drive, ego.body
-    along, across, heading, speed = 0.0, ego.across, ego.heading_error, max(ego.speed, 0.0)
-    actual, angle = ego.acceleration, ego.steering
-    step = lane_keeping.STEP
-    share = -math.expm1(-step / drive.drive_lag) if drive.drive_lag > 0.0 else 1.0
+    drive, car = ego.drive, lane_keeping.Bicycle(ego)
     angles = np.zeros(len(acceleration))
-    preview = drive.steering_lag + step
+    preview = drive.steering_lag + lane_keeping.STEP
     for i, wanted in enumerate(acceleration):
-        ahead = along + speed * np.array([0.0, 0.5 * preview, preview])
+        speed, heading = car.speed, car.heading
+        ahead = car.along + speed * np.array([0.0, 0.5 * preview, preview])
         y, slope, bend = (one[0] for one in course.path.at((ahead + course.progress)[None, :]))
         ways = np.arctan(slope)
         curve = bend / (1.0 + slope**2) ** 1.5 + [lane_keeping.curvature_at(road, float(a)) for a in ahead]
         approach = max(APPROACH_LENGTH, speed * APPROACH_TIME)
         settling = max(HEADING_LENGTH, speed * HEADING_TIME)
-        error = across - y[0] - course.offset
+        error = car.across - y[0] - course.offset
         aim = float(ways[0]) - min(max(error / approach, -0.4), 0.4)
         correction = (aim - heading) / settling - math.sin(heading - float(ways[0])) / approach
         total = float(curve[-1]) + correction
         bound = lateral / max(speed * speed, 1.0)
         total = min(max(total, -bound), bound)
-        wheel = math.atan(body.wheelbase * total)
+        wheel = math.atan(ego.body.wheelbase * total)
         angles[i] = min(max(wheel, -drive.max_steering), drive.max_steering)
-        rate = (angles[i] - angle) / max(drive.steering_lag, step)
-        turned = angle + step * min(max(rate, -drive.max_steering_rate), drive.max_steering_rate)
-        actual += share * (float(wanted) - actual)
-        middle = max(speed + 0.5 * step * actual, 0.0)
-        here = lane_keeping.curvature_at(road, along)
-        onward = middle * math.cos(heading) / max(1.0 - here * across, 0.2)
-        turn = middle * math.tan(0.5 * (angle + turned)) / body.wheelbase - here * onward
-        across += step * middle * math.sin(heading + 0.5 * step * turn)
-        heading += step * turn
-        along += step * onward
-        speed = max(speed + step * actual, 0.0)
-        angle = turned
+        car.move(float(wanted), float(angles[i]), road)
     return angles

@@ -24,8 +24,8 @@ from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.meetings import Meetings, meetings
 from controllers.drivable_area.motions import Motions, motions
 from controllers.drivable_area.quintic_path import PathStart, QuinticPaths, quintic_paths
-from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.prediction.social_force_model import SocialForceModel, Walkers
+from controllers.safety.emergency_braking import GRAVITY
 
 STANDING = 0.1
 """A slower car runs into nobody [m/s]."""

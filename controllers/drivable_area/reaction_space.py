@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
-
-GRAVITY = 9.80665
+from controllers.safety.emergency_braking import GRAVITY
 
 
 def arc_radius(speed: FloatArray, friction: float) -> FloatArray:

@@ -108,7 +108,7 @@ def steering(
     style = style or LaneKeeping()
     ego, road = perception.ego, perception.road
     course = Parallel(target) if isinstance(target, int | float) else target
-    state = _State(ego)
+    state = Bicycle(ego)
     angles = np.zeros(len(acceleration))
     for i, wanted in enumerate(acceleration):
         angles[i] = _angle(state, road, course, style)
@@ -116,8 +116,8 @@ def steering(
     return angles
 
 
-class _State:
-    """A kinematic bicycle in the route frame, behind the same lags as the ego."""
+class Bicycle:
+    """A kinematic bicycle in the route frame, behind the same lags as the ego; it begins as the ego is."""
 
     def __init__(self, ego: EgoState) -> None:
         self.ego = ego
@@ -129,6 +129,7 @@ class _State:
         self.angle = ego.steering
 
     def move(self, acceleration: float, angle: float, road: RoadAhead) -> None:
+        """Drive for ``STEP`` seconds with a commanded acceleration [m/s^2] and wheel angle [rad]."""
         drive = self.ego.drive
         rate = (angle - self.angle) / max(drive.steering_lag, STEP)
         turned = self.angle + STEP * min(max(rate, -drive.max_steering_rate), drive.max_steering_rate)
@@ -146,7 +147,7 @@ class _State:
         self.angle = turned
 
 
-def _angle(state: _State, road: RoadAhead, course: Course, style: LaneKeeping) -> float:
+def _angle(state: Bicycle, road: RoadAhead, course: Course, style: LaneKeeping) -> float:
     speed = state.speed
     here, soon = course.at(state.along), course.at(state.along + 0.5 * speed * style.preview)
     direction = math.atan(here.slope)

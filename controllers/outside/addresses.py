@@ -73,11 +73,11 @@ def find(name: str) -> Found:
 
 def _words(name: str) -> list[str]:
     """Return what in an address may be a file."""
-    for prefix in (PROCESS, FMU):
-        if name.startswith(prefix):
-            words = shlex.split(name.removeprefix(prefix))
-            beside = [str(Path(words[0]).with_suffix(".toml"))] if prefix == FMU and words else []
-            return words + beside
+    if name.startswith(PROCESS):
+        return shlex.split(name.removeprefix(PROCESS))
+    if name.startswith(FMU):
+        unit = Path(name.removeprefix(FMU))
+        return [str(unit), str(unit.with_suffix(".toml"))]
     return [name]
 
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from controllers.arrays import FloatArray
 from controllers.driving.following import limit_now
 from controllers.driving.lanes.gap_acceptance import blocker
-from controllers.interface import Decision, Pedestrians, Perception
+from controllers.interface import Decision, Perception
+from controllers.perception import only
 from controllers.potential_field.road_field import LONG_BEHIND, SLOWEST, braked_speeds
 from controllers.prediction.forecast import Forecast
 
@@ -30,22 +31,7 @@ BESIDE = 8.0
 
 def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
     """Return the perception with some of its pedestrians, by index."""
-    people = perception.pedestrians
-    some = Pedestrians(
-        tuple(people.names[i] for i in chosen),
-        people.along[chosen],
-        people.across[chosen],
-        people.along_speed[chosen],
-        people.across_speed[chosen],
-        people.radius[chosen],
-        people.crossing[chosen],
-        people.on_crossing[chosen],
-        people.waiting[chosen],
-        people.uncertainty[chosen],
-        people.position[chosen],
-        people.velocity[chosen],
-    )
-    return replace(perception, pedestrians=some)
+    return replace(perception, pedestrians=only(perception.pedestrians, chosen))
 
 
 def near_the_way(perception: Perception, forecast: Forecast) -> NDArray[np.int64]:

@@ -63,8 +63,6 @@ class SocialForceModel:
     car the formula asks for some hundred m/s².
     """
 
-    mean_speed: float = 1.25
-    """v̄ [m/s]"""
     spread: float = 0.05
     """Standard deviation of the speed [m/s]."""
     relaxation: float = 0.5

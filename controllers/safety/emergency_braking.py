@@ -10,6 +10,7 @@ import numpy as np
 from controllers.arrays import FloatArray
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.geometry.contact_times import box_contact_times, disc_contact_times, sampled_contact_times
+from controllers.geometry.footprints import ALONG_THE_LANE
 from controllers.interface import Drive, EgoState, Perception
 from controllers.prediction.forecast import Forecast, Predictor
 
@@ -20,8 +21,6 @@ HELD_FOR = 3.0
 """Braking goes on while somebody would be met within this time at the speed it began with [s]."""
 FRONT_DEPTH = 0.5
 """How far behind the front bumper a contact still is one of the front [m]."""
-SAME_WAY = math.radians(60.0)
-"""Moving vehicles turned further from the lane's direction cross or come; those are not braked for."""
 FORECAST_TIMES = np.linspace(0.0, 5.0, 51)
 """When a predictor is asked where people will be; afterwards they go straight on [s]."""
 
@@ -202,7 +201,7 @@ def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]
         y_speed,
     )
     # Whoever stands, perhaps to turn across the ego's way, will not have left it in time.
-    concerned = (np.abs(turned) < SAME_WAY) | (np.hypot(them.along_speed, them.across_speed) < STANDING)
+    concerned = (np.abs(turned) < ALONG_THE_LANE) | (np.hypot(them.along_speed, them.across_speed) < STANDING)
     met = concerned & _at_front(times, x - half_length, relative, body.front)
     return np.where(met, times, np.inf), x_speed
 

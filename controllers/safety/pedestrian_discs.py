@@ -63,16 +63,17 @@ def discs(
     kept = np.where(people.crossing < 0, (velocities * ahead).sum(axis=1), 0.0)[:, None] * ahead
     stopped = np.minimum(times, walk_on)
     on = (velocities - kept)[who, :, None] * stopped + kept[who, :, None] * times
-    if forecast is None:
-        gone = velocities[who, :, None] * times
-        reach = np.zeros((len(who), len(times)))
-    else:
+    gone = velocities[who, :, None] * times
+    reach = np.zeros((len(who), len(times)))
+    if forecast is not None:
         # What a forecast says about the way from here, in the frame of the road where each of them is.
         there, here = forecast.at(times), forecast.at(np.zeros(1))
         along, across = (there.along - here.along)[who], (there.across - here.across)[who]
         cosine, sine = ahead[who, :1], ahead[who, 1:]
-        gone = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
-        reach = there.reach[who]
+        foreseen = np.stack((along * cosine - across * sine, along * sine + across * cosine), axis=1)
+        known = np.zeros(len(who), np.bool_) if across_speed is None else np.isfinite(across_speed[who])
+        gone = np.where(known[:, None, None], gone, foreseen)
+        reach = np.where(known[:, None], reach, there.reach[who])
     moves = walks[who, None]
     return Discs(
         places[who, :1] + np.where(moves, gone[:, 0], on[:, 0]),

@@ -8,8 +8,7 @@ passed are no obstacles.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
-from typing import TypeVar
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,7 +18,8 @@ from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watc
 from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.leaders import neighbours_ahead
-from controllers.interface import Pedestrians, Perception, Vehicles
+from controllers.interface import Perception
+from controllers.perception import Many, only
 from controllers.prediction.forecast import Forecast, Predictor
 
 FORECAST_SPACING = 0.25
@@ -193,15 +193,9 @@ def without(perception: Perception, names: frozenset[str]) -> Perception:
     )
 
 
-Many = TypeVar("Many", Pedestrians, Vehicles)
-
-
 def _others(many: Many, names: frozenset[str]) -> Many:
     kept = [i for i, name in enumerate(many.names) if name not in names]
-    if len(kept) == len(many.names):
-        return many
-    arrays = {one.name: getattr(many, one.name)[kept] for one in fields(many) if one.name != "names"}
-    return replace(many, names=tuple(many.names[i] for i in kept), **arrays)
+    return many if len(kept) == len(many.names) else only(many, kept)
 
 
 def _beside(perception: Perception, conflicts: Conflicts, i: int) -> bool:

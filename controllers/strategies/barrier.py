@@ -9,12 +9,11 @@ from __future__ import annotations
 from controllers.driving.driving_style import DrivingStyle
 from controllers.interface import Controller
 from controllers.optimisation.settings import SolverSettings
+from controllers.safety.emergency_braking import GRAVITY
 from controllers.settings import ControllerSettings, NotNegative, Positive
 from controllers.yielding.barrier import BarrierFilter, BarrierRule
 from controllers.yielding.facing import PathWatch
 from controllers.yielding.filtered_driver import BlindDriver, FilteredDriver
-
-GRAVITY = 9.80665
 
 
 class Settings(ControllerSettings):

@@ -19,9 +19,9 @@ from controllers.driving.traffic_driver import TrafficDriver
 from controllers.geometry.contact_times import disc_contact_times
 from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.own_part import OwnPart, differ
+from controllers.safety.emergency_braking import GRAVITY
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
-GRAVITY = 9.80665
 START_SPEED = 2.0
 """A standing driver does not start where driving at this speed would meet somebody [m/s]."""
 WALKING = 0.5

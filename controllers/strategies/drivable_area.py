@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from enum import StrEnum
-from typing import Annotated, Final
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -28,15 +28,16 @@ from controllers.drivable_area.course import Course, steering
 from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.evaluation import STANDING, Rules
 from controllers.drivable_area.pareto_search import Budget
-from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
+from controllers.drivable_area.reaction_space import ReactionSpace
 from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.standing import HOLDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import Command, Controller, Decision, EgoState, Pedestrians, Perception, Plan
+from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.optimisation.packages import require_pymoo
 from controllers.own_part import ANGLE, IDLE, OwnPart, differ
-from controllers.safety.emergency_braking import BrakingRule, EmergencyBraking
+from controllers.perception import NOBODY
+from controllers.safety.emergency_braking import GRAVITY, BrakingRule, EmergencyBraking
 from controllers.settings import AtLeastOne, ControllerSettings, NotNegative
 
 NO_CANDIDATE = "no_feasible_candidate"
@@ -48,10 +49,6 @@ DRAWN = 8
 """Candidates that a replay may draw."""
 STANDOFF = 1.0
 """Distance kept to a pedestrian's path where there is no stop line [m]."""
-_NONE: Final = np.zeros(0)
-NOBODY: Final = Pedestrians(
-    (), _NONE, _NONE, _NONE, _NONE, _NONE, np.zeros(0, np.int64), np.zeros(0, np.bool_), np.zeros(0, np.bool_)
-)
 RELEASE = 0.3
 """So much more room than at the beginning of an avoidance ends it [m]."""
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Final, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -24,16 +24,15 @@ from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
 from controllers.interface import Command, Controller, Decision, EgoState, Perception, Plan
 from controllers.own_part import ANGLE, OwnPart, differ
+from controllers.perception import NOBODY
 from controllers.potential_field.field import Gains
 from controllers.potential_field.field_course import Course, CourseFinder, CourseSettings, follow
 from controllers.potential_field.road_field import SLOWEST, FieldSettings
-from controllers.potential_field.surroundings import with_only
 from controllers.prediction import by_name
 from controllers.prediction.by_name import PredictorName
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.settings import ControllerSettings, NotNegative, Positive, Unit
 
-NOBODY: Final = np.zeros(0, dtype=np.int64)
 NO_FREE_PATH = "no free path"
 WAITING_ENDS = 2.0
 """Deceleration at which an ego without a free way begins to brake [m/s^2]."""
@@ -145,7 +144,7 @@ class Brakes:
         """Trigger or release; return because of whom it brakes, empty if it does not."""
         ego = perception.ego
         threat = self._for_all.watch(perception)
-        other = self._for_vehicles.watch(with_only(perception, NOBODY))
+        other = self._for_vehicles.watch(replace(perception, pedestrians=NOBODY))
         if course is None or not course.free:
             self._free_since = None
         elif self._free_since is None:

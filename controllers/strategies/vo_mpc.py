@@ -56,7 +56,7 @@ class Settings(ControllerSettings):
     """Free distance to a pedestrian's disc along the path."""
     margin_across_m: NotNegative = 0.6
     """Free distance to a pedestrian's disc across the path."""
-    class_hysteresis: NotNegative = 0.85
+    class_hysteresis: Positive = 0.85
     """Another passing class is taken when it costs less than this share of the present one."""
     class_lock_s: NotNegative = 2.5
     """Nearer than this to a pedestrian's path the class is kept."""
@@ -131,6 +131,15 @@ class Settings(ControllerSettings):
         if self.first_step_s > self.last_step_s:
             raise ValueError(
                 f"first_step_s = {self.first_step_s} must be at most last_step_s = {self.last_step_s}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _emergency_brakes_hardest(self) -> Settings:
+        if self.emergency_braking_mps2 < self.comfortable_braking_mps2:
+            raise ValueError(
+                f"emergency_braking_mps2 = {self.emergency_braking_mps2} must be at least "
+                f"comfortable_braking_mps2 = {self.comfortable_braking_mps2}"
             )
         return self
 

@@ -10,15 +10,11 @@ from controllers.driving import lane_keeping
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.standing import HOLDING, STANDING
 from controllers.driving.traffic_driver import TrafficDriver
-from controllers.interface import Command, Controller, Decision, Pedestrians, Perception, Plan
+from controllers.interface import Command, Controller, Decision, Perception, Plan
 from controllers.own_part import OwnPart, differ
+from controllers.perception import NOBODY
 from controllers.safety.emergency_braking import EmergencyBraking
 from controllers.yielding.facing import Answer, PathWatch, SpeedFilter
-
-_NONE = np.zeros(0)
-NOBODY = Pedestrians(
-    (), _NONE, _NONE, _NONE, _NONE, _NONE, np.zeros(0, np.int64), np.zeros(0, np.bool_), np.zeros(0, np.bool_)
-)
 
 
 class BlindDriver:

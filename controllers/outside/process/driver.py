@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import time
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
@@ -103,9 +104,10 @@ class ProcessController:
     def _received(self) -> Answer | None:
         """Return the answer to this step, none to an earlier one; ``None`` if it is late."""
         deadline_s = 1e-3 * self._settings.deadline_ms
+        until = time.monotonic() + deadline_s
         while True:
             try:
-                message = self._link.receive(deadline_s)
+                message = self._link.receive(max(until - time.monotonic(), 0.0))
             except Late:
                 self._silent_s += deadline_s
                 if self._silent_s >= self._settings.patience_s:

@@ -14,9 +14,9 @@ from controllers.drivable_area.drivable_entropy import EntropyAt, EntropyMode
 from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdict, judge
 from controllers.drivable_area.pareto_search import Budget, Front
 from controllers.drivable_area.quintic_path import PathStart
-from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.interface import Body
 from controllers.prediction.social_force_model import Walkers
+from controllers.safety.emergency_braking import GRAVITY
 
 NUMBER = "002"
 FRICTION = 0.8

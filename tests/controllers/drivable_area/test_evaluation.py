@@ -21,9 +21,9 @@ from controllers.drivable_area.costs import (
 from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.evaluation import CarLimits, Rules, Scene, Verdict, judge
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
-from controllers.drivable_area.reaction_space import GRAVITY
 from controllers.interface import Body
 from controllers.prediction.social_force_model import Walkers
+from controllers.safety.emergency_braking import GRAVITY
 
 
 def _walker(x: float, y: float, x_speed: float = 0.0, y_speed: float = 0.0) -> Walkers:

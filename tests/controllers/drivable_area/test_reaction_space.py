@@ -11,7 +11,8 @@ from hypothesis import strategies as some
 from scipy.integrate import quad
 from shapely.geometry import Polygon
 
-from controllers.drivable_area.reaction_space import GRAVITY, ReactionSpace
+from controllers.drivable_area.reaction_space import ReactionSpace
+from controllers.safety.emergency_braking import GRAVITY
 
 SPEEDS = some.floats(1.0, 40.0)
 

@@ -48,6 +48,10 @@ def answer(link: socket.socket, message: dict[str, Any]) -> None:
         time.sleep(60.0)
     if BEHAVIOUR == "late" and message["step"] == 2:
         time.sleep(0.4)
+    if BEHAVIOUR == "trickles" and later:
+        for step in range(1, 4):  # answers to earlier steps, each within the deadline of the one before
+            time.sleep(0.15)
+            send(link, command | {"step": step})
     if BEHAVIOUR == "rubbish" and later:
         link.sendall(b"acceleration = 3\n" * 4)
         return

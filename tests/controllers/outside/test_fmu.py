@@ -16,6 +16,7 @@ from pythonfmu3 import FmuBuilder as FmuBuilder3
 import cosim
 from controllers import catalog
 from controllers.interface import Controller, Plan
+from controllers.outside.addresses import files
 from controllers.outside.fmu.driver import FmuController
 from controllers.outside.fmu.unit import Unit, UnitError
 from tests.controllers.scenes import Car, ego, perception
@@ -105,6 +106,13 @@ def test_a_parameter_of_the_mapping_is_set(
     other.write_text((built / "Acc.toml").read_text().replace("1.8", "1.0"))
     plan = ask(build(built / "Acc.fmu", mapping=str(other)))
     assert plan.command.acceleration[0] == pytest.approx(0.52 + 0.2 * 0.8 * 8.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["my unit", "ann's"])
+def test_the_files_of_a_unit_are_recorded_whatever_it_is_called(name: str, tmp_path: Path) -> None:
+    for suffix in ("fmu", "toml"):
+        (tmp_path / f"{name}.{suffix}").write_text(suffix)
+    assert set(files(f"fmu:{tmp_path / name}.fmu")) == {f"{name}.fmu", f"{name}.toml"}
 
 
 def test_a_unit_that_fails_is_one_line(built: Path, build: Callable[..., FmuController]) -> None:

@@ -86,6 +86,13 @@ def test_a_late_answer_is_the_fallback_and_is_thrown_away(build: Callable[..., P
     assert ask(one).status == "ok"  # the answer to step 2, which is there by now, is not taken for it
 
 
+def test_answers_to_earlier_steps_do_not_put_off_the_deadline(
+    build: Callable[..., ProcessController],
+) -> None:
+    one = build("trickles", deadline_ms=300.0)
+    assert [ask(one).status for _ in range(4)][2:] == ["ok", LATE]
+
+
 def test_a_program_that_hangs_is_given_up_after_the_patience(build: Callable[..., ProcessController]) -> None:
     one = build("hangs", deadline_ms=100.0, patience_s=0.25)
     begun = time.monotonic()

@@ -12,7 +12,9 @@ from controllers import catalog
 from controllers.arrays import FloatArray
 from controllers.geometry.plane import people_in_plane, to_plane
 from controllers.interface import Body, Command, CrossingKind, EgoState, Pedestrians, Perception, Plan
+from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.safety.last_check import SHIELDED, LastCheck
+from controllers.safety.pedestrian_discs import discs
 from controllers.safety.rollout import (
     PASSING_ACCELERATION,
     braked,
@@ -50,6 +52,16 @@ def test_somebody_who_stands_in_front_is_braked_for(across: float) -> None:
     plan = _checked(Walker(16.0, across, 0.0, 0.0))
     assert plan.status == SHIELDED
     assert plan.command.acceleration.max() <= -3.5
+
+
+def test_how_somebody_sets_off_is_known_better_than_any_forecast_says() -> None:
+    """Two stand at the same place; of the first it is known that they come. The forecast has both standing."""
+    seen = perception(ego(8.0), straight_road(), [Walker(20.0, -3.0), Walker(20.0, -3.0)])
+    forecast = ConstantVelocity().predict(seen, np.arange(6.0))
+    found = discs(
+        seen, np.arange(2), np.ones(2, bool), forecast, np.arange(3.0), across_speed=np.array([1.2, np.nan])
+    )
+    np.testing.assert_allclose(found.y, [[-3.0, -1.8, -0.6], [-3.0, -3.0, -3.0]])
 
 
 def test_somebody_beside_the_body_and_the_margin_is_not_braked_for() -> None:

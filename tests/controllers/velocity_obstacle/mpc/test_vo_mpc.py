@@ -243,6 +243,8 @@ def test_the_default_solver_is_the_one_that_runs(controller: str, solver: str) -
     [
         ({"steps": 1}, "steps = 1: expected at least 2"),
         ({"first_step_s": 0.9}, "first_step_s = 0.9 must be at most last_step_s"),
+        ({"class_hysteresis": 0.0}, "class_hysteresis"),
+        ({"emergency_braking_mps2": 1.0}, "emergency_braking_mps2 = 1.0 must be at least comfortable_"),
         ({"margin_across_m": -0.1}, "margin_across_m = -0.1: expected at least 0"),
         ({"truncation_s": 0.0}, "truncation_s = 0.0: expected more than 0"),
         ({"disc_radius_m": -1.0}, "disc_radius_m = -1.0: expected more than 0"),
