@@ -99,7 +99,7 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     across = others.across + others.across_speed * times
     front = others.along + others.along_speed * times
     ego_front = ego.body.front + speed * times
-    # Nobody may be in the strip from where the ego is to where it goes, whichever side they come from.
+    # Nobody may be in the target lane, whichever side they come from.
     reach = 0.5 * (others.width + ego.body.width) + rule.side
     inside = np.abs(across - lane.offset) < reach
     gap_ahead = front - others.length - ego_front
