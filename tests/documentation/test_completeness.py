@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cosim.cli.command_line import app
 from cosim.conformance.suite import cases
 from cosim.inspection.inspection import inspect
+from sumo_scenarios import library
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.inspection.test_findings import BRAUNSCHWEIG
 from tests.documentation.command_blocks import ROOT
@@ -28,6 +30,17 @@ MISHAPS = (
 def test_every_conformance_case_has_a_row() -> None:
     page = (ROOT / "docs/coupling.md").read_text("utf-8")
     assert [case.key for case in cases() if f"\n| {case.key} |" not in page] == []
+
+
+def test_every_command_has_a_row() -> None:
+    page = (ROOT / "docs/commands.md").read_text("utf-8")
+    names = [command.name for command in app.registered_commands if not command.hidden]
+    assert [name for name in names if f"\n| `{name}` |" not in page] == []
+
+
+def test_every_built_in_scenario_has_a_row() -> None:
+    page = (ROOT / "docs/scenarios.md").read_text("utf-8")
+    assert [name for name in library.names() if f"\n| `{name}` |" not in page] == []
 
 
 def test_every_check_of_inspect_is_explained() -> None:
