@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario, egos_of
-from sumo_scenarios.parameters import parameter_names, with_parameters
+from sumo_scenarios.parameters import lateral_resolution, parameter_names, with_parameters
 from sumo_scenarios.schema import ParameterValue, ScenarioTable
 
 _OF_RUNS = ("duration_s", "warmup_s", "step_s", "actuation", "lateral_resolution_m")
@@ -39,6 +39,8 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
     said = {key: getattr(table, key) for key in _OF_THE_TABLE if key in table.model_fields_set}
     merged = base.table.model_copy(update=said)
     runs = {key: getattr(table, key) for key in _OF_RUNS if key in table.model_fields_set}
+    if "actuation" in runs and "lateral_resolution_m" not in runs:
+        runs["lateral_resolution_m"] = lateral_resolution(base, table.actuation)
     changed = replace(
         base,
         name=folder.name,

@@ -27,6 +27,14 @@ section_m = [200.0, 200.0]
 speed_mps = 1.4
 start = { ego_arrival_s = "$accepted_gap_s" }
 """
+NETWORK = """description = "a network of plain sources"
+duration_s = 9.0
+[network]
+nodes = "a.nod.xml"
+edges = "a.edg.xml"
+[demand]
+routes = ["a.rou.xml"]
+"""
 
 
 def write(folder: Path, text: str = TEXT) -> str:
@@ -91,3 +99,22 @@ def test_a_base_has_no_base_itself(tmp_path: Path) -> None:
     write(tmp_path / "one")
     with pytest.raises(ScenarioError, match="has a base itself"):
         library.load(write(tmp_path / "two", TEXT.replace('"jaywalk_arterial"', '"../one"')))
+
+
+@pytest.mark.parametrize(
+    ("first", "then", "resolution"),
+    [("hybrid", "move", None), ("move", "hybrid", 0.4), ("hybrid", "hybrid", 0.8)],
+)
+def test_another_actuation_brings_its_lane_change_model(
+    tmp_path: Path, first: str, then: str, resolution: float | None
+) -> None:
+    base = tmp_path / "base"
+    own = "lateral_resolution_m = 0.8\n" if resolution == 0.8 else ""
+    write(base, NETWORK.replace("[network]", f'actuation = "{first}"\n{own}[network]'))
+    mine = f'description = "x"\nbase = "../base"\nduration_s = 9.0\nactuation = "{then}"\n'
+    found = library.load(write(tmp_path / "mine", mine))
+    assert (found.actuation, found.lateral_resolution_m) == (then, resolution)
+    same, _ = library.with_parameters(library.load(str(base)), {"actuation": then})
+    assert same.lateral_resolution_m == resolution
+    said = library.load(write(tmp_path / "said", mine + "lateral_resolution_m = 0.2\n"))
+    assert said.lateral_resolution_m == 0.2
