@@ -29,12 +29,16 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
     Raises
     ------
     ScenarioError
-        For a base without a table, and for a value that it does not take.
+        For a base without a table, and for a value or types that it does not take.
     """
     place = folder / "scenario.toml"
     if base.table is None:
         raise ScenarioError(
             f"{place}: base: expected a scenario, got a SUMO configuration; use the key sumocfg"
+        )
+    if table.types and base.sumocfg is None:
+        raise ScenarioError(
+            f"{place}: 'types' belongs to a configuration; the types of {base.name} are in its [demand]"
         )
     said = {key: getattr(table, key) for key in _OF_THE_TABLE if key in table.model_fields_set}
     merged = base.table.model_copy(update=said)

@@ -77,6 +77,11 @@ def test_a_base_may_be_a_folder_relative_to_the_variant(tmp_path: Path) -> None:
         ("accepted_gap_s = 2.5", "gap = 2.5", "values.gap: jaywalk_arterial has no such parameter; it has"),
         ("accepted_gap_s = 2.5", "accepted_gap_s = -1.0", "accepted_gap_s=-1.0: expected at least 0"),
         ("[egos]", "[demand]\nroutes = []\n[egos]", "'demand' does not go with 'base'"),
+        (
+            "[egos]",
+            'types = "t.add.xml"\n[egos]',
+            "'types' belongs to a configuration; the types of jaywalk_art",
+        ),
         ("warmup_s = 10.0", "warmup_s = 50.0", "warmup_s=50: expected less than duration_s=40"),
     ],
 )
