@@ -52,12 +52,13 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
         table=merged,
         egos=egos_of(merged, base.parameters),
         variant=folder,
+        pedestrians_in=folder if "pedestrians" in said else None,
         **runs,
     )
     try:
         found, unknown = with_parameters(changed, {key: as_text(one) for key, one in table.values.items()})
     except ScenarioError as error:
-        raise ScenarioError(f"{place}: {error}") from error
+        raise ScenarioError(f"{place}: {str(error).removeprefix(f'{place}: ')}") from error
     if unknown:
         raise ScenarioError(
             f"{place}: values.{min(unknown)}: {base.name} has no such parameter; "

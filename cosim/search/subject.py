@@ -95,7 +95,7 @@ def _space(loaded: Scenario, file: Path | None) -> Space:
     if file is not None:
         return read_space_file(file)
     if loaded.table is not None and loaded.table.search:
-        return read_space(loaded.table.search, f"{loaded.name}: [search]")
+        return read_space(loaded.table.search, f"{loaded.name}: [search]", loaded.folder)
     return read_space(tomllib.loads(CROSSINGS.read_text("utf-8")), CROSSINGS.name)
 
 

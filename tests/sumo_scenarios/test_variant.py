@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from sumo_scenarios import library
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.pedestrian_tables import TrajectoryTable
 
 TEXT = """description = "one passage"
 base = "jaywalk_arterial"
@@ -98,6 +100,45 @@ def test_values_belong_to_a_base(tmp_path: Path) -> None:
                 'description = "x"\nsumocfg = "a.sumocfg"\nduration_s = 9.0\nvalues = { a = 1 }\n',
             )
         )
+
+
+RECORDED = """description = "somebody recorded"
+base = "jaywalk_arterial"
+duration_s = 90.0
+
+[[pedestrians]]
+name = "recorded"
+kind = "trajectory"
+file = "walk.csv"
+"""
+WALK = "time_s,x_m,y_m\n0,100,0\n5,100,7\n"
+
+
+def test_a_trajectory_is_in_the_folder_of_whose_scripted_pedestrians_they_are(tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    write(mine, RECORDED)
+    with pytest.raises(ScenarioError, match=re.escape(f"{mine / 'walk.csv'}: cannot be read")):
+        library.load(str(mine))
+    (mine / "walk.csv").write_text(WALK)
+    (one,) = library.load(str(mine)).pedestrians
+    assert isinstance(one, TrajectoryTable)
+    assert one.file == str(mine / "walk.csv")
+    base = tmp_path / "base"
+    write(base, NETWORK + RECORDED[RECORDED.index("[[ped") :])
+    (base / "walk.csv").write_text(WALK)
+    other = write(tmp_path / "other", 'description = "x"\nbase = "../base"\nduration_s = 9.0\n')
+    (one,) = library.load(other).pedestrians
+    assert isinstance(one, TrajectoryTable)
+    assert one.file == str(base / "walk.csv")
+
+
+def test_a_row_that_does_not_fit_is_told_with_the_file_that_has_it(tmp_path: Path) -> None:
+    place = Path(write(tmp_path / "mine", RECORDED.replace("walk.csv", "$walk"))) / "scenario.toml"
+    with pytest.raises(
+        ScenarioError, match=re.escape(f"{place}: [[pedestrians]] row 1: names $walk")
+    ) as told:
+        library.load(str(place))
+    assert str(told.value).startswith(f"{place}: [[")
 
 
 def test_a_base_has_no_base_itself(tmp_path: Path) -> None:
