@@ -79,6 +79,14 @@ def test_a_parameter_that_changes_nothing_is_refused(tmp_path: Path) -> None:
         read_subject("jaywalk_arterial", "aeb", {}, file)
 
 
+def test_a_criterion_that_is_none_is_refused_as_cosim_check_does(tmp_path: Path) -> None:
+    file = tmp_path / "criteria.toml"
+    for text in ("criteria = [1]", 'title = "x"\n[[criteria]]\n'):
+        file.write_text(text)
+        with pytest.raises(InputError, match=re.escape(f"--criteria {file}: only [[criteria]] expected")):
+            read_subject("jaywalk_arterial", "aeb", {}, None, file)
+
+
 def test_a_trial_names_a_trajectory_of_the_space_from_where_it_is_itself(tmp_path: Path) -> None:
     row = '[[search.pedestrians]]\nname = "a"\nkind = "trajectory"\nfile = "$walk"\n'
     text = f'{row}[search.parameters.walk]\nchoices = ["slow.csv", "fast.csv"]\n'
