@@ -71,6 +71,8 @@ class Scenario:
     """Scripted ones, whom SUMO does not have."""
     variant: Path | None = None
     """Folder of the scenario.toml that has a base; ``folder`` is that of the base then."""
+    pedestrians_in: Path | None = None
+    """Folder of the scenario.toml whose scripted pedestrians these are; ``None``: ``folder``."""
 
 
 def egos_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> Egos:
@@ -110,7 +112,7 @@ def with_pedestrians(scenario: Scenario) -> Scenario:
         return scenario
     demand = {key: getattr(scenario, key) for key in ("vehicles_per_hour", "pedestrians_per_hour")}
     values = {key: value for key, value in demand.items() if value is not None} | dict(scenario.parameters)
-    path = scenario.folder / "scenario.toml"
+    path = (scenario.pedestrians_in or scenario.folder) / "scenario.toml"
     return replace(scenario, pedestrians=read_pedestrians(scenario.table.pedestrians, values, path))
 
 

@@ -90,7 +90,7 @@ def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scena
     if scenario.table is not None and _routes_depend_on(scenario, texts):
         ego_fields["routes"] = routes_of(scenario.table, further)
     if "actuation" in fields and "lateral_resolution_m" not in fields:
-        fields["lateral_resolution_m"] = _lateral_resolution(scenario, fields["actuation"])
+        fields["lateral_resolution_m"] = lateral_resolution(scenario, fields["actuation"])
     changed = replace(scenario, parameters=further, egos=replace(scenario.egos, **ego_fields), **fields)
     if changed.warmup_s >= changed.duration_s:
         raise ScenarioError(
@@ -100,8 +100,11 @@ def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scena
     return with_pedestrians(changed), leftover
 
 
-def _lateral_resolution(scenario: Scenario, actuation: str) -> float | None:
-    # The sublane model is what lets SUMO see an ego between two lanes; moving alone does not need it.
+def lateral_resolution(scenario: Scenario, actuation: Actuation) -> float | None:
+    """Return the lateral resolution of a scenario once its egos are moved in this way [m].
+
+    The sublane model is what lets SUMO see an ego between two lanes; moving alone does not need it.
+    """
     if actuation == "move":
         return None
     return scenario.lateral_resolution_m or HYBRID_LATERAL_RESOLUTION_M

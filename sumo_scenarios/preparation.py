@@ -75,7 +75,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     inputs = _hashes(scenario.folder, sources)
     inputs["network"] = sha256(net_file)
     inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"], *included])
-    inputs |= _pedestrians(scenario)
+    inputs |= _pedestrians(scenario) | _recorded_vehicles(scenario)
     left_out = tuple(dict.fromkeys(copies.left_out))
     return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs, left_out)
 
@@ -96,9 +96,7 @@ def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_di
     inputs = _hashes(sumocfg.parent, files) | _pedestrians(scenario)
     if types is not None:
         inputs["types"] = sha256(types)
-    if (recorded := vehicles_file(scenario)) is not None:
-        read_recorded_vehicles(recorded)
-        inputs["recorded vehicles"] = sha256(recorded)
+    inputs |= _recorded_vehicles(scenario)
     left_out += dict.fromkeys(copies.left_out)
     return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out))
 
@@ -120,6 +118,15 @@ def _pedestrians(scenario: Scenario) -> dict[str, str]:
     if said:
         hashes["pedestrians"] = hashlib.sha256("\n".join(said).encode()).hexdigest()
     return hashes
+
+
+def _recorded_vehicles(scenario: Scenario) -> dict[str, str]:
+    """Return the hash of the file of recorded vehicles, which is checked; nothing without one."""
+    file = vehicles_file(scenario)
+    if file is None:
+        return {}
+    read_recorded_vehicles(file)
+    return {"recorded vehicles": sha256(file)}
 
 
 def _teleport_after_s(scenario: Scenario) -> float:

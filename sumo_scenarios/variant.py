@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import Scenario, egos_of
-from sumo_scenarios.parameters import parameter_names, with_parameters
+from sumo_scenarios.parameters import lateral_resolution, parameter_names, with_parameters
 from sumo_scenarios.schema import ParameterValue, ScenarioTable
 
 _OF_RUNS = ("duration_s", "warmup_s", "step_s", "actuation", "lateral_resolution_m")
@@ -29,16 +29,22 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
     Raises
     ------
     ScenarioError
-        For a base without a table, and for a value that it does not take.
+        For a base without a table, and for a value or types that it does not take.
     """
     place = folder / "scenario.toml"
     if base.table is None:
         raise ScenarioError(
             f"{place}: base: expected a scenario, got a SUMO configuration; use the key sumocfg"
         )
+    if table.types and base.sumocfg is None:
+        raise ScenarioError(
+            f"{place}: 'types' belongs to a configuration; the types of {base.name} are in its [demand]"
+        )
     said = {key: getattr(table, key) for key in _OF_THE_TABLE if key in table.model_fields_set}
     merged = base.table.model_copy(update=said)
     runs = {key: getattr(table, key) for key in _OF_RUNS if key in table.model_fields_set}
+    if "actuation" in runs and "lateral_resolution_m" not in runs:
+        runs["lateral_resolution_m"] = lateral_resolution(base, table.actuation)
     changed = replace(
         base,
         name=folder.name,
@@ -46,12 +52,13 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
         table=merged,
         egos=egos_of(merged, base.parameters),
         variant=folder,
+        pedestrians_in=folder if "pedestrians" in said else None,
         **runs,
     )
     try:
         found, unknown = with_parameters(changed, {key: as_text(one) for key, one in table.values.items()})
     except ScenarioError as error:
-        raise ScenarioError(f"{place}: {error}") from error
+        raise ScenarioError(f"{place}: {str(error).removeprefix(f'{place}: ')}") from error
     if unknown:
         raise ScenarioError(
             f"{place}: values.{min(unknown)}: {base.name} has no such parameter; "

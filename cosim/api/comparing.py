@@ -73,7 +73,7 @@ def compare(
         A study, a folder with runs in it, or runs.
     alt, base
         Controllers, optionally with the parameters that tell them from their variants
-        (``vo_mpc horizon=20``).
+        (``vo_mpc steps=20``).
     metrics
         Measures; none given: the key measures.
     scenario

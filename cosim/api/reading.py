@@ -12,6 +12,7 @@ from cosim.api.recorded_run import Run
 from cosim.api.study import Study
 from cosim.api.tables import as_input_errors, read_description
 from cosim.errors import InputError
+from cosim.running.inventory import as_text
 
 
 def load(folder: str | PathLike[str]) -> Run | Study:
@@ -50,5 +51,5 @@ def analyse(run: Run | str | PathLike[str], **thresholds: float) -> Run:
     """
     folder = run.folder if isinstance(run, Run) else Path(run)
     with as_input_errors():
-        analyse_run(folder, with_settings({key: repr(value) for key, value in thresholds.items()}))
+        analyse_run(folder, with_settings({key: as_text(value) for key, value in thresholds.items()}))
     return Run(folder)

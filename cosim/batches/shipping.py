@@ -97,6 +97,7 @@ def _files(scenario: Scenario) -> Iterator[Path]:
     for named in (types_file(scenario), vehicles_file(scenario)):
         if named is not None:
             yield named
+    yield from (Path(each.file) for each in scenario.pedestrians if isinstance(each, TrajectoryTable))
     if scenario.variant is not None:
         yield scenario.variant / library.DEFINITION
         if folder is not None and folder.parent == library.LIBRARY:
@@ -110,7 +111,6 @@ def _files(scenario: Scenario) -> Iterator[Path]:
             values = placeholders(scenario, table)
             for name in (*table.demand.routes, *table.demand.additional):
                 yield folder / Template(name).safe_substitute(values)
-        yield from (Path(each.file) for each in scenario.pedestrians if isinstance(each, TrajectoryTable))
         if table.packaged_sumocfg:
             return  # comes with SUMO
     if scenario.sumocfg is not None:

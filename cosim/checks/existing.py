@@ -16,6 +16,7 @@ from analysis.study.design import Study, read_study
 from analysis.study.runs import STUDY_FILE, StudyRun, find_run_folders
 from analysis.study.tables import CONFIGS
 from analysis.tables.cells import cells
+from cosim.batches.criteria_file import tables_in
 from cosim.batches.ledger import FAILED
 from cosim.batches.outcome import NOTE
 from cosim.batches.stored import FAILURE
@@ -31,7 +32,7 @@ from cosim.checks.judged import (
     with_culprit,
     with_verdict,
 )
-from cosim.checks.target import SUITE, criteria_of_scenario, criteria_of_tables, tables_in
+from cosim.checks.target import SUITE, criteria_of_scenario, criteria_of_tables
 from cosim.errors import InputError
 from sumo_scenarios import library
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import fnmatch
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.criteria.criterion import Criterion
-from analysis.criteria.reading import EXAMPLE, CriterionError, read_criteria
+from analysis.criteria.reading import CriterionError, read_criteria
 from analysis.wording import some
+from cosim.batches.criteria_file import tables_in
 from cosim.batches.job import Configuration
 from cosim.batches.matrix import Matrix, build_matrix
 from cosim.batches.study import DEFAULT_TIMEOUT_S, StudyTable, read_study, study_of
@@ -215,26 +215,6 @@ def criteria_of_tables(tables: Sequence[Mapping[str, Any]], where: str) -> tuple
     criteria = _read(tables, where)
     _check_controllers(criteria, where)
     return criteria
-
-
-def tables_in(path: Path) -> list[dict[str, Any]]:
-    """Return the criteria of a file for ``--criteria``, as it has them.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read or has anything else in it.
-    """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"--criteria {path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"--criteria {path}: not valid TOML: {error}") from error
-    tables = content.pop("criteria", None)
-    if content or not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
-        raise InputError(f"--criteria {path}: only [[criteria]] expected, for instance {EXAMPLE}")
-    return tables
 
 
 def _read(tables: Sequence[Mapping[str, Any]], where: str) -> tuple[Criterion, ...]:

@@ -47,7 +47,7 @@ def compare(
     Examples:
       cosim compare results/study --base sumo --alt vo_mpc
       cosim compare runs --base sumo --alt aeb --metric ego_delay_mean_s --metric n_lane_changes
-      cosim compare results/study --alt "vo_mpc horizon=20" --each --write
+      cosim compare results/study --alt "vo_mpc steps=20" --each --write
 
     \b
     Exit codes: 0 success, 2 no such folder, controller, measure or scenario, or no seed in common, 3 a run

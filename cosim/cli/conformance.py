@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -61,7 +63,7 @@ def conformance(
         console.print(table)
         return 0
     if out is not None:
-        _write(out, "")  # fail now if it is not writable, not after minutes
+        _check_writable(out)
     results = suite.run(chosen, jobs, lambda result: typer.echo(f"{result.case.key} done", err=True))
     table = Table(title=f"Conformance with SUMO {sumo_version()}", title_justify="left")
     for heading in HEADINGS:
@@ -90,7 +92,7 @@ def _check_controller(name: str, settings: list[str], cases: list[str], out: Pat
         raise InputError(f"{cases[0]}: --controller takes no case; every check is run")
     factory = controller_maker(name, parse_settings(settings, "deadline_ms=50"))
     if out is not None:
-        _write(out, "")
+        _check_writable(out)
     table = Table(title=f"What {name} keeps of what every controller promises", title_justify="left")
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
@@ -110,10 +112,24 @@ def _check_controller(name: str, settings: list[str], cases: list[str], out: Pat
     return 1 if broken else 0
 
 
+def _check_writable(path: Path) -> None:
+    """Refuse now, not after minutes, what cannot be written; a table that is there stays for now."""
+    with _told(path), path.open("a", encoding="utf-8"):
+        pass
+
+
 def _write(path: Path, text: str) -> None:
+    from analysis.files import write_text
+
+    with _told(path):
+        write_text(path, text)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
     from cosim.errors import InputError
 
     try:
-        path.write_text(text, encoding="utf-8", newline="\n")
+        yield
     except OSError as error:
         raise InputError(f"--out {path}: cannot be written: {error.strerror}") from error

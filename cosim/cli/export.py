@@ -23,7 +23,9 @@ def export(
     network: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="The run's network (.net.xml).", show_default="that of a built-in scenario"
+            metavar="FILE",
+            help="The run's network (.net.xml).",
+            show_default="that of a built-in scenario or of a protocol's case",
         ),
     ] = None,
     traffic: Annotated[

@@ -70,6 +70,7 @@ def falsify(
     from cosim.batches.progress import shown_tally
     from cosim.errors import InputError
     from cosim.running.request import parse_settings
+    from cosim.search.report import require_packages, write_report
     from cosim.search.search import FalsifyRequest, command, prepared
 
     here_or_elsewhere(jobs, scheduler)
@@ -92,6 +93,8 @@ def falsify(
         shrink,
         run_timeout_s,
     )
+    if report:
+        require_packages()
     search = prepared(request)
     for note in search.subject.notes:
         typer.echo(f"cosim: note: {note}", err=True)
@@ -102,8 +105,6 @@ def falsify(
         return 3
     _show(request, found)
     if report:
-        from cosim.search.report import write_report
-
         terminal.console().print(f"report: {write_report(search, found, shown_tally())}", soft_wrap=True)
     return 0
 

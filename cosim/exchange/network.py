@@ -9,6 +9,7 @@ from typing import Any
 
 from cosim.errors import InputError
 from sumo_scenarios import library
+from sumo_scenarios.suites.case import reference_of
 
 
 def network_of(description: dict[str, Any]) -> Path:
@@ -24,7 +25,7 @@ def network_of(description: dict[str, Any]) -> Path:
     InputError
         If it cannot be found, or is another one than the run's.
     """
-    name = str(description["scenario_id"])
+    name = reference_of(str(description["scenario_id"]))
     advice = "name the network with --network FILE.net.xml, or --no-road"
     try:
         with TemporaryDirectory(prefix="cosim-") as work:

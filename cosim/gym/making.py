@@ -29,7 +29,7 @@ def request_of(
     Raises
     ------
     InputError
-        For a scenario that does not exist, and a time limit that is none.
+        For a scenario that does not exist, and a time limit or a warm-up that is none.
     """
     if not 0.0 < time_limit_s < float("inf"):
         raise InputError(f"time_limit_s: expected a number of seconds above 0, got {time_limit_s:g}")
@@ -38,7 +38,7 @@ def request_of(
     settings = {key: as_text(value) for key, value in parameters.items()}
     if float(there.get("warmup_s", 0.0)) > WARMUP_S:
         settings.setdefault("warmup_s", repr(WARMUP_S))
-    warmup_s = float(settings.get("warmup_s", there.get("warmup_s", 0.0)))
+    warmup_s = _seconds("warmup_s", settings.get("warmup_s", there.get("warmup_s", 0.0)))
     if "ego_count" in there and not own:
         settings.setdefault("ego_count", str(egos))
     if not str(scenario).startswith("suite:"):
@@ -58,3 +58,10 @@ def request_of(
         )
 
     return made
+
+
+def _seconds(name: str, value: str | float) -> float:
+    try:
+        return float(value)
+    except ValueError:
+        raise InputError(f"{name}: expected a number of seconds, got {value!r}") from None

@@ -54,7 +54,16 @@ def check_links(out: Path, flag: str = "--out") -> None:
 
 def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
     """Make the run's folder: ``out``, or the first free ``runs/<scenario>-<controller>-<seed>-<n>``."""
-    return create_named(out, f"{scenario}-{_UNSAFE.sub('_', controller).strip('._')}-{seed}")
+    return create_named(out, f"{scenario}-{plain(controller)}-{seed}")
+
+
+def plain(controller: str) -> str:
+    """Return a controller as a part of a folder's name; its address may have slashes, dots and blanks.
+
+    >>> plain("../../patient.py"), plain("vo_mpc")
+    ('patient.py', 'vo_mpc')
+    """
+    return _UNSAFE.sub("_", controller).strip("._")
 
 
 def create_named(out: Path | None, name: str) -> Path:

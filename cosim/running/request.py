@@ -87,8 +87,8 @@ def parse_settings(texts: Iterable[str], example: str = "pedestrians_per_hour=60
 
     Examples
     --------
-    >>> parse_settings(["pedestrians_per_hour=600", "horizon=20"])
-    {'pedestrians_per_hour': '600', 'horizon': '20'}
+    >>> parse_settings(["pedestrians_per_hour=600", "steps=20"])
+    {'pedestrians_per_hour': '600', 'steps': '20'}
     """
     settings: dict[str, str] = {}
     for text in texts:

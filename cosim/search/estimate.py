@@ -66,7 +66,7 @@ class EstimateRequest:
     @property
     def folder(self) -> Path:
         """Folder of the estimate."""
-        name = f"estimate-{Path(self.scenario).stem}-{self.controller}-{self.seed}"
+        name = f"estimate-{Path(self.scenario).stem}-{folders.plain(self.controller)}-{self.seed}"
         return folders.DEFAULT_PARENT / name if self.out is None else self.out
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from analysis.search.results import FAIL, UNPREVENTABLE
@@ -16,6 +17,7 @@ from cosim.search.search import Found, Search, Shown
 from cosim.search.space import Parameter
 from cosim.search.trials import Trial, makers, running
 
+NEEDED = ("matplotlib", "jinja2")
 REPLAYS = "replays"
 MOST = 12
 """Kinds that have a replay, the clearest ones."""
@@ -26,6 +28,16 @@ _ROLES = {
 }
 
 
+def require_packages() -> None:
+    """Raise `InputError` where a package that the report is made with is not installed."""
+    for name in NEEDED:
+        if find_spec(name) is None:
+            raise InputError(
+                f"{name} is not installed; run: pip install matplotlib Jinja2, or leave the report out with "
+                "--no-report"
+            )
+
+
 def write_report(search: Search, found: Found, progress: Shown) -> Path:
     """Record the clearest failure of each kind, write its replay and the page of the search.
 
@@ -34,12 +46,11 @@ def write_report(search: Search, found: Found, progress: Shown) -> Path:
     InputError
         If a required package is missing or the page cannot be written.
     """
-    try:
-        from analysis.page.search import write_search_page
-        from analysis.plots.saving import svg_text
-        from analysis.plots.search import draw_boundary, draw_progress, most_deciding
-    except ModuleNotFoundError as error:
-        raise InputError(f"{error.name} is not installed; run: pip install matplotlib Jinja2") from error
+    require_packages()
+    from analysis.page.search import write_search_page
+    from analysis.plots.saving import svg_text
+    from analysis.plots.search import draw_boundary, draw_progress, most_deciding
+
     with progress as show:
         replayed = _replays(search, found, show)
     shown = most_deciding(found.axes, found.influences)

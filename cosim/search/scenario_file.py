@@ -11,7 +11,7 @@ from analysis.files import write_text
 from analysis.search.axes import Point
 from cosim.batches.study import toml_value
 from cosim.errors import InputError
-from cosim.search.space import LONGEST_PASSAGE_S, filled
+from cosim.search.space import LONGEST_PASSAGE_S, Space, filled
 from cosim.search.subject import PASSAGE, Subject
 from sumo_scenarios import library
 
@@ -88,7 +88,10 @@ def _content(subject: Subject, point: Point, folder: Path, description: str) -> 
         "values": {**own, **filled(table.values, values, place), **searched},
         "egos": filled(table.egos, values, place),
         "sensing": filled(table.sensing, values, place),
-        "pedestrians": [_with_manner(row) for row in filled(table.pedestrians, values, place)],
+        "pedestrians": [
+            _with_file(_with_manner(row), subject.space, folder)
+            for row in filled(table.pedestrians, values, place)
+        ],
         "criteria": list(subject.criteria_tables),
     }
     return content | {key: part for key, part in parts.items() if part}
@@ -104,6 +107,13 @@ def _with_manner(row: Mapping[str, Any]) -> dict[str, Any]:
         kinds = ", ".join(str(one.get("kind")) for one in row.get("manners", [])) or "none"
         raise InputError(f"pedestrians: manner {row['manner']!r}: expected one of its manners: {kinds}")
     return {**rest, "manners": manners}
+
+
+def _with_file(row: dict[str, Any], space: Space, folder: Path) -> dict[str, Any]:
+    """Return a row with its trajectory as seen from ``folder``, where the space names it from its own."""
+    if space.folder is None or not isinstance(row.get("file"), str):
+        return row
+    return {**row, "file": _relative(str(space.folder / row["file"]), folder)}
 
 
 def _folder_of(place: str) -> str:

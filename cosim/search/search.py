@@ -59,7 +59,7 @@ class FalsifyRequest:
     @property
     def folder(self) -> Path:
         """Folder of the search."""
-        name = f"falsify-{Path(self.scenario).stem}-{self.controller}-{self.seed}"
+        name = f"falsify-{Path(self.scenario).stem}-{folders.plain(self.controller)}-{self.seed}"
         return folders.DEFAULT_PARENT / name if self.out is None else self.out
 
     @property

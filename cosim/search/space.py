@@ -119,6 +119,8 @@ class Space:
     parameters: tuple[Parameter, ...]
     place: str
     """Where it is declared, for messages."""
+    folder: Path | None = None
+    """Of the file that declares it, to which trajectories are relative; ``None`` where there is no file."""
 
     @property
     def named(self) -> frozenset[str]:
@@ -133,8 +135,8 @@ class Space:
         return tuple(one.axis for one in self.parameters)
 
 
-def read_space(content: Mapping[str, Any], place: str) -> Space:
-    """Return the space that a table declares.
+def read_space(content: Mapping[str, Any], place: str, folder: Path | None = None) -> Space:
+    """Return the space that a table declares, in a file in ``folder`` if there is one.
 
     Raises
     ------
@@ -149,7 +151,7 @@ def read_space(content: Mapping[str, Any], place: str) -> Space:
     _check_conditions(table, place)
     if not parameters and table.where is None:
         raise InputError(f"{place}: nothing to vary; expected at least one of [search.parameters.NAME]")
-    return Space(table, parameters, place)
+    return Space(table, parameters, place, folder)
 
 
 def read_space_file(path: Path) -> Space:
@@ -169,7 +171,7 @@ def read_space_file(path: Path) -> Space:
     inner = content.get("search", content)
     if "search" in content and len(content) > 1:
         raise InputError(f"--space {path}: only [search] expected, got {', '.join(sorted(content))}")
-    return read_space(inner, str(path))
+    return read_space(inner, str(path), path.resolve().parent)
 
 
 def names_in(value: Any) -> Iterator[str]:

@@ -14,6 +14,7 @@ from analysis.criteria.reading import CriterionError, read_criteria
 from analysis.errors import did_you_mean
 from analysis.search.axes import Axis
 from analysis.search.objective import searchable
+from cosim.batches.criteria_file import tables_in
 from cosim.errors import InputError
 from cosim.inspection.passages import Passage, passages, read_ways
 from cosim.running import inventory
@@ -95,7 +96,7 @@ def _space(loaded: Scenario, file: Path | None) -> Space:
     if file is not None:
         return read_space_file(file)
     if loaded.table is not None and loaded.table.search:
-        return read_space(loaded.table.search, f"{loaded.name}: [search]")
+        return read_space(loaded.table.search, f"{loaded.name}: [search]", loaded.folder)
     return read_space(tomllib.loads(CROSSINGS.read_text("utf-8")), CROSSINGS.name)
 
 
@@ -109,16 +110,7 @@ def _criteria_tables(loaded: Scenario, space: Space, file: Path | None) -> list[
         if space.table.criteria and not _own_tables(loaded):
             return space.table.criteria
         return []
-    try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"--criteria {file}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"--criteria {file}: not valid TOML: {error}") from error
-    tables = content.get("criteria")
-    if not isinstance(tables, list) or len(content) > 1:
-        raise InputError(f"--criteria {file}: only [[criteria]] expected")
-    return tables
+    return tables_in(file)
 
 
 def _criteria(tables: list[dict[str, Any]], scenario: str, controller: str) -> tuple[Criterion, ...]:

@@ -140,15 +140,19 @@ class Ground:
         ValueError
             If there is no such edge, it has no lane for vehicles, or it is shorter.
         """
-        lanes = self._carriageway(edge)
-        x, y = self.on_lane(lanes[0].name, along, -0.5 * lanes[0].width)
-        ahead = self._shape(lanes[0])
+        first, *others = self._carriageway(edge)
+        others += self._carriageway(opposite) if opposite else []
+        middle = self.on_lane(first.name, along, 0.0)
+        ahead = self._shape(first)
+        # Where traffic keeps left, lanes are counted from the left and the opposite ones lie to the right.
+        borders = (self._across(ahead, lane, middle) - 0.5 * lane.width for lane in others)
+        right = min([-0.5 * first.width, *borders])
+        x, y = self.on_lane(first.name, along, right)
         place = ahead.place(x, y).along
         (x0, y0), (x1, y1) = ahead.point(place - 0.5, 0.0), ahead.point(place + 0.5, 0.0)
         heading = math.atan2(y1 - y0, x1 - x0)
-        far = self._carriageway(opposite)[0] if opposite else lanes[-1]
-        away = abs(self._shape(far).place(x, y).across)
-        return Roadside(x, y, heading, away + 0.5 * far.width)
+        width = max(abs(self._shape(lane).place(x, y).across) + 0.5 * lane.width for lane in (first, *others))
+        return Roadside(x, y, heading, width)
 
     def crossing(self, name: str) -> Line:
         """Return a crossing's axis.
@@ -165,7 +169,7 @@ class Ground:
         return Line(*found.axis[0].tolist(), *found.axis[-1].tolist())
 
     def _carriageway(self, edge: str) -> list[NetLane]:
-        """Return an edge's lanes for vehicles, from the right."""
+        """Return an edge's lanes for vehicles, in SUMO's order: from the outside of the road."""
         names = self._network.edges.get(edge)
         if names is None:
             raise ValueError(f"no edge '{edge}' in the network{_hint(edge, self._network.edges)}")
@@ -173,6 +177,11 @@ class Ground:
         if not lanes:
             raise ValueError(f"edge '{edge}' has no lane for vehicles")
         return lanes
+
+    def _across(self, seen_from: LaneShape, lane: NetLane, point: tuple[float, float]) -> float:
+        """Return how far to the left of another lane a lane is, where it is nearest to a point [m]."""
+        shape = self._shape(lane)
+        return seen_from.place(*shape.point(shape.place(*point).along, 0.0)).across
 
     def _shape(self, lane: NetLane) -> LaneShape:
         if lane.name not in self._shapes:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sumo_scenarios.errors import ScenarioError, did_you_mean
 from sumo_scenarios.suites.tables import GroupTable, read_suite
+from sumo_scenarios.suites.tables import names as suite_names
 
 PREFIX = "suite:"
 """How a reference begins."""
@@ -51,6 +52,12 @@ class Case:
 def is_reference(text: str) -> bool:
     """Tell whether a text means a suite or one of its cases."""
     return text.startswith(PREFIX)
+
+
+def reference_of(scenario_name: str) -> str:
+    """Return the reference to the case that has this name in files and folders; any other name as it is."""
+    suite, _, name = scenario_name.partition(".")
+    return f"{PREFIX}{suite}/{name}" if name and suite in suite_names() else scenario_name
 
 
 def cases(suite: str) -> tuple[Case, ...]:

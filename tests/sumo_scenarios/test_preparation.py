@@ -193,6 +193,21 @@ def test_a_folder_of_the_users_own_is_prepared(tmp_path: Path) -> None:
     assert set(prepared.inputs) == {"n.xml", "e.xml", "network", "r.xml"}
 
 
+def test_recorded_vehicles_beside_a_network_are_part_of_the_inputs(tmp_path: Path) -> None:
+    text = FOLDER["scenario.toml"].replace("[network]", 'recorded_vehicles = "v.csv"\n[network]')
+    for name, content in {**FOLDER, "scenario.toml": text}.items():
+        (tmp_path / name).write_text(content)
+    header = "vehicle,class,edge,time_s,x_m,y_m,heading_rad,speed_mps,length_m,width_m\n"
+    hashes = []
+    for speed in "34":
+        (tmp_path / "v.csv").write_text(f"{header}a,passenger,ab,0.0,1,2,0.5,{speed},4.5,1.8\n")
+        hashes.append(prepare(load(str(tmp_path)), 1, tmp_path / "work").inputs["recorded vehicles"])
+    assert hashes[0] != hashes[1]
+    (tmp_path / "v.csv").write_text(f"{header}a,passenger,ab,soon,1,2,0.5,3,4.5,1.8\n")
+    with pytest.raises(ScenarioError, match=r"v\.csv.*time_s is 'soon'"):
+        prepare(load(str(tmp_path)), 1, tmp_path / "work")
+
+
 def test_a_rate_that_no_road_takes_is_refused(tmp_path: Path) -> None:
     busy, _ = with_parameters(load("midblock_zebra"), {"vehicles_per_hour": "1e9"})
     with pytest.raises(ScenarioError, match=r"rates\.\w+ is 1e\+09 an hour; expected at most 100000"):

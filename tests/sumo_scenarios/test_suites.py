@@ -11,7 +11,7 @@ from sumo_scenarios import library
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.pedestrian_tables import LineTable
 from sumo_scenarios.suites import build, tables
-from sumo_scenarios.suites.case import Case, cases, find
+from sumo_scenarios.suites.case import Case, cases, find, reference_of
 
 EVERY = [case for suite in tables.names() for case in cases(suite)]
 RIGHT_30 = find("suite:fmvss127/crossing_right_25_30kmh")
@@ -28,6 +28,7 @@ def test_a_reference_loads_as_any_scenario_does(case: Case) -> None:
     scenario = library.load(case.reference)
     assert re.fullmatch(r"[A-Za-z0-9_.]+", scenario.name), "it becomes the name of a folder"
     assert find(case.reference) == case
+    assert reference_of(scenario.name) == case.reference
     assert len(scenario.pedestrians) == 1
     assert scenario.duration_s > scenario.warmup_s + build.APPROACH_S
 

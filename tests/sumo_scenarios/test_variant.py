@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from sumo_scenarios import library
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.pedestrian_tables import TrajectoryTable
 
 TEXT = """description = "one passage"
 base = "jaywalk_arterial"
@@ -26,6 +28,14 @@ edge = "east"
 section_m = [200.0, 200.0]
 speed_mps = 1.4
 start = { ego_arrival_s = "$accepted_gap_s" }
+"""
+NETWORK = """description = "a network of plain sources"
+duration_s = 9.0
+[network]
+nodes = "a.nod.xml"
+edges = "a.edg.xml"
+[demand]
+routes = ["a.rou.xml"]
 """
 
 
@@ -69,6 +79,11 @@ def test_a_base_may_be_a_folder_relative_to_the_variant(tmp_path: Path) -> None:
         ("accepted_gap_s = 2.5", "gap = 2.5", "values.gap: jaywalk_arterial has no such parameter; it has"),
         ("accepted_gap_s = 2.5", "accepted_gap_s = -1.0", "accepted_gap_s=-1.0: expected at least 0"),
         ("[egos]", "[demand]\nroutes = []\n[egos]", "'demand' does not go with 'base'"),
+        (
+            "[egos]",
+            'types = "t.add.xml"\n[egos]',
+            "'types' belongs to a configuration; the types of jaywalk_art",
+        ),
         ("warmup_s = 10.0", "warmup_s = 50.0", "warmup_s=50: expected less than duration_s=40"),
     ],
 )
@@ -87,7 +102,65 @@ def test_values_belong_to_a_base(tmp_path: Path) -> None:
         )
 
 
+RECORDED = """description = "somebody recorded"
+base = "jaywalk_arterial"
+duration_s = 90.0
+
+[[pedestrians]]
+name = "recorded"
+kind = "trajectory"
+file = "walk.csv"
+"""
+WALK = "time_s,x_m,y_m\n0,100,0\n5,100,7\n"
+
+
+def test_a_trajectory_is_in_the_folder_of_whose_scripted_pedestrians_they_are(tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    write(mine, RECORDED)
+    with pytest.raises(ScenarioError, match=re.escape(f"{mine / 'walk.csv'}: cannot be read")):
+        library.load(str(mine))
+    (mine / "walk.csv").write_text(WALK)
+    (one,) = library.load(str(mine)).pedestrians
+    assert isinstance(one, TrajectoryTable)
+    assert one.file == str(mine / "walk.csv")
+    base = tmp_path / "base"
+    write(base, NETWORK + RECORDED[RECORDED.index("[[ped") :])
+    (base / "walk.csv").write_text(WALK)
+    other = write(tmp_path / "other", 'description = "x"\nbase = "../base"\nduration_s = 9.0\n')
+    (one,) = library.load(other).pedestrians
+    assert isinstance(one, TrajectoryTable)
+    assert one.file == str(base / "walk.csv")
+
+
+def test_a_row_that_does_not_fit_is_told_with_the_file_that_has_it(tmp_path: Path) -> None:
+    place = Path(write(tmp_path / "mine", RECORDED.replace("walk.csv", "$walk"))) / "scenario.toml"
+    with pytest.raises(
+        ScenarioError, match=re.escape(f"{place}: [[pedestrians]] row 1: names $walk")
+    ) as told:
+        library.load(str(place))
+    assert str(told.value).startswith(f"{place}: [[")
+
+
 def test_a_base_has_no_base_itself(tmp_path: Path) -> None:
     write(tmp_path / "one")
     with pytest.raises(ScenarioError, match="has a base itself"):
         library.load(write(tmp_path / "two", TEXT.replace('"jaywalk_arterial"', '"../one"')))
+
+
+@pytest.mark.parametrize(
+    ("first", "then", "resolution"),
+    [("hybrid", "move", None), ("move", "hybrid", 0.4), ("hybrid", "hybrid", 0.8)],
+)
+def test_another_actuation_brings_its_lane_change_model(
+    tmp_path: Path, first: str, then: str, resolution: float | None
+) -> None:
+    base = tmp_path / "base"
+    own = "lateral_resolution_m = 0.8\n" if resolution == 0.8 else ""
+    write(base, NETWORK.replace("[network]", f'actuation = "{first}"\n{own}[network]'))
+    mine = f'description = "x"\nbase = "../base"\nduration_s = 9.0\nactuation = "{then}"\n'
+    found = library.load(write(tmp_path / "mine", mine))
+    assert (found.actuation, found.lateral_resolution_m) == (then, resolution)
+    same, _ = library.with_parameters(library.load(str(base)), {"actuation": then})
+    assert same.lateral_resolution_m == resolution
+    said = library.load(write(tmp_path / "said", mine + "lateral_resolution_m = 0.2\n"))
+    assert said.lateral_resolution_m == 0.2

@@ -102,7 +102,7 @@ def test_runs_are_compared_loaded_and_drawn(both: tuple[cosim.Run, cosim.Run]) -
     assert isinstance(loaded, cosim.Run)
     picture = loaded.plot("plane")
     assert picture.__dict__["_repr_png_"]()[:4] == b"\x89PNG"
-    again = cosim.analyse(loaded, severity_ttc_serious_s=1.2)
+    again = cosim.analyse(loaded, severity_ttc_serious_s=np.float64(1.2))
     assert again.table("runs.csv")["n_encounters"].item() == loaded.numbers["n_encounters"]
 
 

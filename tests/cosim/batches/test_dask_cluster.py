@@ -239,6 +239,20 @@ def test_a_scenario_folder_travels_with_all_that_it_names(tmp_path: Path, name: 
     assert inputs[0] == inputs[1]
 
 
+def test_a_variant_of_a_built_in_scenario_travels_with_the_trajectory_that_it_names(tmp_path: Path) -> None:
+    mine = tmp_path / "here" / "mine"
+    mine.mkdir(parents=True)
+    (mine / "walk.csv").write_text("time_s,x_m,y_m\n0,100,0\n5,100,7\n")
+    (mine / library.DEFINITION).write_text(
+        'description = "x"\nduration_s = 90.0\nbase = "jaywalk_arterial"\n'
+        '[[pedestrians]]\nname = "a"\nkind = "trajectory"\nfile = "walk.csv"\n'
+    )
+    (one,) = bundles([configuration_of(mine)])
+    library.load(unpack_bundle(one, tmp_path / "there"))
+    files = {path.name for path in (tmp_path / "there").rglob("*") if path.is_file()}
+    assert files == {library.DEFINITION, "walk.csv"}
+
+
 def test_a_file_that_a_parameter_chooses_travels_with_each_of_its_values(tmp_path: Path) -> None:
     shutil.copytree(library.LIBRARY / "midblock_zebra", tmp_path / "here" / "mine")
     shutil.copytree(library.LIBRARY / "road_users", tmp_path / "here" / "road_users")

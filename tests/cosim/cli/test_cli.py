@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 
 from analysis.manifest import MANIFEST, read_manifest
 from cosim.cli import main
+from cosim.running import inventory
 from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.cosim.cli.commands import command, ended, source_environment
 
@@ -291,6 +293,16 @@ def test_help_shows_examples_and_exit_codes(capsys: pytest.CaptureFixture[str]) 
     text = capsys.readouterr().out
     assert 'cosim run town.sumocfg --ego-route "e1 e2 e3"' in text
     assert "Exit codes: 0 success, 2 bad input, 3" in text
+
+
+def test_variants_in_the_help_of_compare_have_parameters_that_exist(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["compare", "--help"]) == 0
+    found = re.findall(r'"(\w+) (\w+)=', capsys.readouterr().out)
+    assert found
+    for controller, key in found:
+        assert key in inventory.controller_parameters(controller)
 
 
 @pytest.mark.parametrize(

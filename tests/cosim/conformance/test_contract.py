@@ -148,9 +148,24 @@ def test_the_command_prints_a_table_and_its_code_says_whether_all_is_kept(
     assert "20 of 20 promises kept" in capsys.readouterr().out
 
 
+def test_an_interrupted_check_leaves_the_table_of_before(tmp_path: Path) -> None:
+    file = tmp_path / "interrupted.py"
+    file.write_text(
+        '"""Interrupts who asks."""\n\n'
+        "from controllers.outside.functions import FromFunction\n\n\n"
+        "def interrupt(perception):\n    raise KeyboardInterrupt\n\n\n"
+        "def build():\n    return FromFunction(interrupt)\n"
+    )
+    out = tmp_path / "contract.md"
+    out.write_text("of before")
+    assert main(["conformance", "--controller", str(file), "--out", str(out)]) == 130
+    assert out.read_text() == "of before"
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
+        (["--controller", "sumo", "--out", "."], "--out .: cannot be written"),
         (["--controller", "no_such"], "no controller 'no_such'"),
         (["--controller", "sumo", "--set", "gap=3"], "no parameter 'gap'"),
         (["route", "--controller", "sumo"], "--controller takes no case"),

@@ -20,8 +20,11 @@ from scenariogeneration import xosc
 import cosim
 import sumo_scenarios
 from cosim.cli import main
+from cosim.errors import InputError
+from cosim.exchange.network import network_of
 from cosim.tracks.judging import TracksRequest, judge
 from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.library import load, prepare
 from sumo_scenarios.sumo_installation import netconvert, sumo_home
 from sumo_scenarios.trajectories import read_trajectories
 from tests.analysis.trajectories import streets
@@ -202,6 +205,15 @@ def test_without_a_road_there_is_one_file(run: cosim.Run, number: int, tmp_path:
     words = ["--encounter", str(number), "--no-road", "--out", str(tmp_path / "out")]
     assert main(["export", str(run.folder), *words]) == 0
     assert [one.suffix for one in (tmp_path / "out").iterdir()] == [".xosc"]
+
+
+def test_the_network_of_a_protocol_s_case_is_found_by_itself(tmp_path: Path) -> None:
+    scenario = load("suite:fmvss127/obstructed_child_30kmh")
+    prepared = prepare(scenario, 1, tmp_path)
+    description = {"scenario_id": scenario.name, "seed": 1, "inputs": prepared.inputs}
+    assert network_of(description) == prepared.net_file
+    with pytest.raises(InputError, match=r"is not known .*name the network with --network"):
+        network_of({**description, "scenario_id": "town.a"})
 
 
 def test_an_encounter_of_real_tracks_is_exported(tmp_path: Path) -> None:

@@ -182,6 +182,7 @@ def test_a_decision_that_is_none_is_one_line(crossing: Callable[..., CrossingEnv
         ({"weights": {"speed": 1.0}}, "no term 'speed'; there are progress"),
         ({"render_mode": "human"}, "render_mode: expected rgb_array"),
         ({"time_limit_s": 0.0}, "time_limit_s: expected"),
+        ({"warmup_s": "abc"}, "warmup_s: expected a number of seconds, got 'abc'"),
         ({"scenario": "no_such"}, "no_such"),
     ],
 )

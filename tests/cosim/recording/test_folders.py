@@ -8,6 +8,8 @@ import pytest
 
 from cosim.errors import InputError
 from cosim.recording import folders
+from cosim.search.estimate import EstimateRequest
+from cosim.search.search import FalsifyRequest
 from tests.analysis.study.study_folders import write_study_run
 from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.commands import ended
@@ -22,6 +24,20 @@ def in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_folders_without_a_name_are_numbered() -> None:
     first, second = (folders.create(None, "zebra", "aeb", 7) for _ in range(2))
     assert (str(first), str(second)) == ("runs/zebra-aeb-7-1", "runs/zebra-aeb-7-2")
+
+
+@pytest.mark.parametrize("controller", ["./patient.py", "../../patient.py", "process:./a program --fast"])
+def test_a_controller_s_address_makes_no_folders_of_its_own(controller: str) -> None:
+    run = folders.create(None, "zebra", controller, 7)
+    search = FalsifyRequest("jaywalk_arterial", controller).folder
+    estimate = EstimateRequest("jaywalk_arterial", controller).folder
+    assert {one.parent for one in (run, search, estimate)} == {folders.DEFAULT_PARENT}
+    plain = "process_._a_program_--fast" if "process" in controller else "patient.py"
+    assert [one.name for one in (run, search, estimate)] == [
+        f"zebra-{plain}-7-1",
+        f"falsify-jaywalk_arterial-{plain}-1",
+        f"estimate-jaywalk_arterial-{plain}-1",
+    ]
 
 
 def test_an_empty_or_new_folder_is_taken_and_a_full_one_refused(tmp_path: Path) -> None:

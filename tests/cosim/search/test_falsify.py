@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -164,6 +165,19 @@ def test_bad_input_is_one_line_and_nothing_is_written(
     assert main(arguments(found.parent, tmp_path / "new", *more)) == 2
     error = capsys.readouterr().err
     assert told in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("package", ["matplotlib", "jinja2"])
+def test_what_the_report_needs_is_missed_before_the_first_trial(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, package: str
+) -> None:
+    (tmp_path / "space.toml").write_text(SPACE)
+    monkeypatch.setitem(sys.modules, package, None)
+    assert main(arguments(tmp_path, tmp_path / "new", "--report")) == 2
+    error = capsys.readouterr().err
+    assert f"{package} is not installed; run: pip install matplotlib Jinja2" in error
     assert error.count("\n") == 1
     assert not (tmp_path / "new").exists()
 

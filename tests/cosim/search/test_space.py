@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from cosim.errors import InputError
+from cosim.search.scenario_file import write_scenario
 from cosim.search.space import filled, read_space, read_space_file
 from cosim.search.subject import read_subject
 from sumo_scenarios import library
+from sumo_scenarios.pedestrian_tables import TrajectoryTable
 
 SPEED = {"minimum": 0.5, "maximum": 2.5}
 
@@ -74,6 +77,34 @@ def test_a_parameter_that_changes_nothing_is_refused(tmp_path: Path) -> None:
     file.write_text("[parameters.walking_mps]\nminimum = 1.0\nmaximum = 2.0\n")
     with pytest.raises(InputError, match=r"parameters.walking_mps changes nothing; expected \$walking_mps"):
         read_subject("jaywalk_arterial", "aeb", {}, file)
+
+
+def test_a_criterion_that_is_none_is_refused_as_cosim_check_does(tmp_path: Path) -> None:
+    file = tmp_path / "criteria.toml"
+    for text in ("criteria = [1]", 'title = "x"\n[[criteria]]\n'):
+        file.write_text(text)
+        with pytest.raises(InputError, match=re.escape(f"--criteria {file}: only [[criteria]] expected")):
+            read_subject("jaywalk_arterial", "aeb", {}, None, file)
+
+
+def test_a_trial_names_a_trajectory_of_the_space_from_where_it_is_itself(tmp_path: Path) -> None:
+    row = '[[search.pedestrians]]\nname = "a"\nkind = "trajectory"\nfile = "$walk"\n'
+    text = f'{row}[search.parameters.walk]\nchoices = ["slow.csv", "fast.csv"]\n'
+    shutil.copytree(library.LIBRARY / "jaywalk_arterial", tmp_path / "mine")
+    definition = tmp_path / "mine" / library.DEFINITION
+    content = definition.read_text().replace("../road_users", str(library.LIBRARY / "road_users"))
+    definition.write_text(content[: content.index("[search]")] + text)
+    (tmp_path / "space").mkdir()
+    (tmp_path / "space" / "space.toml").write_text(text)
+    for folder, file in ((tmp_path / "mine", None), (tmp_path / "space", tmp_path / "space" / "space.toml")):
+        (folder / "fast.csv").write_text("time_s,x_m,y_m\n0,100,0\n5,100,7\n")
+        scenario = str(tmp_path / "mine") if file is None else "jaywalk_arterial"
+        subject = read_subject(scenario, "aeb", {}, file)
+        trial = tmp_path / "out" / "trial"
+        write_scenario(subject, {"walk": "fast.csv"}, trial, "x")
+        (one,) = library.load(str(trial)).pedestrians
+        assert isinstance(one, TrajectoryTable)
+        assert Path(one.file).resolve() == folder / "fast.csv"
 
 
 def test_a_file_that_is_no_toml_is_refused(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """A small town: a zebra in the middle of a road, then a junction with signals."""
 
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -33,8 +33,8 @@ CONNECTIONS = """<connections><crossing node="m" edges="mj jm" priority="{zebra}
 TYPES = '<vType id="car" vClass="passenger" sigma="0" speedDev="0"/>'
 
 
-def build(folder: Path, zebra: bool = True) -> Path:
-    """Return the town's network file, made by netconvert."""
+def build(folder: Path, zebra: bool = True, further: Sequence[str] = ()) -> Path:
+    """Return the town's network file, made by netconvert with further options."""
     for name, text in (("n.nod", NODES), ("n.edg", EDGES), ("n.con", CONNECTIONS.format(zebra=zebra))):
         (folder / f"{name}.xml").write_text(text)
     target = folder / "town.net.xml"
@@ -46,7 +46,14 @@ def build(folder: Path, zebra: bool = True) -> Path:
         "-x",
         folder / "n.con.xml",
     ]
-    options: list[str | Path] = ["--sidewalks.guess", "--crossings.guess", "--no-turnarounds", "-o", target]
+    options: list[str | Path] = [
+        "--sidewalks.guess",
+        "--crossings.guess",
+        "--no-turnarounds",
+        *further,
+        "-o",
+        target,
+    ]
     netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
     subprocess.run([netconvert, *inputs, *options], check=True, capture_output=True)
     return target

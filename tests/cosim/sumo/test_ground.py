@@ -15,6 +15,8 @@ from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
 from sumo_scenarios.library import load, prepare
 
+from .conftest import build
+
 
 def shapes(network: Network) -> Iterator[tuple[int, str, shapely.Geometry]]:
     """Yield rank, edge and area of all that has one."""
@@ -88,6 +90,23 @@ def test_places_on_lanes_and_across_the_road(town: Network) -> None:
     assert ground.at(*axis.point(8.0)).crossing == ":m_c0"
     assert ground.first_crossing(np.array([axis.point(-1.0), axis.point(0.2)])) == ":m_c0"
     assert ground.first_crossing(np.array([axis.point(-1.0)])) == ""
+
+
+def test_the_road_across_is_the_same_where_traffic_keeps_left(tmp_path: Path) -> None:
+    ground = Ground(read_network(build(tmp_path, further=["--lefthand"])))
+    # Eastbound: lane am_1 is the left one, its middle at 204.8 m; westbound ma_1 is the outermost, at 195.2 m.
+    assert ground.on_lane("am_1", 60.0, 0.0) == pytest.approx((60.0, 204.8))
+    road = ground.roadside("am", "ma", 60.0)
+    assert (road.x, road.y, road.heading) == pytest.approx((60.0, 193.6, 0.0))
+    assert road.width == pytest.approx(4 * 3.2)
+    alone = ground.roadside("am", "", 60.0)
+    assert (alone.y, alone.width) == pytest.approx((200.0, 2 * 3.2))
+    back = ground.roadside("ma", "am", 46.0)
+    assert (back.x, back.y, abs(back.heading)) == pytest.approx((100.0, 206.4, math.pi))
+    single = ground.roadside("js", "sj", 60.0)
+    assert single.width == pytest.approx(2 * 3.2)
+    assert single.x == pytest.approx(300.0 - 3.2)
+    assert abs(single.heading) == pytest.approx(0.5 * math.pi)
 
 
 def test_the_built_in_scenarios_have_the_roads_that_their_rows_count_on(tmp_path: Path) -> None:
