@@ -115,8 +115,10 @@ def judge(request: TracksRequest, thresholds: Thresholds | None = None) -> Judge
     """
     folders.check(request.out)
     found = read_on_network(request)
+    existed = request.out is not None and request.out.is_dir()
     folder = folders.create_named(request.out, f"{_name(request)}-{DRIVER}")
-    write_judged(folder, request, found, found.placed.frame, thresholds)
+    with folders.left_as_it_was(folder, existed):
+        write_judged(folder, request, found, found.placed.frame, thresholds)
     rows = read_csv(folder / TRAFFIC_ENCOUNTERS.file)
     conflicts = sum(row["severity"] in CONFLICTS for row in rows)
     return Judged(folder, found.placed.fits, found.assumed_bodies, len(rows), conflicts)
