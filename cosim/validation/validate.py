@@ -69,8 +69,6 @@ class Plan:
     batch: BatchRequest
     found: OnNetwork
     demand: Rebuilt
-    site: Site
-    duration_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +77,6 @@ class Validated:
 
     folder: Path
     compared: Sequence[Compared]
-    n_runs: int
 
 
 def planned(request: ValidationRequest) -> Plan:
@@ -180,7 +177,7 @@ def _planned(request: ValidationRequest) -> Plan:
         table=study_of(content, "cosim validate"),
         again=request.again,
     )
-    return Plan(request, batch, found, demand, site, duration)
+    return Plan(request, batch, found, demand)
 
 
 def _write_record(
@@ -231,7 +228,7 @@ def finished(plan: Plan) -> Validated:
         raise SimulationError(f"{folder / SIMULATED}: no run to compare")
     found = compared(real, simulated)
     write_comparison(folder, found)
-    return Validated(folder, found, len(simulated))
+    return Validated(folder, found)
 
 
 def write_comparison(folder: Path, found: Sequence[Compared]) -> None:
