@@ -10,6 +10,7 @@ from typing import Any
 
 from cosim.api.study import Study
 from cosim.batches.batch import BatchRequest, Result, Shown, prepared
+from cosim.batches.ledger import FAILURES
 from cosim.batches.study import study_of
 
 
@@ -57,7 +58,7 @@ def batch(
 def _problems(result: Result) -> tuple[str, ...]:
     found = [result.stopped] if result.stopped else []
     if result.tally.failed:
-        found.append(f"{result.tally.failed} of {result.tally.total} runs failed; failures.csv says why")
+        found.append(f"{result.tally.failed} of {result.tally.total} runs failed; {FAILURES} says why")
     found += [f"{name} is invalid: {reason}" for name, reason in result.not_valid.items()]
     found += [f"{name} is damaged: {told}" for name, told in result.damaged.items()]
     return tuple(found)

@@ -207,7 +207,7 @@ class Ledger:
         OSError
             If the disk does not take it.
         """
-        job = outcome.job
+        job, one = outcome.job, outcome.job.configuration
         target = self.folder / FAILED / job.name
         shutil.rmtree(target, ignore_errors=True)
         if outcome.folder.is_dir():
@@ -216,8 +216,10 @@ class Ledger:
             target.mkdir()
         content = {
             "run": job.name,
-            "scenario": job.configuration.scenario_name,
-            "controller": job.configuration.controller,
+            "scenario": one.scenario_name,
+            "place": one.place,
+            "controller": one.controller,
+            "varied": dict(one.varied),
             "seed": job.seed,
             "attempts": attempts,
             "reason": outcome.reason,

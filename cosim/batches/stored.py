@@ -15,6 +15,7 @@ FAILURE = "failure.json"
 """What a failed run leaves."""
 DAMAGED = "damaged"
 """Key of a failed run whose file cannot be read."""
+_NEEDED = ("run", "scenario", "controller", "seed", "reason", "command")
 REMEDY = "remove the folder {folder} and repeat the command, which makes the run again"
 
 
@@ -54,7 +55,7 @@ def read_failure(folder: Path) -> dict[str, Any]:
     path = folder / FAILURE
     try:
         found = read_json(path)
-        return {**found, "run": str(found["run"]), "reason": str(found["reason"])}
-    except (OSError, ValueError, KeyError) as error:
+        return {**found, **{key: str(found[key]) for key in _NEEDED}, "seed": int(found["seed"])}
+    except (OSError, ValueError, TypeError, KeyError) as error:
         told = f"{path}: cannot be read ({error}); {REMEDY.format(folder=folder)}"
         return {"run": folder.name, "reason": " ".join(told.split()), DAMAGED: True}

@@ -129,6 +129,7 @@ def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
     note = {
         "run": job.name,
         "scenario": one.scenario,
+        "place": one.place,
         "controller": one.controller,
         "seed": job.seed,
         "settings": dict(one.settings),

@@ -126,8 +126,7 @@ def prepared(
     if request.drop_recordings and any(target.cases for target in targets):
         raise InputError("--drop-recordings: the verdicts of suites are made from the recordings")
     folder = request.out or _free_folder(targets)
-    folders.check_links(folder)
-    _check_folder(folder, request.out)
+    check_folder(folder)
     check_junit(request.junit)
     baseline = None if request.baseline is None else read_baseline(request.baseline)
     if baseline is not None:
@@ -170,19 +169,26 @@ def _free_folder(targets: Sequence[Target]) -> Path:
     return folders.DEFAULT_PARENT / f"{name}-{number}"
 
 
-def _check_folder(folder: Path, out: Path | None) -> None:
-    """Refuse a folder with anything in it but what an earlier check has left."""
+def check_folder(folder: Path) -> None:
+    """Refuse a folder with anything in it but what an earlier check has left.
+
+    Raises
+    ------
+    InputError
+        One line.
+    """
+    folders.check_links(folder)
     try:
         if not folder.exists():
             return
         if not folder.is_dir():
-            raise InputError(f"--out {out}: expected a folder, this is a file")
+            raise InputError(f"--out {folder}: expected a folder, this is a file")
         for path in folder.iterdir():
             ours = path.name in _OURS or path.suffix == ".xml"
             if not ours and not (path / STUDY_FILE).is_file() and not (path / LOCK).is_file():
                 raise InputError(
-                    f"--out {out}: expected an empty or new folder, or the one of this check; "
+                    f"--out {folder}: expected an empty or new folder, or the one of this check; "
                     f"this one has {path.name} in it"
                 )
     except OSError as error:
-        raise InputError(f"--out {out}: {error.strerror}") from error
+        raise InputError(f"--out {folder}: {error.strerror}") from error

@@ -19,7 +19,7 @@ from analysis.tables.cells import cells
 from cosim.batches.criteria_file import tables_in
 from cosim.batches.ledger import FAILED
 from cosim.batches.outcome import NOTE
-from cosim.batches.stored import FAILURE
+from cosim.batches.stored import DAMAGED, read_failure
 from cosim.batches.study import read_study as read_study_file
 from cosim.checks.finding import VALID, Finding
 from cosim.checks.judged import (
@@ -33,8 +33,11 @@ from cosim.checks.judged import (
     with_verdict,
 )
 from cosim.checks.target import SUITE, criteria_of_scenario, criteria_of_tables
-from cosim.errors import InputError
+from cosim.errors import InputError, SimulationError
 from sumo_scenarios import library
+
+_Key = tuple[str, str, str]
+"""Scenario, controller and label of a configuration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +61,8 @@ def judge_results(results: Results) -> list[Finding]:
     ------
     InputError
         If there is no run, a run cannot be read, or there is no criterion for any of them.
+    SimulationError
+        If what is known of a failed run cannot be read.
     """
     folder = results.folder
     if not folder.is_dir():
@@ -75,7 +80,7 @@ def judge_results(results: Results) -> list[Finding]:
         }
         target = place.resolve().name
         for (scenario, controller, label), made in sorted(by_configuration.items()):
-            criteria = _criteria(results, place, scenario, controller)
+            criteria = _criteria(results, place, scenario, controller, made)
             judged_by_any |= bool(criteria)
             origin = Finding(
                 target=target,
@@ -133,35 +138,49 @@ def _read(place: Path) -> Study:
     return study
 
 
-def _made(study: Study, place: Path, root: Path) -> Mapping[tuple[str, str, str], list[Made]]:
+def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
     """Return the runs of each configuration, those that failed in a batch among them."""
-    found: dict[tuple[str, str, str], list[Made]] = {}
+    found: dict[_Key, list[Made]] = {}
+    labels: dict[object, str] = {}
     for run in study.runs:
+        if run.folder.is_relative_to(place / FAILED):
+            continue  # what a failed run has left: its own file says why it failed
         reason = "" if run.valid else run.invalid_reason or "the run did not end"
-        where = _label(study, run)
-        found.setdefault((run.scenario_id, run.controller, where), []).append(
+        note = _noted(run.folder)
+        label = labels[_asked_for(run.scenario_id, run.controller, note)] = _label(study, run)
+        found.setdefault((run.scenario_id, run.controller, label), []).append(
             Made(
                 run.seed,
-                str(_noted(run.folder).get("command", "")),
+                str(note.get("command", "")),
                 run.folder,
                 _relative(run.folder, root),
                 reason,
-                {"config_id": run.config_id},
+                {"config_id": run.config_id, "place": note.get("place")},
             )
         )
-    for path in sorted((place / FAILED).glob(f"*/{FAILURE}")):
-        failure = read_json(path)
-        key = (str(failure["scenario"]), str(failure["controller"]), str(failure["controller"]))
+    for folder in sorted(path for path in (place / FAILED).glob("*") if path.is_dir()):
+        failure = read_failure(folder)
+        if failure.get(DAMAGED):
+            raise SimulationError(failure["reason"])
+        scenario, controller = failure["scenario"], failure["controller"]
+        asked_for = _asked_for(scenario, controller, failure)
+        varied = " ".join(f"{key}={value}" for key, value in failure.get("varied", {}).items())
+        label = labels.get(asked_for, f"{controller} {varied}".strip())
         lost = Made(
-            int(failure["seed"]),
-            str(failure["command"]),
+            failure["seed"],
+            failure["command"],
             None,
-            _relative(path.parent, root),
-            str(failure["reason"]) or "failed",
-            {},
+            _relative(folder, root),
+            failure["reason"] or "failed",
+            {"place": failure.get("place")},
         )
-        found.setdefault(key, []).append(lost)
+        found.setdefault((scenario, controller, label), []).append(lost)
     return {key: sorted(made, key=lambda one: one.seed) for key, made in found.items()}
+
+
+def _asked_for(scenario: str, controller: str, note: Mapping[str, Any]) -> object:
+    """Return what tells the configurations of a study apart, in a run and in one that failed alike."""
+    return scenario, controller, tuple(sorted(note.get("varied", {}).items()))
 
 
 def _label(study: Study, run: StudyRun) -> str:
@@ -182,17 +201,21 @@ def _noted(folder: Path) -> Mapping[str, Any]:
         return {}
 
 
-def _criteria(results: Results, place: Path, scenario: str, controller: str) -> tuple[Criterion, ...]:
+def _criteria(
+    results: Results, place: Path, scenario: str, controller: str, made: Sequence[Made]
+) -> tuple[Criterion, ...]:
     every: tuple[Criterion, ...] = ()
     file = place / STUDY_FILE
     if results.criteria is not None:
         every = criteria_of_tables(tables_in(results.criteria), str(results.criteria))
     else:
-        study = read_study_file(file) if file.is_file() else None
+        study = read_study_file(file, allow_programs=True) if file.is_file() else None  # nothing is run
         if study is not None and study.criteria:
             every = criteria_of_tables(study.criteria, str(file))
         else:
-            every = _of_scenario([scenario] if study is None else study.scenarios, scenario)
+            # The study says where its scenarios are as seen from its own file, which was elsewhere.
+            places = dict.fromkeys(str(one.description["place"]) for one in made if one.description["place"])
+            every = _of_scenario([*places, *([scenario] if study is None else study.scenarios)], scenario)
     return tuple(one for one in every if one.applies_to(scenario, controller))
 
 

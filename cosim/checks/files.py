@@ -23,12 +23,17 @@ def write_findings(folder: Path, findings: Sequence[Finding], junit: Path | None
 
     Raises
     ------
+    InputError
+        If the folder cannot be made.
     SimulationError
         If they cannot be written.
     """
     try:
-        rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
         folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {folder}: {error.strerror}") from error
+    try:
+        rows = cells(CRITERIA, [one.row() for one in findings], number="{:.9g}".format)
         package = describe([CRITERIA], "a check")
         others = [one for one in _described(folder / PACKAGE) if one.get("name") != CRITERIA.name]
         package["resources"] = [*others, *package["resources"]]

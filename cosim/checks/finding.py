@@ -12,7 +12,7 @@ VALID = "valid"
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A row of ``criteria.csv``; the columns are described in ``analysis.criteria_schema``."""
+    """A row of ``criteria.csv``; the columns are described in ``analysis.criteria.table``."""
 
     target: str
     scenario_id: str

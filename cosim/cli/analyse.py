@@ -60,7 +60,7 @@ def analyse(
     except AnalysisError as error:
         raise InputError(f"--set {error}") from error
     if network is not None:
-        return _judge_tracks(folders, network, out, crs, bodies, thresholds, ssam)
+        return _judge_tracks(folders, network, out, crs, bodies, thresholds, ssam, xlsx)
     for flag, given in (("--out", out), ("--crs", crs), ("--bodies", bodies)):
         if given is not None:
             raise InputError(f"{flag} belongs to tracks of real road users: expected --network, too")
@@ -110,6 +110,7 @@ def _judge_tracks(
     bodies: str | None,
     thresholds: Thresholds,
     ssam: bool,
+    xlsx: bool,
 ) -> int:
     from cosim.cli.tracks_tables import fit_table, tracks_notes
     from cosim.errors import InputError
@@ -117,8 +118,9 @@ def _judge_tracks(
 
     if len(files) != 1:
         raise InputError(f"--network: expected one file of tracks, got {len(files)}")
-    if ssam:
-        raise InputError("--ssam writes the egos of a run, and tracks have none")
+    for flag, given in (("--ssam", ssam), ("--xlsx", xlsx)):
+        if given:
+            raise InputError(f"{flag} writes the egos of a run, and tracks have none")
     done = judge(TracksRequest(str(files[0]), network, crs, bodies, out), thresholds)
     console = terminal.console()
     console.print(fit_table(done.fits))

@@ -163,6 +163,7 @@ def _check_results(
     results: Path, out: Path | None, junit: Path | None, criteria: Path | None, others: bool
 ) -> int:
     """Judge the runs that are there."""
+    from cosim.checks.check import check_folder
     from cosim.checks.existing import Results, judge_results
     from cosim.checks.files import check_junit, write_findings
     from cosim.checks.finding import exit_code
@@ -172,9 +173,11 @@ def _check_results(
         raise InputError(
             "--results judges the runs that are there: only --criteria, --junit and --out go with it"
         )
+    folder = results if out is None else out
+    if folder.resolve() != results.resolve():
+        check_folder(folder)
     check_junit(junit)
     findings = judge_results(Results(results, criteria))
-    folder = results if out is None else out
     write_findings(folder, findings, junit)
     _show(findings)
     _show_verdict(findings, folder, results)

@@ -47,8 +47,14 @@ def conformance(
     Exit codes: 0 all as expected, 1 a case or a control is not as expected or a promise is broken,
     2 unknown case or controller.
     """
+    from cosim.errors import InputError
+
     if controller is not None:
+        if only_list:
+            raise InputError("--list lists the cases of the coupling: expected no --controller")
         return _check_controller(controller, settings or [], names or [], out)
+    if settings:
+        raise InputError(f"--set {settings[0]} belongs to a controller: expected --controller, too")
     from cosim.conformance import suite
     from cosim.conformance.table import HEADINGS, markdown, summary, sumo_version, table_rows
 

@@ -39,7 +39,6 @@ class Session:
         self._opened.callback(self._composition.close)
         self._opened.enter_context(rarely_collected())
         self._world = self._composition.world
-        self.step_s: float = self._world.step
         self.perceptions: dict[str, Perception] = {}
         """Of the egos that are to plan now, by name."""
         self.snapshot: Snapshot | None = None

@@ -27,8 +27,8 @@ def step_length(source: Source) -> Finding:
         return Finding("step length", Level.MISSING, f"{step:g} s; a run needs {limits}: {wanted}")
     if step > COARSE_STEP_S:
         absent = "" if "step-length" in source.options else ", SUMO's default, because none is given"
-        text = f"{step:g} s{absent}; judging conflicts takes 0.1 s or less: cosim run --step-s 0.1"
-        return Finding("step length", Level.NOTE, text)
+        text = f"{step:g} s{absent}; steps above {COARSE_STEP_S:g} s are too coarse to judge conflicts, "
+        return Finding("step length", Level.NOTE, text + "0.1 s is recommended: cosim run --step-s 0.1")
     return Finding("step length", Level.GOOD, f"{step:g} s")
 
 

@@ -25,8 +25,6 @@ class Passage:
     manoeuvre: str
     edges: tuple[str, ...]
     """Route that begins with the approach."""
-    approach_m: float
-    """From the route's beginning to the junction."""
 
     @property
     def name(self) -> str:
@@ -59,19 +57,15 @@ def passages(ways: Ways, crossings: Sequence[str], shortest_m: float, longest_m:
             if movement.direction == TURNAROUND:
                 continue
             over = [one.name for one in ways.crossed(movement) if one.name in wanted]
-            edges, approach = _route(ways, movement, shortest_m, longest_m) if over else ((), 0.0)
+            edges = _route(ways, movement, shortest_m, longest_m) if over else ()
             manoeuvre = MANOEUVRES.get(movement.direction, "straight")
             if edges:
-                found += [
-                    Passage(name, movement.source, movement.target, manoeuvre, edges, approach)
-                    for name in over
-                ]
+                found += [Passage(name, movement.source, movement.target, manoeuvre, edges) for name in over]
     return sorted(found, key=lambda one: one.name)
 
 
-def _route(
-    ways: Ways, movement: Movement, shortest_m: float, longest_m: float
-) -> tuple[tuple[str, ...], float]:
+def _route(ways: Ways, movement: Movement, shortest_m: float, longest_m: float) -> tuple[str, ...]:
+    """Return the edges of a passage; none where no approach has a fitting length."""
     edges = [movement.source, movement.target]
     approach = ways.length(movement.source)
     while approach < shortest_m:
@@ -81,7 +75,7 @@ def _route(
         edges.insert(0, before)
         approach += ways.length(before)
     if not shortest_m <= approach <= longest_m:
-        return (), 0.0
+        return ()
     onward = ways.length(movement.target)
     while onward < ONWARD_M:
         after = _best(ways.onward[edges[-1]], edges, source=False)
@@ -89,7 +83,7 @@ def _route(
             break
         edges.append(after)
         onward += ways.length(after)
-    return tuple(edges), approach
+    return tuple(edges)
 
 
 def _best(movements: Sequence[Movement], edges: Sequence[str], source: bool) -> str | None:

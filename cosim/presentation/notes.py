@@ -21,7 +21,10 @@ def run_notes(description: Mapping[str, Any]) -> list[str]:
     """Return the notes on a run that is described by its ``run.json``."""
     step_s = float(description["step_s"])
     advised = f"{JUDGED_STEP_S:g}"
-    coarse = f"the step was {step_s:g} s; judging conflicts takes {advised} s or less: use --step-s {advised}"
+    coarse = (
+        f"the step was {step_s:g} s; steps above {COARSE_STEP_S:g} s are too coarse to judge conflicts, "
+        f"{advised} s is recommended: use --step-s {advised}"
+    )
     return ([coarse] if step_s > COARSE_STEP_S else []) + outputs_notes([description]) + _mishaps(description)
 
 

@@ -1,4 +1,4 @@
-"""Writes a trial as a ``scenario.toml``, which ``cosim run`` takes as any other."""
+"""A trial as a ``scenario.toml``, which ``cosim run`` takes as any other."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from analysis.files import write_text
 from analysis.search.axes import Point
 from cosim.batches.study import toml_value
 from cosim.errors import InputError
@@ -17,12 +16,6 @@ from sumo_scenarios import library
 
 _RUN_KEYS = ("duration_s", "warmup_s", "step_s")
 _LONGEST_STEP_S = 0.1
-
-
-def write_scenario(subject: Subject, point: Point, folder: Path, description: str) -> Path:
-    """Write the scenario of a point into ``folder`` and return its file."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return write_text(folder / library.DEFINITION, scenario_text(subject, point, folder, description))
 
 
 def scenario_text(subject: Subject, point: Point, folder: Path, description: str) -> str:

@@ -77,11 +77,8 @@ class Found:
     tried: tuple[Tried, ...]
     kinds: tuple[KindRow, ...]
     influences: tuple[Influence, ...]
-    change_runs: int
-    """Made for the smallest changes, beside the budget."""
     stopped: str = ""
     """Why it ended before its budget; empty if it did not."""
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,9 +127,7 @@ class Search:
             tuple(tried),
             tuple(rows),
             tuple(influence),
-            sum(one.runs for one in changes.values()),
             stopped,
-            self.subject.notes,
         )
 
     @property

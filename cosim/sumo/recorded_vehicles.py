@@ -41,11 +41,6 @@ class RecordedVehicles:
         """Those who are on the road."""
         return frozenset(self._there)
 
-    @property
-    def waiting(self) -> bool:
-        """Whether somebody is still to come."""
-        return bool(self._to_come)
-
     def move(self, sumo: Any, until: float, remove: Callable[[str], None]) -> None:
         """Tell SUMO where everybody is after the step.
 

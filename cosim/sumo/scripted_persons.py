@@ -15,6 +15,7 @@ from cosim.pedestrians.behaviour import RoadUser, Scene, State
 from cosim.pedestrians.population import Population, Scripted
 from cosim.step.plant import Plant
 from cosim.sumo.ground import Ground, Spot
+from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
 from cosim.sumo.road_users import Persons
 from cosim.sumo.surroundings import PERSON_RANGE, Surroundings
@@ -86,8 +87,9 @@ class ScriptedPersons:
         if not self._any or time < self._begin - 1e-9:
             return
         near = self._traffic.read(list(self._there))
-        scene = self._scene(time, egos)
-        seen = {name: self._seen(state, time, one) for name, (one, state) in self._there.items()}
+        lights = Lights(self._sumo)
+        scene = self._scene(time, egos, lights)
+        seen = {name: self._seen(state, time, one, lights) for name, (one, state) in self._there.items()}
         self._yielding.hold({name: one for name, one in seen.items() if one is not None}, near, driven)
         until = time + self._step
         own = {ego.name for ego in egos}
@@ -182,12 +184,14 @@ class ScriptedPersons:
         self._spots[one.name] = (state, here, phase)
         return here, phase
 
-    def _seen(self, state: State, time: float, one: Scripted) -> Seen | None:
+    def _seen(self, state: State, time: float, one: Scripted, lights: Lights) -> Seen | None:
         """Return a pedestrian as drivers see them; ``None`` for one who stands beside the road."""
         spot, phase = self._spot(one, state, time)
         stands = abs(state.x_speed) + abs(state.y_speed) < WALKING
         crossing = self._network.crossings.get(spot.crossing)
-        if crossing is None or not (crossing.kind is CrossingKind.ZEBRA or self._is_green(crossing.name)):
+        if crossing is None or not (
+            crossing.kind is CrossingKind.ZEBRA or lights.pedestrians_have_green(crossing)
+        ):
             return Seen(*state.motion) if spot.on_road or not stands else None
         x_speed, y_speed = state.x_speed, state.y_speed
         if phase is PedestrianPhase.WAITING and stands:
@@ -198,19 +202,11 @@ class ScriptedPersons:
                 x_speed, y_speed = (STEPPING_OUT * ahead / length).tolist()
         return Seen(state.x, state.y, x_speed, y_speed, True, 0.5 * crossing.width)
 
-    def _scene(self, time: float, egos: Sequence[RoadUser]) -> Scene:
+    def _scene(self, time: float, egos: Sequence[RoadUser], lights: Lights) -> Scene:
         assert self._population is not None
-        green = {name: self._is_green(name) for name in self._population.signals}
+        crossings = self._network.crossings
+        green = {name: lights.pedestrians_have_green(crossings[name]) for name in self._population.signals}
         return Scene(time, egos, (), {name: shows for name, shows in green.items() if shows is not None})
-
-    def _is_green(self, crossing: str) -> bool | None:
-        """Return what a crossing's signal shows to pedestrians; ``None`` when it is off or there is none."""
-        source = self._network.crossings[crossing]
-        if not source.signal:
-            return None
-        state = self._sumo.trafficlight.getRedYellowGreenState(source.signal)
-        letters = [state[index] for index in source.signal_indices]
-        return None if all(letter in "oO" for letter in letters) else any(one in "gG" for one in letters)
 
     def _let_in(self, scene: Scene, until: float) -> None:
         """Add the pedestrians who appear by the end of the step."""

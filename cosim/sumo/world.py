@@ -224,11 +224,6 @@ class SumoWorld:
         self._connection.close()
 
     @property
-    def end_time(self) -> float:
-        """Simulated time at which the run ends at the latest [s]."""
-        return self._end
-
-    @property
     def network(self) -> Network:
         """The network driven in."""
         return self._network

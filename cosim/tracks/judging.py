@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +29,7 @@ from cosim.tracks.fit import ClassFit, Placed, as_rows, placed
 from cosim.tracks.projection import Location, onto_network, read_location
 from cosim.tracks.resampling import BODIES_FROM, clock_of, on_clock
 from cosim.tracks.writing import DRIVER, write_recording
+from sumo_scenarios.xml_files import sha256
 
 FIT = "tracks_fit.csv"
 LEAST_PEDESTRIANS = 30
@@ -51,6 +51,11 @@ class TracksRequest:
     def __post_init__(self) -> None:
         if self.bodies is not None and self.bodies not in BODIES_FROM:
             raise InputError(f"--bodies: expected {' or '.join(BODIES_FROM)}, got {self.bodies!r}")
+
+    @property
+    def file(self) -> Path:
+        """File with the trajectories."""
+        return dlr.packaged() if self.tracks == dlr.PACKAGED else Path(self.tracks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +115,10 @@ def judge(request: TracksRequest, thresholds: Thresholds | None = None) -> Judge
     """
     folders.check(request.out)
     found = read_on_network(request)
+    existed = request.out is not None and request.out.is_dir()
     folder = folders.create_named(request.out, f"{_name(request)}-{DRIVER}")
-    write_judged(folder, request, found, found.placed.frame, thresholds)
+    with folders.left_as_it_was(folder, existed):
+        write_judged(folder, request, found, found.placed.frame, thresholds)
     rows = read_csv(folder / TRAFFIC_ENCOUNTERS.file)
     conflicts = sum(row["severity"] in CONFLICTS for row in rows)
     return Judged(folder, found.placed.fits, found.assumed_bodies, len(rows), conflicts)
@@ -146,7 +153,7 @@ def write_judged(
         warmup_s=0.0,
         duration_s=None,
         actuation="none",
-        files={"tracks": _sha256(_file(request)), "network": _sha256(found.location.path)},
+        files={"tracks": sha256(request.file), "network": sha256(found.location.path)},
         record=EVERYBODY,
     )
     write_recording(
@@ -170,20 +177,11 @@ def write_judged(
 
 def _again(request: TracksRequest) -> str:
     """Return the command that judges the same again; no path of this machine is in it."""
-    words = ["cosim", "analyse", _file(request).name, "--network", request.network.name]
+    words = ["cosim", "analyse", request.file.name, "--network", request.network.name]
     for flag, value in (("--crs", request.crs), ("--bodies", request.bodies)):
         words += [] if value is None else [flag, value]
     return shlex.join(words)
 
 
 def _name(request: TracksRequest) -> str:
-    return _file(request).name.split(".")[0] or DRIVER
-
-
-def _file(request: TracksRequest) -> Path:
-    return dlr.packaged() if request.tracks == dlr.PACKAGED else Path(request.tracks)
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return request.file.name.split(".")[0] or DRIVER

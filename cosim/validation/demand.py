@@ -127,7 +127,7 @@ class _Ways:
         kind = str(track["kind"].iloc[0])
         places = track["place"].to_list()
         along = track["along_m"].to_numpy() + 0.5 * float(track["length_m"].iloc[0])
-        start, end = self._start(places, along), self._end(places, kind)
+        start, end = self._start(places, along), self._end(places)
         if start is None or end is None or not self._leads(start.edge, end, SUMO_CLASS[kind]):
             return None
         if self._with_speeds:
@@ -166,7 +166,7 @@ class _Ways:
             return _Place(lane.edge, lane.index, max(at, 0.0))
         return None
 
-    def _end(self, places: Sequence[str], kind: str) -> str | None:
+    def _end(self, places: Sequence[str]) -> str | None:
         """Return the edge on which a vehicle was last, or into which it was turning."""
         for place in reversed(places):
             lane = self._network.lanes.get(place)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,8 @@ from analysis.tables.cells import cells, plain
 from analysis.tables.column import Table, at_least_0, count, flag, row_of, text
 from analysis.trajectories.table import PEDESTRIAN
 from cosim.arrays import FloatArray
-from cosim.errors import InputError
+from cosim.batches.study import toml_value
+from cosim.errors import InputError, SimulationError
 from cosim.recording import folders
 from cosim.running.execution import Outcome, execute
 from cosim.running.request import RunRequest
@@ -31,6 +32,8 @@ from sumo_scenarios.recorded_vehicles import NUMBERS, TEXTS
 BEFORE_S, AFTER_S = 5.0, 20.0
 """The scenario begins and ends so long before and after the vehicle's own recording."""
 STEP_S = 0.1
+WORK = "network"
+"""Folder of what was made of the scenario's plain sources; the written scenario names files in it."""
 VEHICLES, PEOPLE, OWN = "vehicles.csv", "people.csv", "recorded.csv"
 OFF_M = 2.0
 """Farther from where the recorded vehicle was at that time, people would have met somebody else."""
@@ -112,7 +115,7 @@ def write_stand_in(folder: Path, site: Site, found: OnNetwork, vehicle: str) -> 
     )
     write_text(
         folder / "scenario.toml",
-        f'description = "Recorded traffic around an ego in the place of {vehicle}"\n'
+        f"description = {toml_value(f'Recorded traffic around an ego in the place of {vehicle}')}\n"
         f'duration_s = {end - begin:.1f}\nstep_s = {STEP_S}\nsumocfg = "stand_in.sumocfg"\n'
         f'recorded_vehicles = "{VEHICLES}"\n\n[egos]\nvehicles = ["{ego}"]\n{walkers}',
     )
@@ -234,12 +237,13 @@ def stand_in(request: StandInRequest) -> Driven:
     ------
     InputError
         For a scenario, tracks, a vehicle or a controller that cannot be.
+    SimulationError
+        When the run ended before there was anything to analyse.
     """
-    folders.check(request.out)
-    with TemporaryDirectory() as work:
-        site = read_site(request.scenario, Path(work))
+    with _folder(request, Path(request.scenario).stem) as folder:
+        site = read_site(request.scenario, folder / WORK)
         tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
-        return drive(request, site, read_on_network(tracks))
+        return _driven(folder, request, site, read_on_network(tracks))
 
 
 def drive(request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
@@ -249,15 +253,28 @@ def drive(request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
     ------
     InputError
         For a vehicle or a controller that cannot be.
+    SimulationError
+        When the run ended before there was anything to analyse.
     """
+    with _folder(request, site.name) as folder:
+        return _driven(folder, request, site, found)
+
+
+@contextmanager
+def _folder(request: StandInRequest, name: str) -> Iterator[Path]:
     existed = request.out is not None and request.out.is_dir()
-    folder = folders.create_named(request.out, f"stand-in-{site.name}")
+    folder = folders.create_named(request.out, f"stand-in-{name}")
     with folders.left_as_it_was(folder, existed):
-        scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
-        run = RunRequest(
-            str(scenario), request.controller, request.seed, request.settings, out=folder / "run"
-        )
-        outcome = execute(run)
+        yield folder
+
+
+def _driven(folder: Path, request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
+    scenario = write_stand_in(folder / "scenario", site, found, request.vehicle)
+    outcome = execute(
+        RunRequest(str(scenario), request.controller, request.seed, request.settings, out=folder / "run")
+    )
+    if outcome.row is None:
+        raise SimulationError(outcome.invalid_reason)
     egos = pd.read_parquet(folder / "run" / "egos.parquet")
     met = met_people(scenario, egos, read_csv(folder / "run" / "encounters.csv"))
     rows = [plain(TABLE, row_of(TABLE.columns, one)) for one in met]

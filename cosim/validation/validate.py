@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
 from analysis.errors import AnalysisError
-from analysis.files import write_csv, write_json
+from analysis.files import read_json, write_csv, write_json
 from analysis.sealing import seal_tables
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
@@ -27,10 +29,13 @@ from cosim.validation.demand import Rebuilt
 from cosim.validation.site import Site, read_site, write_site
 from cosim.validation.span import spanned
 from cosim.validation.types_file import read_types
+from sumo_scenarios.xml_files import sha256
 
 REAL, SIMULATED, SCENARIO, WORK = "real", "simulated", "scenario", "network"
 """Folders of a validation."""
 RECORD = "validation.json"
+ASKED_FOR = "asked_for"
+"""Key of the record: what has to be the same for a validation to be resumed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +69,6 @@ class Plan:
     batch: BatchRequest
     found: OnNetwork
     demand: Rebuilt
-    site: Site
-    duration_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +77,6 @@ class Validated:
 
     folder: Path
     compared: Sequence[Compared]
-    n_runs: int
 
 
 def planned(request: ValidationRequest) -> Plan:
@@ -83,14 +85,58 @@ def planned(request: ValidationRequest) -> Plan:
     Raises
     ------
     InputError
-        For a scenario, tracks or a file of types that cannot be; nothing is simulated then.
+        For a scenario, tracks or a file of types that cannot be, or a folder with another validation;
+        nothing is simulated then.
     """
     check_seeds(request.seeds, "cosim validate")
     folder = request.folder
-    if not (folder / RECORD).is_file():
+    if (folder / RECORD).is_file():
+        _check_same(request)
+    else:
         folders.check(folder)
     with folders.left_as_it_was(folder, folder.is_dir()):
         return _planned(request)
+
+
+def _check_same(request: ValidationRequest) -> None:
+    """Refuse the folder of another validation before anything in it is written over."""
+    folder = request.folder
+    try:
+        before = read_json(folder / RECORD).get(ASKED_FOR)
+        with TemporaryDirectory() as aside:
+            now = _asked_for(request, read_site(request.scenario, Path(aside)))
+    except AnalysisError as error:
+        raise InputError(str(error)) from error
+    except OSError as error:
+        raise InputError(f"{error.filename}: cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(
+            f"--out {folder}: {RECORD} cannot be read ({error}); expected a new folder"
+        ) from error
+    if not isinstance(before, dict):
+        raise InputError(
+            f"--out {folder}: {RECORD} does not say what it was made from; expected a new folder"
+        )
+    if other := [key for key, value in now.items() if before.get(key) != value]:
+        raise InputError(
+            f"--out {folder}: the validation in it has another {' and '.join(other)}; "
+            "expected the same, or a new folder"
+        )
+
+
+def _asked_for(request: ValidationRequest, site: Site) -> dict[str, Any]:
+    """Return what decides the real side and the demand; files by their SHA-256."""
+    tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
+    span = request.span_s
+    return {
+        "scenario": site.name,
+        "network": sha256(site.net_file),
+        "tracks": sha256(tracks.file),
+        "types": {**site.types, **read_types(request.types)},
+        "span": None if span is None else [one if np.isfinite(one) else None for one in span],
+        "crs": request.crs,
+        "bodies": request.bodies,
+    }
 
 
 def _planned(request: ValidationRequest) -> Plan:
@@ -115,7 +161,7 @@ def _planned(request: ValidationRequest) -> Plan:
     real.mkdir()
     write_judged(real, tracks, found, near_crossings(frame, found.network), scenario=site.name)
     path, demand = write_site(folder / SCENARIO, site, found.network, frame, types, duration)
-    _write_record(folder, request, found, demand, duration, sorted({*site.types} - {*given}))
+    _write_record(folder, request, site, found, demand, duration)
     content = {
         "scenarios": [str(path.resolve())],
         "controllers": ["sumo"],
@@ -131,16 +177,16 @@ def _planned(request: ValidationRequest) -> Plan:
         table=study_of(content, "cosim validate"),
         again=request.again,
     )
-    return Plan(request, batch, found, demand, site, duration)
+    return Plan(request, batch, found, demand)
 
 
 def _write_record(
     folder: Path,
     request: ValidationRequest,
+    site: Site,
     found: OnNetwork,
     demand: Rebuilt,
     duration_s: float,
-    types_of_scenario: Sequence[str],
 ) -> None:
     write_json(
         folder / RECORD,
@@ -148,7 +194,7 @@ def _write_record(
             "scenario": request.scenario,
             "tracks": Path(request.tracks).name,
             "types": None if request.types is None else request.types.name,
-            "types_of_scenario": list(types_of_scenario),
+            "types_of_scenario": sorted({*site.types} - {*read_types(request.types)}),
             "span_s": None
             if request.span_s is None
             else [request.span_s[0], min(request.span_s[1], request.span_s[0] + duration_s)],
@@ -158,6 +204,7 @@ def _write_record(
             "departed": dict(sorted(demand.departed.items())),
             "left_out": dict(sorted(demand.left_out.items())),
             "fit": as_rows(found.placed.fits),
+            ASKED_FOR: _asked_for(request, site),
         },
     )
 
@@ -181,7 +228,7 @@ def finished(plan: Plan) -> Validated:
         raise SimulationError(f"{folder / SIMULATED}: no run to compare")
     found = compared(real, simulated)
     write_comparison(folder, found)
-    return Validated(folder, found, len(simulated))
+    return Validated(folder, found)
 
 
 def write_comparison(folder: Path, found: Sequence[Compared]) -> None:

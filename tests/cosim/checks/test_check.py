@@ -75,6 +75,30 @@ def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(
     assert Path("out/criteria.csv").read_bytes() == content
 
 
+def test_what_a_check_of_own_files_made_is_judged_again_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = tmp_path / "there"
+    (there / "mine").mkdir(parents=True)
+    (there / "mine" / "scenario.toml").write_text(
+        'description = "a"\nduration_s = 130.0\nbase = "midblock_zebra"\n'
+        + CRITERION.format("n_collisions", "==", 0)
+    )
+    (there / "slow.py").write_text(
+        "def build():\n    from controllers.outside.functions import FromFunction\n\n"
+        "    return FromFunction(lambda perception: 3.0 - perception.ego.speed)\n"
+    )
+    study = write_study(there, scenarios=["mine"], controllers=["./slow.py"], seeds="1")
+    monkeypatch.chdir(there)
+    check(study, "--controller", "./slow.py", "--out", "out", "--jobs", "1", code=0)
+    made = rows(Path("out"))
+    monkeypatch.chdir(tmp_path)
+    check("--results", "there/out", code=0)
+    found = rows(Path("there/out"))
+    assert [row["criterion_id"] for row in found] == ["valid", "n_collisions == 0"]
+    assert [row["status"] for row in found] == [row["status"] for row in made]
+
+
 def test_a_controller_that_does_nothing_fails_and_the_file_says_how_to_see_it_again() -> None:
     out = Path("out")
     done = check(

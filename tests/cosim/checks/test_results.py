@@ -9,7 +9,11 @@ from xml.etree import ElementTree
 import pytest
 
 from analysis.criteria.culprit import culprit
+from analysis.files import write_json
 from analysis.page.names import PAGE
+from cosim.batches.job import Configuration, Job
+from cosim.batches.ledger import FAILED, Ledger
+from cosim.batches.outcome import NOTE, RUN, Outcome
 from cosim.cli import main
 from tests.analysis.study.study_folders import write_study_run
 
@@ -27,6 +31,7 @@ statistic = "mean"
 operator = "<="
 threshold = 10.0
 """
+STUDY = 'scenarios = ["road"]\ncontrollers = ["sumo"]\nseeds = "1-2"\nvary = { gap_s = [0.5, 1.5] }\n'
 NEAR = {"min_ttc_s": 0.8, "t_min_ttc_s": 341.2, "ego_id": "12", "ped_id": "p3", "crossing_id": ":B1_c0"}
 FAR = {"min_ttc_s": 4.0, "t_min_ttc_s": 20.0, "ego_id": "11", "ped_id": "p2"}
 
@@ -88,6 +93,82 @@ def test_the_report_of_a_judged_folder_shows_who_failed(tmp_path: Path) -> None:
 def test_an_invalid_run_ends_with_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert judged(study(tmp_path / "study", invalid="12 was teleported")) == 3
     assert "12 was teleported" in capsys.readouterr().err
+
+
+@pytest.fixture
+def varied(tmp_path: Path) -> Path:
+    """Return a study that varies a parameter of its controller; seed 2 of 0.5 failed on its way."""
+    folder = tmp_path / "study"
+    folder.mkdir()
+    (folder / "study.toml").write_text(STUDY)
+    (folder / "criteria.toml").write_text(CRITERIA)
+    ledger = Ledger(folder)
+    for gap, seed in (("0.5", 1), ("0.5", 2), ("1.5", 1), ("1.5", 2)):
+        settings = {"gap_s": gap}
+        pairs = tuple(settings.items())
+        job = Job(Configuration("road", "road", "road", "sumo", (), pairs, pairs), seed)
+        failed = (gap, seed) == ("0.5", 2)
+        attempt = ledger.work_folder(job, 1)
+        made = write_study_run(
+            attempt / RUN if failed else ledger.run_folder(job.name),
+            "sumo",
+            seed,
+            parameters=settings,
+            invalid="the run did not end" if failed else "",
+            numbers={"ego_delay_mean_s": 9.0},
+        )
+        if failed:
+            (folder / FAILED).mkdir()
+            ledger.keep_failure(Outcome(job, attempt, "still running after 10 s"), 2)
+        else:
+            write_json(made / NOTE, {"varied": settings})
+    return folder
+
+
+def test_a_failed_run_counts_once_and_for_its_own_configuration(varied: Path) -> None:
+    assert judged(varied) == 3
+    found = [row for row in rows(varied) if row["criterion_id"] == "valid"]
+    assert [(row["configuration"], row["seed"], row["status"]) for row in found] == [
+        ("sumo gap_s=0.5", "1", "pass"),
+        ("sumo gap_s=0.5", "2", "invalid"),
+        ("sumo gap_s=1.5", "1", "pass"),
+        ("sumo gap_s=1.5", "2", "pass"),
+    ]
+    assert found[1]["note"] == "still running after 10 s"
+    means = [row for row in rows(varied) if row["scope"] == "configuration"]
+    assert [row["status"] for row in means] == ["invalid", "pass"]
+
+
+@pytest.mark.parametrize("content", ['{"run": ', '{"run": "a", "reason": "b"}'])
+def test_a_failed_run_that_cannot_be_read_is_told_in_one_line(
+    varied: Path, capsys: pytest.CaptureFixture[str], content: str
+) -> None:
+    (path,) = (varied / "failed").glob("*/failure.json")
+    path.write_text(content)
+    assert judged(varied) == 3
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "failure.json: cannot be read" in line
+
+
+def test_a_folder_for_the_findings_has_to_be_free(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = study(tmp_path / "study")
+    foreign = tmp_path / "foreign"
+    foreign.mkdir()
+    for name in ("notes.txt", "criteria.csv"):
+        (foreign / name).write_text("mine")
+    for out, told in (
+        (foreign, "this one has notes.txt in it"),
+        (foreign / "notes.txt", "expected a folder, this is a file"),
+        (foreign / "notes.txt" / "deeper", "Not a directory"),
+    ):
+        assert judged(folder, "--out", str(out)) == 2
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert line.startswith(f"cosim: --out {out}: ")
+        assert told in line
+    assert (foreign / "criteria.csv").read_text() == "mine"
+    for out in (tmp_path / "new", tmp_path / "new", folder):
+        assert judged(folder, "--out", str(out)) == 1
+        assert (out / "criteria.csv").is_file()
 
 
 @pytest.mark.parametrize(

@@ -372,6 +372,13 @@ def test_an_unknown_threshold_or_conformance_case_is_answered_by_those_that_exis
     assert "blind_step" in refused(capsys, "conformance", "no_such_case")
 
 
+def test_options_of_the_other_kind_of_conformance_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    line = refused(capsys, "conformance", "route", "--set", "margin_m=1")
+    assert "--set margin_m=1 belongs to a controller" in line
+    line = refused(capsys, "conformance", "--controller", "aeb", "--list")
+    assert "--list lists the cases of the coupling" in line
+
+
 @pytest.mark.sumo
 def test_the_conformance_table_is_printed_and_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path

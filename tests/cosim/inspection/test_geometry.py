@@ -120,6 +120,7 @@ def test_a_step_that_is_not_given_is_said_and_the_scaffold_sets_one(tmp_path: Fi
     found = step_length(read_source(path))
     assert found.level is Level.NOTE
     assert "none is given" in found.text
+    assert "steps above 0.2 s are too coarse to judge conflicts, 0.1 s is recommended" in found.text
     assert "--step-s 0.1" in found.text
     write_scaffold(inspect(path), tmp_path / "made")
     assert '<step-length value="0.1"/>' in (tmp_path / "made" / "town.sumocfg").read_text()

@@ -28,7 +28,7 @@ def test_every_turn_passes_the_crossings_of_the_arms_that_it_leaves_and_enters(w
     assert {one.manoeuvre for one in found} == {"straight", "left", "right"}
     for one in found:
         assert one.edges[:2] == (one.source, one.target)
-        assert 180.0 < one.approach_m < 200.0  # 200 m between nodes, less the junction
+        assert 180.0 < ways.length(one.source) < 200.0  # 200 m between nodes, less the junction
         assert one.name == f"{one.crossing} {one.manoeuvre} from {one.source} to {one.target}"
     assert [one.name for one in found] == sorted(one.name for one in found)
 

@@ -158,6 +158,12 @@ def test_flags_of_tracks_need_a_network(tmp_path: Path) -> None:
     assert "expected --network" in ended("analyse", tmp_path, "--crs", "EPSG:1", code=2).stderr
 
 
+@pytest.mark.parametrize("flag", ["--ssam", "--xlsx"])
+def test_what_is_written_of_egos_is_refused_for_tracks(flag: str) -> None:
+    said = ended("analyse", "t.csv", "--network", "n.net.xml", flag, code=2).stderr
+    assert said == f"cosim: {flag} writes the egos of a run, and tracks have none\n"
+
+
 def test_without_the_extra_the_command_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

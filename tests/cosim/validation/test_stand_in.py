@@ -10,10 +10,12 @@ import pytest
 
 from analysis.files import read_csv
 from cosim.validation.stand_in import OWN, met_people
+from sumo_scenarios import library
 from sumo_scenarios.library import ScenarioError
 from sumo_scenarios.recorded_vehicles import read_recorded_vehicles
 from tests.analysis.trajectories import streets
 from tests.cosim.cli.commands import ended
+from tests.cosim.running.test_no_room import room
 from tests.cosim.tracks import networks
 
 HEADER = "vehicle,class,edge,time_s,x_m,y_m,heading_rad,speed_mps,length_m,width_m\n"
@@ -90,6 +92,53 @@ def test_an_ego_departs_although_sumo_would_find_it_too_near_to_the_car_ahead(tm
     egos = pd.read_parquet(tmp_path / "out" / "run" / "egos.parquet")
     assert egos["time_s"].iloc[0] == pytest.approx(5.0, abs=0.21), "5 s after the scenario's begin"
     assert egos["speed_mps"].iloc[0] == pytest.approx(10.0, abs=1.0)
+
+
+PLAIN = """description = "street"
+duration_s = 60.0
+[network]
+nodes = "n.nod.xml"
+edges = "e.edg.xml"
+connections = ["c.con.xml"]
+[demand]
+routes = ["none.rou.xml"]
+additional = ["types.add.xml"]
+vehicles_per_hour = 1.0
+pedestrians_per_hour = 1.0
+[[egos.routes]]
+edges = "e1 e2"
+"""
+
+
+@pytest.mark.sumo
+def test_the_written_scenario_runs_afterwards_whatever_the_vehicle_is_called(tmp_path: Path) -> None:
+    networks.street(tmp_path)
+    (tmp_path / "scenario.toml").write_text(PLAIN)
+    (tmp_path / "none.rou.xml").write_text("<routes/>")
+    (tmp_path / "types.add.xml").write_text('<additional><vType id="a"/></additional>')
+    name = 'my "own" \\ car'
+    streets.write(tmp_path / "tracks.csv", [streets.car(name, 10.0, begin_s=1.0, duration_s=8.0)])
+    ended(
+        *("stand-in", tmp_path, "--tracks", tmp_path / "tracks.csv", "--vehicle", name),
+        *("--controller", "constant_speed", "--out", tmp_path / "out"),
+    )
+    written = tmp_path / "out" / "scenario"
+    assert library.load(str(written)).description.endswith(f"in the place of {name}")
+    ended("run", written, "--controller", "constant_speed", "--out", tmp_path / "again")
+
+
+@pytest.mark.sumo
+def test_a_drive_with_too_little_recorded_says_why(tmp_path: Path) -> None:
+    networks.street(tmp_path)
+    networks.configure(tmp_path)
+    streets.write(tmp_path / "tracks.csv", [streets.car("own", 10.0, begin_s=1.0, duration_s=8.0)])
+    with room(20_000):
+        done = ended(
+            *("stand-in", tmp_path / "street.sumocfg", "--tracks", tmp_path / "tracks.csv"),
+            *("--vehicle", "own", "--controller", "constant_speed", "--out", tmp_path / "out"),
+            code=3,
+        )
+    assert done.stderr == "cosim: the recording could not be written: File too large\n"
 
 
 def test_an_ego_that_drives_as_recorded_is_met_by_people_who_could_react(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -96,6 +97,44 @@ def test_a_calibration_writes_types_that_a_validation_takes(folder: Path, tmp_pa
     assert rows["critical_gap"]["value"] == ""
     assert "pedestrians chose among gaps" in rows["critical_gap"]["method"]
     assert types_of({**done.estimates})[0] == types
+
+
+def test_the_folder_of_another_validation_is_refused_and_stays_as_it_was(tmp_path: Path) -> None:
+    def site(name: str, speed: float, *options: str) -> Path:
+        folder = tmp_path / name
+        folder.mkdir()
+        networks.street(folder, *options)
+        streets.write(folder / "tracks.csv", [streets.car("a", speed, duration_s=9.0), streets.walker()])
+        return networks.configure(folder)
+
+    street = site("one", 10.0)
+    out = tmp_path / "out"
+
+    def request(tracks: str = "one", **more: Any) -> ValidationRequest:
+        values: dict[str, Any] = {"scenario": str(street), "seeds": "1", "out": out, **more}
+        return ValidationRequest(tracks=str(tmp_path / tracks / "tracks.csv"), **values)
+
+    def content() -> dict[Path, bytes]:
+        return {path: path.read_bytes() for path in sorted(out.rglob("*")) if path.is_file()}
+
+    planned(request())
+    before = content()
+    other = site("other", 9.0, "--default.lanewidth", "3.3")
+    types = tmp_path / "types.toml"
+    types.write_text(types_text({"car": {"tau": "2.0"}}, {}))
+    for another, what in (
+        (request("other"), "tracks"),
+        (request(scenario=str(other)), "network"),
+        (request(types=types), "types"),
+        (request(span_s=(0.0, 5.0)), "span"),
+        (request(span_s=(0.0, 5.0), types=types), "types and span"),
+    ):
+        with pytest.raises(InputError, match=f"the validation in it has another {what}; expected the same"):
+            planned(another)
+        assert content() == before
+    with pytest.raises(InputError, match=r"absent/tracks\.csv: cannot be read"):
+        planned(request("absent"))
+    planned(request())
 
 
 def test_bad_requests_are_refused_in_one_line(tmp_path: Path, folder: Path) -> None:
