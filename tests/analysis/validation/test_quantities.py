@@ -99,6 +99,13 @@ def test_a_speed_is_the_mean_while_a_vehicle_moves_and_its_class_counts() -> Non
     assert values(QUANTITY["bicycle_speed"], found) == pytest.approx({"b": 4.5})
 
 
+def test_how_long_a_vehicle_was_seen_is_told_by_the_step() -> None:
+    # 5 samples that are 0.5 s apart are 2.5 s, of which 0.1 s would make half a second.
+    slow = vehicle("a", lambda t: 5.0, seconds=2.0).iloc[::5]
+    found = replace(seen([slow, vehicle("brief", lambda t: 5.0, seconds=0.5).iloc[::5]]), step_s=0.5)
+    assert values(QUANTITY["car_speed"], found) == pytest.approx({"a": 5.0})
+
+
 def test_accelerations_are_changes_of_speed_over_a_second() -> None:
     found = seen(
         [
