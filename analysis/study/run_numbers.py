@@ -15,13 +15,13 @@ from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv_rows
 from analysis.manifest import read_verified
+from analysis.metrics.deceleration_to_avoid_collision import BEYOND
 from analysis.results.measures import encounter_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.tables.column import Table
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
-_DRAC_BEYOND = ("unbounded", "collision")
 _DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
 
 
@@ -103,7 +103,7 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
     values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
     drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
     met = (values["entered"] == 1.0) | (values["collision"] == 1.0)
-    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
+    beyond = np.isin(drac_status, BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
     tallies = {
         "met": met,
         "met_collision": met & (values["collision"] == 1.0),
