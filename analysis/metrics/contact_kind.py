@@ -2,8 +2,8 @@
 
 By geometry and recorded motion alone (contact_classes.py and contact_places.py in analysis/encounters); the
 total of collisions keeps all of them. The place is that of the pedestrian's middle. contact_moved_by says
-whose motion closed the last gap: who closed less than a tenth of it did not move into the other; somebody
-who walks into the side of a moving car moved into it, though the class is ego. The classes:
+whose motion closed the last gap: a party that closed less than a tenth of the gap did not move into the
+other; somebody who walks into the side of a moving car moved into it, though the class is ego. The classes:
 
 - touching_at_start: they touch in the first sample that holds both;
 - walked_in: the ego had stood for 0.5 s, and did not move while they touched (never a collision);
