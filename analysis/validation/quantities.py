@@ -33,8 +33,6 @@ class Quantity:
     unit: str
     meaning: str
     values: Callable[[Observed], Values]
-    is_input: bool = False
-    """Taken from the tracks, so that it is not validated."""
 
 
 def _cars(seen: Observed) -> pd.DataFrame:

@@ -72,7 +72,6 @@ def seen(
 ) -> Observed:
     columns = ["ped_id", "entered", "min_dist_m", "pet_area_s", "yielded"]
     return Observed(
-        "run",
         pd.concat([*vehicles, vehicle("far", lambda t: 0.0, start=1e4)], ignore_index=True),
         pd.concat([*people, person("stands", ("", 0.5, 0.0))], ignore_index=True),
         pd.DataFrame(list(encounters), columns=columns),
