@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from analysis.criteria.criterion import Cells
 from analysis.encounters.severity_scale import LEVELS
+from analysis.metrics import contact_kind, deceleration_to_avoid_collision, modified_deceleration
 
 _TTC = ("min_ttc_s", min, "t_min_ttc_s")
 _DISTANCE = ("min_dist_m", min, "t_min_dist_s")
@@ -30,6 +31,13 @@ _BY_WORD: tuple[tuple[str, tuple[str, Callable[..., float], str]], ...] = (
 )
 """A word in a metric's name: the column of encounters.csv that tells the worst one, and its moment."""
 _SEVERITY = ("conflict", "severity")
+_OF_KIND = {**contact_kind.COUNTED, "n_hidden_before_conflict": ("hidden_before_conflict", "1")}
+"""Metric to the column of encounters.csv, and its text, of the encounters that it counts."""
+_BEYOND = {
+    "n_drac_gt_3p4": ("drac_status", deceleration_to_avoid_collision.BEYOND),
+    "n_mdrac_gt_3p4": ("mdrac_status", modified_deceleration.BEYOND),
+}
+"""Metric to the column, and its texts, of encounters that it counts as worse than any number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +61,14 @@ def culprit(metric: str, rows: Sequence[Cells]) -> Culprit | None:
     rows
         Of encounters.csv.
     """
+    if metric in _OF_KIND:
+        told_by, text = _OF_KIND[metric]
+        rows = [row for row in rows if row[told_by] == text]
+    if metric in _BEYOND:
+        status, worse = _BEYOND[metric]
+        beyond = [row for row in rows if row[status] in worse]
+        if beyond:
+            return of_row(metric, max(beyond, key=lambda row: worse.index(row[status])))
     if any(word in metric for word in _SEVERITY):
         known = [row for row in rows if LEVELS.index(row["severity"]) > 0]
         worst = max(known, key=lambda row: LEVELS.index(row["severity"]), default=None)

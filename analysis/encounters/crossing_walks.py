@@ -21,6 +21,8 @@ class CrossingWalk:
 
     person: Track
     crossing_id: str
+    since: int
+    """First sample after an earlier walk over the same crossing; 0 without one."""
     first: int
     last: int
     red: bool
@@ -41,9 +43,17 @@ def walks(person: Track, rows: Columns) -> Iterator[CrossingWalk]:
     red = rows.texts["signal"].equal("red", person.rows)
     codes = crossings.codes[person.rows]
     for code in np.unique(codes[on_crossing]).tolist():
-        for first, last in stretches(on_crossing & (codes == code)):
+        on_this = on_crossing & (codes == code)
+        for first, last in stretches(on_this):
             against = first > 0 and bool(red[first])  # who appears on it was not seen to step on it
-            yield CrossingWalk(person, crossings.names[code], first, last, against)
+            since = after_earlier_walk(on_this, first)
+            yield CrossingWalk(person, crossings.names[code], since, first, last, against)
+
+
+def after_earlier_walk(on_crossing: BoolArray, first: int) -> int:
+    """Return the first sample after the last walk that ended before a sample; 0 where there is none."""
+    earlier = np.flatnonzero(on_crossing[:first])
+    return int(earlier[-1]) + 1 if len(earlier) else 0
 
 
 def at_crossing(person: Track, rows: Columns, crossing_id: str, *phases: str) -> BoolArray:
@@ -54,14 +64,18 @@ def at_crossing(person: Track, rows: Columns, crossing_id: str, *phases: str) ->
     return np.asarray(inside & rows.texts["crossing_id"].equal(crossing_id, person.rows))
 
 
-def delay(person: Track, inside: BoolArray, last: int, grid: Grid, thresholds: Thresholds) -> float:
+def delay(
+    person: Track, inside: BoolArray, since: int, last: int, grid: Grid, thresholds: Thresholds
+) -> float:
     """Return how much longer the walk took than at the pedestrian's free speed [s].
 
     Parameters
     ----------
     person : Track
     inside : BoolArray
-        Samples of the track that count: waiting for the crossing or on it.
+        Samples of the track at which the pedestrian waits for the crossing or is on it.
+    since : int
+        First one that counts: those before belong to an earlier walk.
     last : int
         Last sample on the crossing.
     grid : Grid
@@ -79,4 +93,4 @@ def delay(person: Track, inside: BoolArray, last: int, grid: Grid, thresholds: T
     free = float(np.percentile(speed[walking], thresholds.free_walking_percentile))
     time = grid.time[person.first : person.first + last + 2]
     lost = np.maximum(1.0 - speed[: last + 1] / free, 0.0)
-    return float((np.diff(time) * lost)[inside[: last + 1]].sum())
+    return float((np.diff(time) * lost)[since:][inside[since : last + 1]].sum())

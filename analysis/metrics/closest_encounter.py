@@ -2,7 +2,7 @@
 
 At each sample, the smallest distance between the surfaces that is still to come at constant velocities,
 and the time until then; the smallest DCE of the encounter and its TTCE at the first sample that has it
-are reported. Who already separates has the present distance and TTCE 0.
+are reported. If the two are already separating, DCE is the present distance and TTCE is 0.
 
 Undefined: empty for a person who never enters. 0 on a collision course and after a contact.
 """

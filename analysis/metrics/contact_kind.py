@@ -2,8 +2,8 @@
 
 By geometry and recorded motion alone (contact_classes.py and contact_places.py in analysis/encounters); the
 total of collisions keeps all of them. The place is that of the pedestrian's middle. contact_moved_by says
-whose motion closed the last gap: who closed less than a tenth of it did not move into the other; somebody
-who walks into the side of a moving car moved into it, though the class is ego. The classes:
+whose motion closed the last gap: a party that closed less than a tenth of the gap did not move into the
+other; somebody who walks into the side of a moving car moved into it, though the class is ego. The classes:
 
 - touching_at_start: they touch in the first sample that holds both;
 - walked_in: the ego had stood for 0.5 s, and did not move while they touched (never a collision);
@@ -34,74 +34,53 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "neither"
 SOURCE = "own definition"
+_KINDS = ("contact_place", "contact_moved_by", "contact_class")
 COLUMNS = (
-    column.text(
-        "contact_place",
-        "where the pedestrian was touched; empty without a contact",
-        "crossing",
-        "carriageway",
-        "walking_area_or_kerb",
-    ),
+    column.text("contact_place", "where the pedestrian was touched; empty without a contact", *PLACES),
     column.text(
         "contact_moved_by",
         "whose motion closed the last gap; empty without a contact, or without a gap before it",
-        "ego",
-        "pedestrian",
-        "both",
+        *MOVERS,
     ),
-    column.text(
-        "contact_class",
-        "kind of contact; empty without one",
-        "ego",
-        "rolled_off",
-        "walked_in",
-        "appeared",
-        "touching_at_start",
-    ),
+    column.text("contact_class", "kind of contact; empty without one", *CLASSES),
     column.at_least_0(
         "contact_risk_seen_s",
         "s",
         "time from when a careful driver could see the risk to the contact; empty where they could not",
     ),
 )
-RUN_COLUMNS = (
-    column.count("n_collisions_crossing", "those on a crossing", required=True),
-    column.count("n_collisions_carriageway", "those on the carriageway", required=True),
-    column.count(
-        "n_collisions_walking_area_or_kerb", "those on a walking area or at the kerb", required=True
+COUNTED = {
+    **{f"n_collisions_{place}": ("contact_place", place) for place in PLACES},
+    **{f"n_collisions_moved_by_{mover}": ("contact_moved_by", mover) for mover in MOVERS},
+    **{f"n_collisions_class_{name}": ("contact_class", name) for name in CLASSES if name != "walked_in"},
+}
+"""Column of runs.csv to the column of encounters.csv, and its text, of the contacts that it counts."""
+_TEXTS = {
+    "n_collisions_crossing": "those on a crossing",
+    "n_collisions_carriageway": "those on the carriageway",
+    "n_collisions_walking_area_or_kerb": "those on a walking area or at the kerb",
+    "n_collisions_moved_by_ego": "those in which the ego closed the last gap",
+    "n_collisions_moved_by_pedestrian": "those in which the pedestrian closed it",
+    "n_collisions_moved_by_both": "those in which both closed it",
+    "n_collisions_class_ego": "collisions of no other class",
+    "n_collisions_class_rolled_off": "those in which the ego began to move while a pedestrian touched it",
+    "n_collisions_class_appeared": (
+        "those with a pedestrian who appeared in view inside the stopping distance"
     ),
-    column.count("n_collisions_moved_by_ego", "those in which the ego closed the last gap", required=True),
-    column.count(
-        "n_collisions_moved_by_pedestrian", "those in which the pedestrian closed it", required=True
-    ),
-    column.count("n_collisions_moved_by_both", "those in which both closed it", required=True),
-    column.count("n_collisions_class_ego", "collisions of no other class", required=True),
-    column.count(
-        "n_collisions_class_rolled_off",
-        "those in which the ego began to move while a pedestrian touched it",
-        required=True,
-    ),
-    column.count(
-        "n_collisions_class_appeared",
-        "those with a pedestrian who appeared in view inside the stopping distance",
-        required=True,
-    ),
-    column.count(
-        "n_collisions_class_touching_at_start", "those there from the first sample on", required=True
-    ),
-)
+    "n_collisions_class_touching_at_start": "those there from the first sample on",
+}
+RUN_COLUMNS = tuple(column.count(name, _TEXTS[name], required=True, worse="higher") for name in COUNTED)
 
 
 def compute(case: Case) -> Values:
     """Return place, mover, class and time of each encounter's contact."""
-    names = ("contact_place", "contact_moved_by", "contact_class")
-    found: dict[str, list[str | None]] = {name: [None] * len(case) for name in names}
+    found: dict[str, list[str | None]] = {name: [None] * len(case) for name in _KINDS}
     seen = np.full(len(case), np.nan)
     areas = places_of(case.run)
     for i, contact in enumerate(case.first_contact()):
         if contact is None:
             continue
-        for name, value in zip(names, _kind(case, contact, areas), strict=True):
+        for name, value in zip(_KINDS, _kind(case, contact, areas), strict=True):
             found[name][i] = value
         seen[i] = contact.time - case.replays[contact].onset
     return {**found, "contact_risk_seen_s": seen}
@@ -127,10 +106,5 @@ def collect_encounters(case: Case) -> Values:
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count the collisions of each kind."""
-    kinds = columns["kinds"]
-    places, movers, classes = zip(*kinds, strict=True) if kinds else ((), (), ())
-    return {
-        **{f"n_collisions_{place}": places.count(place) for place in PLACES},
-        **{f"n_collisions_moved_by_{mover}": movers.count(mover) for mover in MOVERS},
-        **{f"n_collisions_class_{name}": classes.count(name) for name in CLASSES if name != "walked_in"},
-    }
+    found = [dict(zip(_KINDS, kind, strict=True)) for kind in columns["kinds"]]
+    return {name: sum(one[told_by] == text for one in found) for name, (told_by, text) in COUNTED.items()}

@@ -1,4 +1,4 @@
-"""Egos that stood for too long with a free road.
+"""How often an ego stood for too long with a free road.
 
 Stretches longer than deadlock_s at or below standing_speed_mps in which no vehicle was ever within
 deadlock_free_gap_m ahead; within deadlock_signal_range_m of a crossing with signals, where a red phase
@@ -27,7 +27,7 @@ UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
 RUN_COLUMNS = (
-    column.count("deadlock", "egos that stood for too long with a free road", required=True),
+    column.count("deadlock", "times that an ego stood for too long with a free road", required=True),
     column.text("deadlock_where", "which ego, from when to when, and where; empty without one"),
 )
 

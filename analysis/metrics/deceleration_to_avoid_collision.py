@@ -1,4 +1,4 @@
-"""Deceleration rate to avoid a collision (DRAC), largest over the encounter.
+"""Deceleration rate to avoid a crash (DRAC), largest over the encounter.
 
 With the ego at speed v, d its way to the predicted conflict area and T the time until the pedestrian
 has left it at constant velocity: 0 for d >= v T; 2 (v − d/T) / T for v T / 2 <= d < v T; v^2 / (2 d)
@@ -24,6 +24,8 @@ from analysis.thresholds import DRAC_LIMIT_MPS2
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM] for the middle branch; the others: own derivation, checked by brute force"
+BEYOND = ("unbounded", "collision")
+"""Statuses without a value that are counted as above every limit, the worst one last."""
 COLUMNS = (
     column.at_least_0("drac_max_mps2", "m/s^2", "largest deceleration needed to avoid the collision"),
     column.text(
@@ -53,5 +55,5 @@ def compute(case: Case) -> Values:
 def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unbounded ones and collisions included."""
     status = np.asarray(columns["drac_status"])
-    beyond = np.isin(status, ("unbounded", "collision"))
+    beyond = np.isin(status, BEYOND)
     return {"n_drac_gt_3p4": int((beyond | (np.asarray(columns["drac_max_mps2"]) > DRAC_LIMIT_MPS2)).sum())}

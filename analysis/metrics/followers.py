@@ -32,7 +32,7 @@ RUN_COLUMNS = (
         f"those with a DRAC above {DRAC_LIMIT_MPS2:.1f} m/s^2",
         required=True,
     ),
-    column.at_least_0("follower_min_ttc_s", "s", "smallest TTC of a vehicle behind an ego"),
+    column.at_least_0("follower_min_ttc_s", "s", "smallest TTC of a vehicle behind an ego", worse="lower"),
     column.at_least_0("follower_max_drac_mps2", "m/s^2", "largest DRAC of a vehicle behind an ego"),
 )
 

@@ -1,9 +1,10 @@
 """Whether the pedestrian entered inside the ego's comfort stopping distance.
 
-1 where, at the instant the pedestrian steps on the crossing, the way to the conflict area is less than
-v^2 / (2 a) with comfort_deceleration_mps2.
+1 where, at the instant the pedestrian steps on the crossing (away from crossings: at the encounter's
+beginning), the way to the conflict area is less than v^2 / (2 a) with comfort_deceleration_mps2.
 
-Undefined: as preventable_r157.
+Undefined: with or without a contact, empty where there is no conflict area, or where the ego was in it
+before the pedestrian could be seen to enter.
 """
 
 from __future__ import annotations

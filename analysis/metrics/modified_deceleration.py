@@ -20,6 +20,8 @@ from analysis.thresholds import DRAC_LIMIT_MPS2
 UNIT = "m/s^2"
 WORSE = "higher"
 SOURCE = "[SUMO-SSM]"
+BEYOND = ("unavoidable_at_PRT", "collision")
+"""Statuses without a value that are counted as above every limit, the worst one last."""
 COLUMNS = (
     column.at_least_0("mdrac_max_mps2", "m/s^2", "the same after a reaction time"),
     column.at_least_0("mdrac_prt_s", "s", "that reaction time", required=True),
@@ -56,5 +58,5 @@ def compute(case: Case) -> Values:
 def summarise(whole: WholeRun, columns: Values) -> Values:
     """Count encounters that needed more than 3.4 m/s^2, the unavoidable ones and collisions included."""
     status = np.asarray(columns["mdrac_status"])
-    beyond = np.isin(status, ("unavoidable_at_PRT", "collision"))
+    beyond = np.isin(status, BEYOND)
     return {"n_mdrac_gt_3p4": int((beyond | (np.asarray(columns["mdrac_max_mps2"]) > DRAC_LIMIT_MPS2)).sum())}

@@ -1,9 +1,10 @@
 """Delay of the pedestrian: waiting at the kerb and slowing down on the crossing.
 
 The integral of (1 − v / v_free) over the time waiting for and on the crossing, where v < v_free; v_free
-is the free_walking_percentile of the pedestrian's own recorded speeds while walking. The run's mean
-counts each person once for each crossing, and its level of service follows it: A below 5 s, B below 10,
-C below 20, D below 30, E below 45, else F.
+is the free_walking_percentile of the pedestrian's own recorded speeds while walking. An earlier walk over
+the same crossing, and the waiting before it, do not count. The run's mean counts each person once for each
+crossing, with the last walk, and its level of service follows it: A below 5 s, B below 10, C below 20,
+D below 30, E below 45, else F.
 
 Undefined: empty for a person who is not seen to leave the crossing.
 """
@@ -12,8 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.encounters import crossing_walks
 from analysis.encounters.case import Case, Values
+from analysis.encounters.crossing_walks import after_earlier_walk
+from analysis.encounters.crossing_walks import delay as delay_of_walk
 from analysis.encounters.hcm import level_of_service
 from analysis.encounters.moments import crossing_stay, phase_samples
 from analysis.encounters.whole_run import WholeRun
@@ -38,7 +40,8 @@ def compute(case: Case) -> Values:
         stay = crossing_stay(case, one)
         if stay is not None:
             inside = phase_samples(case, one, "waiting", "crossing")
-            delay[i] = crossing_walks.delay(one.person, inside, stay[1], case.grid, case.thresholds)
+            since = after_earlier_walk(phase_samples(case, one, "crossing"), stay[0])
+            delay[i] = delay_of_walk(one.person, inside, since, stay[1], case.grid, case.thresholds)
     return {"ped_delay_s": delay}
 
 

@@ -40,7 +40,9 @@ COLUMNS = (
     ),
 )
 RUN_COLUMNS = (
-    column.count("n_collisions_preventable", "those that a careful driver prevents", required=True),
+    column.count(
+        "n_collisions_preventable", "those that a careful driver prevents", required=True, worse="higher"
+    ),
 )
 
 

@@ -18,18 +18,7 @@ from analysis.tables import column
 UNIT = "1"
 WORSE = "higher"
 SOURCE = "limits after [Hayward1972], [SSAM2008] and the review [CriticalityMetrics]"
-COLUMNS = (
-    column.text(
-        "severity",
-        "level of the encounter",
-        "collision",
-        "severe",
-        "serious",
-        "slight",
-        "none",
-        required=True,
-    ),
-)
+COLUMNS = (column.text("severity", "level of the encounter", *LEVELS[::-1], required=True),)
 RUN_COLUMNS = (
     column.count("n_severity_none", "encounters without severity", required=True, worse="neither"),
     column.count("n_severity_slight", "slight encounters", required=True, worse="neither"),

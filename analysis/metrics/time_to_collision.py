@@ -1,7 +1,9 @@
 """Exact time to collision in two dimensions.
 
 TTC is the smallest t >= 0 at which the ego's rectangle and the pedestrian's disc touch if both keep
-their velocity; the smallest one of the encounter is reported, with its time and both speeds then.
+their velocity; the smallest one of the encounter is reported, with its time and both speeds then. After a
+contact, time and speed of the ego are those of the contact; the speed of the pedestrian is still that at the
+smallest TTC before, and empty without one.
 
 Undefined: empty with ttc_status `no_collision_course` where the two would never touch, `not_entered`
 for a person who never was on the crossing nor in the ego's path. 0 with status `collision` after a

@@ -33,7 +33,7 @@ RUN_COLUMNS = (
         column.count(f"n_vehicle_conflicts_{kind}", f"TTC or PET below 1.5 s {words}", required=True)
         for kind, words in _COUNTED.items()
     ),
-    column.at_least_0("min_vehicle_pet_s", "s", "smallest PET with a vehicle"),
+    column.at_least_0("min_vehicle_pet_s", "s", "smallest PET with a vehicle", worse="lower"),
 )
 
 

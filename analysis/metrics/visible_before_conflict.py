@@ -1,6 +1,6 @@
 """How long the ego had been told of the pedestrian, without a break, when the conflict came.
 
-The conflict comes at the first contact, without one when the second of the two enters the conflict area.
+The conflict comes at the first collision, without one when the second of the two enters the conflict area.
 0 where the ego was not told of the pedestrian at that instant. Pedestrians who are extrapolated through a
 short loss count as told.
 

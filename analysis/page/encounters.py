@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.csv as pa_csv
 
 from analysis.arrays import FloatArray
+from analysis.encounters.severity_scale import LEVELS
 from analysis.errors import StudyError
 from analysis.files import as_given
 from analysis.results.run_tables import ENCOUNTERS
@@ -19,7 +20,7 @@ from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
 from analysis.study.design import Study
 from analysis.study.runs import StudyRun
 
-SEVERITIES = ("collision", "severe", "serious", "slight", "none")
+SEVERITIES = LEVELS[::-1]
 """From the worst on."""
 _NUMBERS = (
     "encounter_id",

@@ -185,6 +185,6 @@ def _add(use: CrossingUse, walk: CrossingWalk, case: Case) -> None:
     use.pedestrians += 1
     use.red += walk.red
     inside = at_crossing(walk.person, case.run.neighbours, walk.crossing_id, "waiting", "crossing")
-    lost = delay(walk.person, inside, walk.last, case.grid, case.thresholds)
+    lost = delay(walk.person, inside, walk.since, walk.last, case.grid, case.thresholds)
     if np.isfinite(lost):
         use.waits.append((walk.person.name, lost))

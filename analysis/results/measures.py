@@ -48,6 +48,7 @@ ENTERED = "entered encounter"
 TALLIES = (
     "met",
     "met_collision",
+    "met_preventable",
     "met_ttc_lt_1p5",
     "met_pet_lt_1p5",
     "met_drac_gt_3p4",

@@ -3,12 +3,13 @@
 Each margin is brought to one scale, m / (1 + |m|) with m the distance to the threshold in units of
 `SCALES`, so that it lies between −1 and 1 and is negative where the criterion is violated.
 
-Where a criterion counts contacts, its margin is made of what is continuous about them:
+Where a criterion counts contacts, or those of a kind, its margin is made of what is continuous about them:
 
 - without a contact, the smaller one of the clearance of the moving ego and the time to collision;
 - with one, the impact speed, negative;
 - with one that the careful driver of UN R157 would not have prevented, how much longer that driver would have
-  had to see the risk, positive: it is no failure, and the search is led away from it.
+  had to see the risk, positive: it is no failure, and the search is led away from it;
+- one that it does not count, of another kind or of an encounter that it does not choose, has no margin.
 
 A criterion of another count or yes/no has 1 while it is met: a search cannot follow it, only find it.
 """
@@ -16,19 +17,15 @@ A criterion of another count or yes/no has 1 while it is met: a search cannot fo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value
+from analysis.metrics.contact_kind import COUNTED
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.thresholds import Thresholds
 
-CONTACTS = frozenset(
-    (
-        *("collision", "n_collisions", "n_collisions_preventable", "n_collisions_crossing"),
-        *("n_collisions_moved_by_ego", "n_collisions_class_ego", "n_collisions_carriageway"),
-    )
-)
-"""Metrics of which 0 means that there was no contact."""
+CONTACTS = frozenset(("collision", "n_collisions", "n_collisions_preventable", *COUNTED))
+"""Metrics of which 0 means that there was no contact, or none of a kind."""
 SCALES: Mapping[str, float] = {"m": 2.0, "s": 1.5, "km/h": 10.0, "m/s": 3.0, "m/s^2": 3.0, "m/s^3": 10.0}
 """Distance to a threshold that counts as half of the way to the end of the scale, by unit; others 1."""
 LEAST = 0.01
@@ -96,8 +93,42 @@ def judge_run(criteria: Sequence[Criterion], encounters: Sequence[Cells], runs: 
 
 def _margins(criterion: Criterion, encounters: Sequence[Cells], runs: Sequence[Cells]) -> Iterator[_Margin]:
     if criterion.metric in CONTACTS and criterion.operator in ("==", "<=", "<") and criterion.threshold < 1.0:
-        yield from map(_of_contact, encounters)
+        yield from _of_contacts(criterion, encounters, runs)
+    else:
+        yield from _of_numbers(criterion, encounters, runs)
+
+
+def _of_contacts(
+    criterion: Criterion, encounters: Sequence[Cells], runs: Sequence[Cells]
+) -> Iterator[_Margin]:
+    of_run = criterion.scope == "run"
+    if of_run and not chosen_rows(criterion, runs):
         return
+    counted = [row for row in encounters if _is_about(criterion, row)]
+    yield from map(_of_contact, counted)
+    if of_run and all(row["collision"] != "1" for row in counted):
+        # An encounter tells the kind of its first contact only; the run's count has every one.
+        yield from _of_numbers(criterion, encounters, runs)
+
+
+def _is_about(criterion: Criterion, row: Cells) -> bool:
+    """Return whether a criterion counts the contact of an encounter, or without one, might count it.
+
+    Whether it was preventable is left to the margin.
+    """
+    wanted = dict(criterion.where) if criterion.scope == "encounter" else {}
+    wanted.pop("preventable_r157", None)
+    if criterion.metric in COUNTED:
+        told_by, text = COUNTED[criterion.metric]
+        wanted[told_by] = text
+    if row["collision"] != "1":
+        wanted = {column: value for column, value in wanted.items() if row[column]}
+    return bool(chosen_rows(replace(criterion, where=wanted), [row]))
+
+
+def _of_numbers(
+    criterion: Criterion, encounters: Sequence[Cells], runs: Sequence[Cells]
+) -> Iterator[_Margin]:
     table = ENCOUNTERS if criterion.scope == "encounter" else RUNS
     (column,) = [one for one in table.columns if one.name == criterion.metric]
     rows = chosen_rows(criterion, encounters if table is ENCOUNTERS else runs)

@@ -90,7 +90,7 @@ def _mixed(failing: Point, passing: Point, keys: Sequence[str]) -> dict[str, Val
 
 
 def _between(axis: Axis, low: Value, high: Value) -> Value:
-    """Return the middle; of choices and neighbouring whole numbers there is none, it is the failing one."""
+    """Return the middle; of choices, which have none, the passing one, of neighbouring numbers the lower."""
     if not axis.numeric or isinstance(low, str) or isinstance(high, str):
         return high
     if axis.whole:

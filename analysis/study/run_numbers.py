@@ -15,14 +15,14 @@ from analysis.encounters.severity_scale import CONFLICTS
 from analysis.errors import StudyError
 from analysis.files import read_csv_rows
 from analysis.manifest import read_verified
+from analysis.metrics.deceleration_to_avoid_collision import BEYOND
 from analysis.results.measures import encounter_measures
 from analysis.results.origin import SCHEMA_VERSION
 from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.tables.column import Table
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
-_DRAC_BEYOND = ("unbounded", "collision")
-_DESCRIPTIVE = ("entered", "collision", "drac_status", "severity")
+_FLAGS, _TEXTS = ("entered", "collision", "preventable_r157"), ("drac_status", "severity")
 
 
 def read_cells(path: Path) -> tuple[str, ...]:
@@ -87,11 +87,11 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
     """Return the tallies of a run's encounters and the defined values of the encounter measures."""
     names = [measure.name for measure in encounter_measures()]
     options = pa_csv.ConvertOptions(
-        include_columns=[*_DESCRIPTIVE, *names],
+        include_columns=[*_FLAGS, *_TEXTS, *names],
         column_types={
             **dict.fromkeys(names, pa.float64()),
-            **dict.fromkeys(("entered", "collision"), pa.float64()),
-            **dict.fromkeys(("drac_status", "severity"), pa.string()),
+            **dict.fromkeys(_FLAGS, pa.float64()),
+            **dict.fromkeys(_TEXTS, pa.string()),
         },
         null_values=[""],
     )
@@ -100,13 +100,16 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
     except (pa.ArrowException, KeyError) as error:
         told = str(error).splitlines()[0]
         raise StudyError(f"{path}: cannot be read ({told}); cosim analyse makes it again") from None
-    values = {name: table.column(name).to_numpy() for name in (*names, "entered", "collision")}
-    drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _DESCRIPTIVE[2:])
-    met = (values["entered"] == 1.0) | (values["collision"] == 1.0)
-    beyond = np.isin(drac_status, _DRAC_BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
+    values = {name: table.column(name).to_numpy() for name in (*names, *_FLAGS)}
+    drac_status, severity = (np.array(table.column(name).to_pylist()) for name in _TEXTS)
+    struck = values["collision"] == 1.0
+    met = (values["entered"] == 1.0) | struck
+    beyond = np.isin(drac_status, BEYOND) | (values["drac_max_mps2"] > DRAC_LIMIT_MPS2)
     tallies = {
         "met": met,
-        "met_collision": met & (values["collision"] == 1.0),
+        "met_collision": struck,
+        # An undefined one counts as preventable.
+        "met_preventable": struck & (values["preventable_r157"] != 0.0),
         "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
         "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),
         "met_drac_gt_3p4": met & beyond,

@@ -14,7 +14,8 @@ FEWEST_TO_TELL = FEWEST_FOR_RANKS
 """With fewer seeds not even a difference in the same direction on every seed is significant."""
 MEANING = (
     '"Needed" is how many seeds would tell the difference to ±10 % of the base\'s mean if it goes on '
-    'varying as it did here ("–": it did not vary, which says nothing; "enough": it is told to that already).'
+    'varying as it did here ("–": it did not vary, the base\'s mean is 0, or the number is out of reach; '
+    '"enough": it is told to that already).'
 )
 
 

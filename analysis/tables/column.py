@@ -65,9 +65,11 @@ def flag(name: str, description: str, *, source: str = "", required: bool = Fals
     return Column(name, "boolean", "1", description, source, required=required)
 
 
-def at_least_0(name: str, unit: str, description: str, *, source: str = "", required: bool = False) -> Column:
+def at_least_0(
+    name: str, unit: str, description: str, *, source: str = "", required: bool = False, worse: str = ""
+) -> Column:
     """Declare a column of numbers that cannot be negative."""
-    return Column(name, "number", unit, description, source, minimum=0.0, required=required)
+    return Column(name, "number", unit, description, source, minimum=0.0, required=required, worse=worse)
 
 
 def number(name: str, unit: str, description: str, *, source: str = "", required: bool = False) -> Column:

@@ -120,11 +120,12 @@ def _speeds(frame: pd.DataFrame, path: Path | str) -> None:
     if np.count_nonzero(known) < _LEAST_MOVING:
         return
     ratio = float(np.median(said[known] / moved[known]))
-    for unit, factor in _FACTORS.items():
-        for number, meaning in ((factor, f"speeds look like {unit}"), (1.0 / factor, "")):
-            if abs(ratio / number - 1.0) < _AGREEMENT:
-                what = meaning or "positions are not in the same unit as the speeds (feet?)"
-                raise RecordingError(
-                    f"{path}: row {row_of(frame, known)}: {what}: they are {ratio:.2f} times those of the "
-                    "positions; expected metres and m/s, or the unit in the column's name"
-                )
+    meanings = {factor: f"speeds look like {unit}" for unit, factor in _FACTORS.items()}
+    for factor in _FACTORS.values():
+        meanings[1.0 / factor] = "positions are not in the same unit as the speeds (feet?)"
+    nearest = min(meanings, key=lambda factor: abs(ratio / factor - 1.0))
+    if abs(ratio / nearest - 1.0) < _AGREEMENT:
+        raise RecordingError(
+            f"{path}: row {row_of(frame, known)}: {meanings[nearest]}: they are {ratio:.2f} times those of "
+            "the positions; expected metres and m/s, or the unit in the column's name"
+        )

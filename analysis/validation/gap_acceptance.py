@@ -10,7 +10,6 @@ import pandas as pd
 import statsmodels.api as sm
 from numpy.typing import NDArray
 from scipy import stats
-from statsmodels.tools.sm_exceptions import PerfectSeparationError, PerfectSeparationWarning
 
 from analysis.arrays import FloatArray
 from analysis.recording.reading import Area
@@ -106,18 +105,21 @@ def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
     names = ("critical_gap", "s"), ("gap_slope", "1/s")
     accepted = offered["accepted"].to_numpy(np.float64) if len(offered) else np.zeros(0)
     people = int(offered["id"].nunique()) if len(offered) else 0
+
+    def unfitted(told: str) -> tuple[Estimate, Estimate]:
+        return undefined(*names[0], people, told), undefined(*names[1], people, told)
+
     if people < LEAST_PEDESTRIANS or accepted.min() == accepted.max():
-        told = f"{people} pedestrians chose among gaps"
-        return undefined(*names[0], people, told), undefined(*names[1], people, told)
-    design = sm.add_constant(offered["gap_s"].to_numpy(np.float64))
+        return unfitted(f"{people} pedestrians chose among gaps")
+    gap_s = offered["gap_s"].to_numpy(np.float64)
+    if told := _separated(gap_s[accepted == 1.0], gap_s[accepted == 0.0]):
+        return unfitted(told)
+    model = sm.Logit(accepted, sm.add_constant(gap_s))
     groups = pd.factorize(offered["id"])[0]
-    try:
-        model = sm.Logit(accepted, design)
-        fit = model.fit(disp=0)
-        robust = model.fit(disp=0, cov_type="cluster", cov_kwds={"groups": groups})
-    except (PerfectSeparationError, PerfectSeparationWarning, np.linalg.LinAlgError):
-        told = "every accepted gap is longer than every rejected one"
-        return undefined(*names[0], people, told), undefined(*names[1], people, told)
+    fit = model.fit(disp=0, warn_convergence=False)
+    if not fit.mle_retvals["converged"]:
+        return unfitted("the fit did not converge")
+    robust = model.fit(disp=0, cov_type="cluster", cov_kwds={"groups": groups})
     b0, b1 = np.asarray(fit.params).tolist()
     covariances = [np.asarray(one.cov_params()) for one in (fit, robust)]
     reach = float(stats.norm.ppf(0.5 + 0.5 * LEVEL))
@@ -129,3 +131,10 @@ def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
         Estimate(*names[0], gap, gap - reach * error, gap + reach * error, people, method),
         Estimate(*names[1], b1, b1 - reach * sharp, b1 + reach * sharp, people, method),
     )
+
+
+def _separated(accepted: FloatArray, rejected: FloatArray) -> str:
+    """Return how the gaps separate, empty where they overlap: no logit fits separate ones best."""
+    if accepted.min() >= rejected.max():
+        return "no accepted gap is shorter than a rejected one"
+    return "no accepted gap is longer than a rejected one" if accepted.max() <= rejected.min() else ""

@@ -39,8 +39,6 @@ COARSEST_S = 0.1
 class Observed:
     """One recording."""
 
-    name: str
-    """Of the run; part of the names of its road users, who are others in every run."""
     vehicles: pd.DataFrame
     """Sorted by id and time: ``id``, ``class``, ``time_s``, ``x_m``, ``y_m`` (front), ``speed_mps``,
     ``lane``, ``along_m`` and ``across_m`` of that lane (nan without one)."""
@@ -89,7 +87,6 @@ def observe(folder: Path) -> Observed:
     vehicle = (table["object_kind"] == "vehicle").to_numpy()
     encounters = pd.DataFrame(read_csv(folder / TRAFFIC_ENCOUNTERS.file), columns=TRAFFIC_ENCOUNTERS.names())
     return Observed(
-        folder.name,
         _on_lanes(table[vehicle], areas),
         table[~vehicle].rename(columns={"crossing_id": "crossing"}).reset_index(drop=True),
         encounters,

@@ -33,23 +33,21 @@ class Quantity:
     unit: str
     meaning: str
     values: Callable[[Observed], Values]
-    is_input: bool = False
-    """Taken from the tracks, so that it is not validated."""
 
 
 def _cars(seen: Observed) -> pd.DataFrame:
     return seen.vehicles[seen.vehicles["class"] == "passenger"]
 
 
-def _mean_speed(vehicles: pd.DataFrame) -> Values:
+def _mean_speed(vehicles: pd.DataFrame, step_s: float) -> Values:
     moving = vehicles[vehicles["speed_mps"] > MOVING_MPS]
-    return _series(_long_enough(moving)["speed_mps"].mean())
+    return _series(_long_enough(moving, step_s)["speed_mps"].mean())
 
 
-def _long_enough(frame: pd.DataFrame) -> Any:
-    """Return the groups of road users with enough samples."""
+def _long_enough(frame: pd.DataFrame, step_s: float) -> Any:
+    """Return the groups of road users who were seen for long enough, with samples a step apart [s]."""
     count = frame.groupby("id")["time_s"].transform("size")
-    return frame[count * 0.1 >= LEAST_S].groupby("id")
+    return frame[count * step_s >= LEAST_S].groupby("id")
 
 
 def _series(values: Any) -> Values:
@@ -112,14 +110,14 @@ def time_headway(seen: Observed) -> Values:
     """Return each car's median time headway while it follows."""
     found = headways(seen)
     follows = (found["speed_mps"] > FOLLOWING_MPS) & (found["headway_s"] < FOLLOWING_S)
-    return _series(_long_enough(found[follows])["headway_s"].median())
+    return _series(_long_enough(found[follows], seen.step_s)["headway_s"].median())
 
 
 def lateral_offset(seen: Observed) -> Values:
     """Return each car's mean distance to the left of its lane's axis while it moves."""
     cars = _cars(seen)
     moving = cars[(cars["speed_mps"] > MOVING_MPS) & (cars["across_m"].abs() < 2.0)]
-    return _series(_long_enough(moving)["across_m"].mean())
+    return _series(_long_enough(moving, seen.step_s)["across_m"].mean())
 
 
 def lateral_spread(seen: Observed) -> Values:
@@ -127,23 +125,23 @@ def lateral_spread(seen: Observed) -> Values:
     cars = _cars(seen)
     moving = cars[(cars["speed_mps"] > MOVING_MPS) & (cars["across_m"].abs() < 2.0)]
     moving = moving.assign(off=moving["across_m"].abs())
-    return _series(_long_enough(moving)["off"].mean())
+    return _series(_long_enough(moving, seen.step_s)["off"].mean())
 
 
 def car_speed(seen: Observed) -> Values:
     """Return each car's mean speed while it moves."""
-    return _mean_speed(_cars(seen))
+    return _mean_speed(_cars(seen), seen.step_s)
 
 
 def bicycle_speed(seen: Observed) -> Values:
     """Return each bicycle's mean speed while it moves."""
-    return _mean_speed(seen.vehicles[seen.vehicles["class"] == "bicycle"])
+    return _mean_speed(seen.vehicles[seen.vehicles["class"] == "bicycle"], seen.step_s)
 
 
 def walking_speed(seen: Observed) -> Values:
     """Return each pedestrian's median speed while they walk."""
     walking = seen.people[seen.people["speed_mps"] > WALKING_MPS]
-    return _series(_long_enough(walking)["speed_mps"].median())
+    return _series(_long_enough(walking, seen.step_s)["speed_mps"].median())
 
 
 def crossing_time(seen: Observed) -> Values:

@@ -23,11 +23,6 @@ class Compared:
     found: Comparison
 
     @property
-    def role(self) -> str:
-        """``input`` or ``outcome``."""
-        return "input" if self.quantity.is_input else "outcome"
-
-    @property
     def sentence(self) -> str:
         """The verdict in words."""
         return in_words(self.found, self.quantity.unit)
@@ -40,14 +35,6 @@ VALIDATION = Table(
         text("quantity", "what is compared", source="quantity.name", required=True),
         text("unit", "of the values", source="quantity.unit", required=True),
         text("meaning", "the value of one road user", source="quantity.meaning", required=True),
-        text(
-            "role",
-            "an input was taken from the tracks, so it is not validated",
-            "input",
-            "outcome",
-            source="role",
-            required=True,
-        ),
         count("n_real", "real road users with a value", source="found.n_real", required=True),
         count("n_simulated", "simulated ones, over all seeds", source="found.n_simulated", required=True),
         number("real_mean", "1", "mean over real road users, in the unit of the row", source="found.real"),

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
 from analysis.criteria.culprit import culprit, of_row
 from analysis.criteria.culprit_alone import ALONE, of_ego
+from analysis.criteria.culprit_vehicle import CLOSE, of_conflict
 from analysis.files import read_csv
 from analysis.results.overlap_rows import VEHICLE_OVERLAPS
 from analysis.results.run_tables import ENCOUNTERS, RUNS
+from analysis.results.vehicle_conflict_rows import VEHICLE_CONFLICTS
 from cosim.checks.finding import Finding
 
 if TYPE_CHECKING:
@@ -138,8 +140,11 @@ def with_culprit(judged: Finding, folder: Path, run: Cells) -> Finding:
     """
     if judged.status != "fail":
         return judged
-    if judged.metric in ALONE:
-        alone = of_ego(judged.metric, run, read_csv(folder / VEHICLE_OVERLAPS.file))
+    if judged.metric in (*ALONE, *CLOSE):
+        if judged.metric in CLOSE:
+            alone = of_conflict(judged.metric, read_csv(folder / VEHICLE_CONFLICTS.file))
+        else:
+            alone = of_ego(judged.metric, run, read_csv(folder / VEHICLE_OVERLAPS.file))
         return judged if alone is None else replace(judged, **asdict(alone))
     rows = read_csv(folder / ENCOUNTERS.file)
     worst = culprit(judged.metric, rows)

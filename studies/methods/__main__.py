@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from analysis.files import write_json
+from analysis.files import read_json, write_json
 from cosim.batches.batch import BatchRequest, prepared
 from cosim.batches.progress import shown_checks, shown_tally
 from cosim.batches.study import StudyTable, parse_seeds, read_study
@@ -83,12 +83,14 @@ def batches(out: Path, tables: dict[Block, StudyTable]) -> Iterator[tuple[Path, 
 
 
 def write_plan(out: Path, tables: dict[Block, StudyTable]) -> None:
-    """Write how many runs the whole has, and of what."""
+    """Write how many runs the whole has, and of what: what was planned before stays."""
+    path = out / PLAN
+    before = read_json(path)["runs"] if path.exists() else {}
     runs = {
         folder.relative_to(out).as_posix(): len(table.controllers) for folder, table in batches(out, tables)
     }
     out.mkdir(parents=True, exist_ok=True)
-    write_json(out / PLAN, {"runs": runs})
+    write_json(path, {"runs": {**before, **runs}})
 
 
 def main(arguments: list[str]) -> int:

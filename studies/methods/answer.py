@@ -74,7 +74,7 @@ def _contacts(rows: Mapping[str, Row]) -> str:
         f"`{label}` {row.contacts} ({row.preventable} preventable)" for label, row in touched.items()
     )
     encounters = sum(row.encounters for row in rows.values())
-    return f"**Contacts.** In {encounters} encounters: {listed}; the others none."
+    return f"**Contacts.** In {encounters:,} entered encounters: {listed}; the others none."
 
 
 def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
@@ -94,7 +94,7 @@ def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
     )
     chance = power(row.encounters, ASSUMED)
     return (
-        f"**Non-inferiority.** With {row.preventable} preventable contacts in {row.encounters} entered "
+        f"**Non-inferiority.** With {row.preventable} preventable contacts in {row.encounters:,} entered "
         f"encounters, `{OURS}` {told}; were {100 * ASSUMED:g} per 100 the truth for both, a study of "
         f"this size would show it with a power of {chance:.0%}, and of 80 % from {needed(ASSUMED):,} "
         "encounters a method on."
@@ -103,7 +103,7 @@ def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
 
 def _on_the_front(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
     best = front(rows)
-    slower = [
+    different = [
         f"`{one.method}` {one.delay.difference:+.1f} s"
         for one in others
         if one.delay.difference is not None and one.delay_p is not None and one.delay_p < 0.05
@@ -111,14 +111,16 @@ def _on_the_front(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
     how = " (paired by condition and seed, Holm's correction)"
     if all(one.delay_p is None for one in others):
         told = "one run each is too little to test whether delays differ"
-    elif slower:
-        told = f"beyond chance, these differ in delay from `{OURS}`: {', '.join(slower)}{how}"
+    elif different:
+        told = f"beyond chance, these differ in delay from `{OURS}`: {', '.join(different)}{how}"
     else:
         told = f"no method's delay differs from that of `{OURS}` beyond chance{how}"
     listed = ", ".join(f"`{one}`" for one in best)
+    references = " and ".join(f"`{one}`" for one in REFERENCES)
     return (
-        f"**Safety against delay.** Beaten by no other method in both: {listed}; "
-        f"`{OURS}` is {'' if OURS in best else 'not '}among them; {told}."
+        f"**Safety against delay.** Among the methods of avoidance ({references} are references), no other "
+        "method has both fewer preventable contacts per encounter and less delay than "
+        f"{listed}; `{OURS}` is {'' if OURS in best else 'not '}among them; {told}."
     )
 
 

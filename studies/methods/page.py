@@ -17,13 +17,14 @@ from analysis.files import write_text
 from analysis.markdown import table
 from analysis.statistics.paired import Comparison
 from analysis.study.design import Condition, Study, read_study
+from analysis.wording import p_value
 from studies.finished import run_folders
 from studies.methods.__main__ import PLAN
 from studies.methods.against import MARGIN, OURS, Against, against, differences
 from studies.methods.answer import sentences
 from studies.methods.basis import basis
 from studies.methods.figure import draw
-from studies.methods.rows import Row, balanced, pooled, rows, title
+from studies.methods.rows import NEAR_M, Row, balanced, pooled, rows, title
 
 FIGURE = "study-papers.png"
 VARIANTS, MIDBLOCK = "rules_as_printed", "midblock_zebra"
@@ -43,7 +44,7 @@ _HEADINGS = (
     "jerk, p95 [m/s³]",
     "applies",
     "acts where it applies",
-    "overruled",
+    "overridden",
     "solved",
     "control step, p95 [ms]",
 )
@@ -53,7 +54,7 @@ _AGAINST = (
     "p",
     "jerk, p95 [m/s³] (95 %)",
     "p",
-    "preventable contacts per 100, ours minus its",
+    f"preventable contacts per 100, `{OURS}` minus the method",
     "upper bound",
     "ours non-inferior",
 )
@@ -65,7 +66,7 @@ pedestrians and vehicles, on the same seeds, beside methods of today and SUMO's 
 beyond it stands in [the methods at work](methods-at-work.md).
 """
 _PICTURE = f"""\
-![contacts per 100 encounters over the delay against {OURS}, a point a method]({FIGURE})
+![contacts per 100 encounters over the delay against {OURS}, one point per method]({FIGURE})
 
 *Safety against delay over all conditions, with 95 % intervals: exact ones of the share of contacts, and those
 of the paired difference of delays.*
@@ -73,16 +74,19 @@ of the paired difference of delays.*
 _HOW = f"""\
 ## How it was counted
 
+*People at once* is the mean number of pedestrians within {NEAR_M:g} m of an ego that is near a crossing.
 *Entered encounters* are those whose pedestrian was on the crossing or in the ego's path, or was touched.
-Contacts are computed from recorded shapes, continuously between samples; a contact is *preventable* if the
-careful driver of UN R157 would have avoided it. The interval of their share is exact for independent
-encounters; those of one run may be correlated. *Least TTC* is the minimum over all runs.
-Delay is relative to the speed limit; an unfinished trip counts with its delay so far. *Applies* is the share
-of the plans near pedestrians in which the condition holds under which the method's source has it act, *acts
-where it applies* the share of those in which the method's own plan is driven, *overruled* the share in which
-emergency braking or a fallback has the last word; each controller says so itself ([metrics](metrics.md)).
-*Solved* is the share of all plans. Jerk and control step are means over runs of the run's 95th percentile;
-the control step is wall-clock time, measured beside other runs.
+*Contacts* are entered encounters with a contact while the ego moved, computed from recorded shapes,
+continuously between samples; one is *preventable* if the careful driver of UN R157 would have avoided its
+first contact. The interval of their share is exact for independent encounters; those of one run may be
+correlated. *Least TTC* is the minimum over all runs. Delay is relative to the speed limit; an unfinished trip
+counts with its delay so far. *Delay of a trip* is the mean over all egos, so conditions with many egos weigh
+more; the differences weigh every condition and seed equally, so the two may have opposite signs. *Applies* is
+the share of the plans near pedestrians in which the condition holds under which the method's source has it
+act, *acts where it applies* the share of those in which the method's own plan is driven, *overridden* the
+share in which emergency braking or a fallback has the last word; each controller says so itself
+([metrics](metrics.md)). *Solved* is the share of all plans. Jerk and control step are means over runs of the
+run's 95th percentile; the control step is wall-clock time, measured beside other runs.
 
 Differences of delay and jerk are those of runs of the same condition and seed; their p-values have Holm's
 correction over the methods, those of single conditions (marked `*` from 5 % down) control the false discovery
@@ -107,7 +111,7 @@ def markdown(
     whole : the row of each method over all conditions
     others : every other method against ours
     aside : variants of single methods
-    planned : runs of each batch of the whole study, by its folder
+    planned : runs of each batch of the whole study, by its folder, without variants
     """
     rows_of = {condition: rows(study, condition) for condition in study.conditions}
     fewest = min((row.encounters for found in rows_of.values() for row in found), default=0)
@@ -148,15 +152,19 @@ def write_page(folder: Path, page: Path) -> None:
     draw(page.parent / FIGURE, whole, others)
     aside = [one for one in folders if VARIANTS in one.parts]
     beside = [one for one in main if MIDBLOCK in one.parts] if aside else []
-    plan = folder / PLAN
-    planned = json.loads(plan.read_text("utf-8"))["runs"] if plan.exists() else {}
     variants = None
     if aside:
         both = read_study([*beside, *aside])
         variants = balanced(
             replace(both, runs=tuple(one for one in both.runs if one.controller == "vo_paper"))
         )
-    write_text(page, markdown(study, whole, others, variants, planned))
+    write_text(page, markdown(study, whole, others, variants, _planned(folder / PLAN)))
+
+
+def _planned(plan: Path) -> Mapping[str, int]:
+    """Return the planned runs of each batch, without those of variants, which have a table of their own."""
+    runs = json.loads(plan.read_text("utf-8"))["runs"] if plan.exists() else {}
+    return {batch: number for batch, number in runs.items() if VARIANTS not in Path(batch).parts}
 
 
 def _read(folders: Sequence[Path]) -> Study:
@@ -170,9 +178,9 @@ def _against(one: Against) -> list[str]:
     return [
         one.method,
         _difference(one.delay),
-        _number(one.delay_p, ".3f"),
+        p_value(one.delay_p, ""),
         _difference(one.jerk),
-        _number(one.jerk_p, ".3f"),
+        p_value(one.jerk_p, ""),
         _number(one.excess, "+.2f"),
         _number(one.bound, "+.2f"),
         "yes" if one.shown else "not shown",

@@ -30,22 +30,22 @@ class Row:
     people_at_once: float | None
     encounters: int
     contacts: int
+    """Encounters with a collision."""
     contact_share: Interval | None
     least_ttc: float | None
     short_ttc: int
     """Encounters with TTC < 1.5 s."""
     delay: float | None
     jerk: float | None
-    unsolved: int
     control_ms: float | None
     preventable: int = 0
-    """Contacts that the careful driver of R157 would have prevented."""
+    """Those whose first collision the careful driver of R157 would have prevented."""
     applies: float | None = None
     """Share of the plans near pedestrians in which the method's condition holds."""
     acts: float | None = None
     """Share of those in which its own plan is driven."""
     overridden: float | None = None
-    """Share of the plans near pedestrians in which braking or a fallback overrules it."""
+    """Share of the plans near pedestrians in which braking or a fallback overrides it."""
     solved: float | None = None
     """Share of all plans that were solved."""
 
@@ -79,8 +79,9 @@ def people_at_once(run: RecordedRun) -> float | None:
 
 def _row(label: str, runs: Sequence[StudyRun]) -> Row:
     valid = [run for run in runs if run.valid]
-    encounters, contacts, short = (
-        round(sum(run.numbers[name] for run in valid)) for name in ("met", "met_collision", "met_ttc_lt_1p5")
+    encounters, contacts, preventable, short = (
+        round(sum(run.numbers[name] for run in valid))
+        for name in ("met", "met_collision", "met_preventable", "met_ttc_lt_1p5")
     )
     ttc = np.concatenate([run.samples["min_ttc_s"] for run in valid]) if valid else np.zeros(0)
     recorded = [read_run(run.folder) for run in valid if (run.folder / "neighbours.parquet").exists()]
@@ -96,9 +97,8 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
         short_ttc=short,
         delay=_per_ego(valid, "ego_delay_mean_s"),
         jerk=_mean([run.numbers.get("p95_abs_jerk_mps3") for run in valid]),
-        unsolved=round(sum(run.numbers.get("n_solver_fail", 0.0) for run in valid)),
         control_ms=_mean([run.numbers.get("compute_p95_ms") for run in valid]),
-        preventable=round(sum(run.numbers.get("n_collisions_preventable", 0.0) for run in valid)),
+        preventable=preventable,
         applies=_near(valid, "method_applies_share"),
         acts=_near(valid, "method_acts_where_applies_share", "method_applies_share"),
         overridden=_near(valid, "method_overridden_share"),

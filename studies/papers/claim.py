@@ -32,7 +32,6 @@ class Kind(StrEnum):
     """We, about our implementation or our reading; the paper says nothing of it."""
 
 
-HOLDS = frozenset({Status.RESULT, Status.ARITHMETIC, Status.OWN_CHECK})
 _HOLDS = {Kind.RESULT: Status.RESULT, Kind.ARITHMETIC: Status.ARITHMETIC, Kind.OWN: Status.OWN_CHECK}
 
 

@@ -16,7 +16,8 @@ from analysis.errors import StudyError
 from analysis.markdown import table, write_below
 from analysis.statistics.intervals import Interval, mean_interval
 from analysis.statistics.paired import compare_values
-from analysis.study.runs import find_run_folders, read_runs
+from analysis.study.runs import read_runs
+from studies.finished import run_folders
 from studies.penetration.figure import draw
 from studies.penetration.outcomes import ALL, MEASURES, WHO, Measure, Outcome, outcomes
 
@@ -36,10 +37,7 @@ def write_page(folder: Path, page: Path) -> None:
     StudyError
         If there are no runs in the folder, or they cannot be read.
     """
-    folders = find_run_folders(folder)
-    if not folders:
-        raise StudyError(f"{folder}: no runs; cosim batch makes them")
-    found = outcomes(read_runs(folders))
+    found = outcomes(read_runs(run_folders(folder)))
     sections = []
     for scenario in sorted({one.scenario for one in found}):
         here = [one for one in found if one.scenario == scenario]

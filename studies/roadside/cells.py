@@ -29,7 +29,7 @@ class Outcome:
     """With people who were in the ego's path, or were touched."""
     contacts: int
     preventable: int
-    """Contacts that the reference driver would have prevented from when the ego was told."""
+    """Contacts that the reference driver would have prevented, whatever the ego was told."""
     told: FloatArray
     """How long the ego had been told of each of them when the conflict came [s]."""
     delay: float

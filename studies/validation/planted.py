@@ -51,7 +51,6 @@ def recording(seed: int) -> Observed:
     vehicles = [_pass(f"v{number}", time) for number, time in enumerate(passing[passing < 40.0 * PEOPLE])]
     vehicles += _followers(rng)
     return Observed(
-        "planted",
         pd.concat(vehicles, ignore_index=True).sort_values(["id", "time_s"], ignore_index=True),
         pd.concat(people, ignore_index=True).sort_values(["id", "time_s"], ignore_index=True),
         pd.DataFrame({"ped_id": [], "entered": []}),

@@ -22,11 +22,6 @@ class Tally:
         return [run for run in self.runs if run.valid]
 
     @property
-    def failed(self) -> list[Run]:
-        """Return the others."""
-        return [run for run in self.runs if not run.valid]
-
-    @property
     def contacts(self) -> list[Contact]:
         """Return the contacts with a moving ego."""
         return [contact for run in self.valid for contact in run.contacts]

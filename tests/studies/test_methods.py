@@ -26,7 +26,10 @@ from tests.analysis.study.study_folders import write_study_run
 def _study(folder: Path) -> Path:
     few, many = {"pedestrians_per_hour": 100.0}, {"pedestrians_per_hour": 700.0}
     met, touched = {"min_ttc_s": 2.0}, {"min_ttc_s": 0.5, "collision": True, "n_collisions": 1}
-    numbers = {"ego_delay_mean_s": 10.0, "p95_abs_jerk_mps3": 2.0, "compute_p95_ms": 4.0, "n_solver_fail": 1}
+    # Touched twice in one encounter, which counts once.
+    touched |= {"preventable_r157": True, "n_collisions": 2}
+    numbers = {"ego_delay_mean_s": 10.0, "p95_abs_jerk_mps3": 2.0, "compute_p95_ms": 4.0}
+    numbers |= {"n_solver_fail": 1, "n_plans": 10, "n_collisions_preventable": 2}
     longer = {**numbers, "ego_count": 3, "ego_delay_mean_s": 20.0, "p95_abs_jerk_mps3": 4.0}
     write_study_run(folder / "a1", "aeb", 1, setting=few, numbers=numbers, encounters=[met, touched])
     write_study_run(folder / "a2", "aeb", 2, setting=few, numbers=longer, encounters=[met, met])
@@ -42,14 +45,14 @@ def test_runs_of_one_method_and_demand_make_one_row(tmp_path: Path) -> None:
     few, many = study.conditions
     aeb, sumo = rows(study, few)
     assert (aeb.method, aeb.runs, aeb.valid) == ("aeb", 2, 2)
-    assert (aeb.encounters, aeb.contacts, aeb.short_ttc) == (4, 1, 1)
+    assert (aeb.encounters, aeb.contacts, aeb.preventable, aeb.short_ttc) == (4, 1, 1, 1)
     # Clopper and Pearson for 1 of 4.
     assert aeb.contact_share is not None
     assert (aeb.contact_share.low, aeb.contact_share.high) == pytest.approx((0.0063, 0.8059), abs=5e-5)
     assert aeb.least_ttc == 0.5
     assert aeb.delay == pytest.approx((1 * 10.0 + 3 * 20.0) / 4)
     assert aeb.jerk == 3.0
-    assert (aeb.unsolved, aeb.control_ms) == (2, 4.0)
+    assert (aeb.solved, aeb.control_ms) == (0.9, 4.0)
     # Whoever neither enters nor is touched is not met, and an invalid run is counted but not used.
     assert (sumo.runs, sumo.valid, sumo.encounters, sumo.contacts) == (2, 1, 0, 0)
     assert sumo.contact_share is None
@@ -71,7 +74,8 @@ def test_people_are_counted_near_an_ego_that_is_near_a_crossing(tmp_path: Path) 
 
 def test_the_page_says_the_answer_first_and_what_it_rests_on(tmp_path: Path) -> None:
     study, page = _study(tmp_path / "study"), tmp_path / "page.md"
-    write_json(study / "plan.json", {"runs": {"seed_1/busy/one": 3, "seed_2/busy/one": 3}})
+    planned = {"seed_1/busy/one": 3, "seed_2/busy/one": 3, "seed_1/busy/rules_as_printed": 1}
+    write_json(study / "plan.json", {"runs": planned})
     write_page(study, page)
     first = page.read_text()
     headings = [line for line in first.splitlines() if line.startswith("#")]
@@ -82,7 +86,7 @@ def test_the_page_says_the_answer_first_and_what_it_rests_on(tmp_path: Path) -> 
     )
     assert size in first
     assert "Of the 6 runs planned, this page counts 4" in first
-    row = "| aeb | 2 of 2 |  | 4 | **1** | 0 | 25.0% (0.6% … 80.6%) | 0.50 | 1 | 17.5 | 3.0 |"
+    row = "| aeb | 2 of 2 |  | 4 | **1** | 1 | 25.0% (0.6% … 80.6%) | 0.50 | 1 | 17.5 | 3.0 |"
     assert row in first
     assert (page.parent / "study-papers.png").exists()
     write_page(study, page)
@@ -118,10 +122,11 @@ def test_non_inferiority_is_shown_from_a_size_on_and_not_by_a_worse_method() -> 
 def test_every_other_method_is_compared_with_ours_in_pairs(tmp_path: Path) -> None:
     for seed in (1, 2, 3):
         for label, delay in (("vo_mpc", 10.0 + seed), ("aeb", 5.0 + 1.1 * seed)):
-            numbers = {"ego_delay_mean_s": delay, "n_collisions_preventable": int(label == "aeb")}
-            write_study_run(
-                tmp_path / f"{label}{seed}", label, seed, numbers=numbers, encounters=[{"min_ttc_s": 2.0}] * 2
-            )
+            numbers, struck = {"ego_delay_mean_s": delay}, label == "aeb"
+            met = {"min_ttc_s": 2.0}
+            touched = {**met, "collision": struck, "preventable_r157": struck}
+            folder = tmp_path / f"{label}{seed}"
+            write_study_run(folder, label, seed, numbers=numbers, encounters=[met, touched])
     study = read_study(sorted(tmp_path.iterdir()))
     (aeb,) = against(study, {label: pooled(study, label) for label in study.all_labels()})
     assert (aeb.method, aeb.delay.pairs) == ("aeb", 3)
@@ -133,7 +138,7 @@ def test_every_other_method_is_compared_with_ours_in_pairs(tmp_path: Path) -> No
 
 def test_the_front_is_what_nothing_beats_in_both_and_references_are_not_on_it() -> None:
     def row(preventable: int, delay: float) -> Row:
-        return Row("", 1, 1, None, 100, preventable, None, None, 0, delay, None, 0, None, preventable)
+        return Row("", 1, 1, None, 100, preventable, None, None, 0, delay, None, None, preventable)
 
     found = front({"a": row(0, 10.0), "b": row(2, 5.0), "c": row(2, 6.0), "sumo": row(0, 1.0)})
     assert found == ["a", "b"]
@@ -154,7 +159,8 @@ def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
     assert "6 runs of the 60 of the whole study" in size
     assert "fewer than the 150" in size
     assert contacts == "**Contacts.** No method touched anybody."
-    assert "Beaten by no other method in both: `aeb`; `vo_mpc` is not among them" in fronts
+    assert "and less delay than `aeb`; `vo_mpc` is not among them" in fronts
+    assert "(`sumo` and `septic_lane_change` are references)" in fronts
     assert "`aeb` -4.8 s" in fronts
     assert "at least 40 % of the plans (`aeb`); below 50 %: aeb" in acting
     for count, shown in ((400, "and not shown to be of"), (1200, "is shown to be within 0.5 per 100")):
@@ -202,6 +208,8 @@ def test_the_levels_of_every_study_file_are_run_one_after_the_other(tmp_path: Pa
         assert demand == sorted(demand)
         assert all(len(values) == 1 for level in LEVELS for values in found[level, name].vary.values())
     write_plan(tmp_path, found)
+    # A part that is run again leaves the plan whole.
+    write_plan(tmp_path, studies(Path(), files[:1], ["busy"], seeds="7"))
     assert sum(json.loads((tmp_path / "plan.json").read_text())["runs"].values()) == 3 * (5 * 15 + 1)
 
 

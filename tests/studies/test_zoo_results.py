@@ -56,7 +56,7 @@ def test_every_run_that_was_asked_for_is_a_row(mixed: list[Run]) -> None:
 
 def test_runs_that_failed_are_counted_as_failed_and_nowhere_else(mixed: list[Run]) -> None:
     tally = of(mixed, "vo_mpc")
-    assert (len(tally.valid), len(tally.failed), tally.entered, len(tally.contacts)) == (1, 1, 50, 1)
+    assert (len(tally.runs), len(tally.valid), tally.entered, len(tally.contacts)) == (2, 1, 50, 1)
     assert of(mixed, "aeb").entered == 0
 
 

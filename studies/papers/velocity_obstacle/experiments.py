@@ -214,19 +214,19 @@ def _optimum_claims(one: Optima) -> Iterable[Claim]:
         why="it is one-sided and takes the principal arctangent; both sides and the full angle are used here",
     )
     for passes in (1, 2):
-        drive = scenes.driven(scenes.problem(one.scene), passes)
-        plain = scenes.driven(scenes.problem(one.scene), passes, simple_starts=False)
+        driven = scenes.driven_cost(scenes.problem(one.scene), passes)
+        plain = scenes.driven_cost(scenes.problem(one.scene), passes, simple_starts=False)
         yield compared(
             PAPER,
             one.scene.name,
             f"Driven with {passes} quadratic program{'s' * (passes > 1)} a step, J stays at the optimum.",
             kind=Kind.OWN,
             theirs=float(f"{one.best.cost:.6g}"),
-            ours=drive.cost,
+            ours=driven,
             tolerance=SHARE * one.best.cost,
             unit="(m/s)²",
-            why=f"{_more(drive.cost, one.best.cost)}; begun from the last plan alone, not from simple plans "
-            f"as well, {_more(plain.cost, one.best.cost)}",
+            why=f"{_more(driven, one.best.cost)}; begun from the last plan alone, not from simple plans "
+            f"as well, {_more(plain, one.best.cost)}",
         )
 
 

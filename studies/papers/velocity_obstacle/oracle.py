@@ -38,7 +38,6 @@ class Task:
     steering_weight: float = 1.0
     end_x: float | None = None
     """Lane to end in, straight on and with straight wheels [m]."""
-    end_y: float | None = None
     radius: float = 2.0
     speed: float = 7.5
     wheelbase: float = 2.6
@@ -167,6 +166,5 @@ def _least_distances(dx: FloatArray, dy: FloatArray) -> FloatArray:
 def _ends(z: FloatArray, task: Task) -> FloatArray:
     if task.end_x is None:
         return np.zeros(0)
-    x, y, heading, _, wheel = _motion(z, task)
-    off = [x[-1] - task.end_x, heading[-1] - 0.5 * np.pi, wheel[-1]]
-    return np.array(off if task.end_y is None else [*off, y[-1] - task.end_y])
+    x, _, heading, _, wheel = _motion(z, task)
+    return np.array([x[-1] - task.end_x, heading[-1] - 0.5 * np.pi, wheel[-1]])

@@ -94,16 +94,15 @@ def problem(
     )
 
 
-def lane_change(steering_weight: float, *, along: float | None = None, side: int = -1) -> AvoidanceProblem:
-    """Return experiment 3 with the end of a change of lane to the right (−1).
+def lane_change(steering_weight: float, *, along: float | None = None) -> AvoidanceProblem:
+    """Return experiment 3 with the end of a change of lane to the right.
 
     Parameters
     ----------
     steering_weight : w of the objective [(m/s)^2/rad^2]
     along : where it is to end along the road; ``None``: anywhere [m]
-    side : +1 for the left
     """
-    end = End(E3.steps, along=along, across=side * LANE, heading=0.0, steering=0.0)
+    end = End(E3.steps, along=along, across=-LANE, heading=0.0, steering=0.0)
     return problem(E3, steers=True, steering_weight=steering_weight, end=end)
 
 
@@ -113,21 +112,8 @@ def optimum(one: AvoidanceProblem, behind: int) -> AvoidancePlan:
     return optimiser.solve_class(one, behind, class_jumps(one)[1][behind])
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """What came of driving a scene step by step."""
-
-    inputs: FloatArray
-    """Shape (2, n)."""
-    states: FloatArray
-    """Shape (5, n + 1)."""
-    cost: float
-    programs: int
-    """Quadratic programs per class and step at most."""
-
-
-def driven(one: AvoidanceProblem, passes: int, *, simple_starts: bool = True) -> Drive:
-    """Drive with the horizon that is left, both classes planned anew at every step.
+def driven_cost(one: AvoidanceProblem, passes: int, *, simple_starts: bool = True) -> float:
+    """Return J of a drive with the horizon that is left, both classes planned anew at every step [(m/s)^2].
 
     Parameters
     ----------
@@ -136,10 +122,10 @@ def driven(one: AvoidanceProblem, passes: int, *, simple_starts: bool = True) ->
     simple_starts : begin each from the best of simple plans as well, not from the last plan alone
     """
     inputs: list[FloatArray] = []
-    states = [one.start]
+    state = one.start
     last: dict[int, FloatArray] = {}
     for step in range(one.steps):
-        rest = _rest(one, step, states[-1])
+        rest = _rest(one, step, state)
         plans = {}
         for behind in (AHEAD, BEHIND):
             solve = _solve if simple_starts else _solve_plainly
@@ -147,9 +133,8 @@ def driven(one: AvoidanceProblem, passes: int, *, simple_starts: bool = True) ->
             last[behind] = plans[behind].inputs[:, 1:]
         best = min(plans.values(), key=lambda plan: plan.merit)
         inputs.append(best.inputs[:, 0])
-        states.append(best.states[:, 1])
-    given = np.array(inputs).T
-    return Drive(given, np.array(states).T, float(one.cost(given)), passes)
+        state = best.states[:, 1]
+    return float(one.cost(np.array(inputs).T))
 
 
 def _solve(one: AvoidanceProblem, behind: int, passes: int, last: FloatArray | None) -> AvoidancePlan:

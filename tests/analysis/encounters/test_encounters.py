@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
+from analysis.files import read_csv
 from analysis.results.analyse import RunReport, analyse_run
+from analysis.results.exposure_rows import EXPOSURE
 from analysis.thresholds import Thresholds
-from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run
+from tests.analysis.recorded import ZEBRA, Ego, Motion, Person, line, write_run, write_traffic
 
 
 def crosses(start: float, end: float, waits_from: float = -1e9) -> Callable[[float], str]:
@@ -228,6 +230,31 @@ def test_the_waiting_of_a_pedestrian_is_his_delay(tmp_path: Path) -> None:
     row = only(analyse(tmp_path, Ego(line(0, 0, 10, 0)), person, duration=12.0))
     assert row["ped_wait_s"] == pytest.approx(3.0, abs=0.2)
     assert row["ped_delay_s"] == pytest.approx(3.0, abs=0.11)
+
+
+def test_an_earlier_walk_over_the_crossing_is_no_delay_of_the_next_one(tmp_path: Path) -> None:
+    # Waits 10 s, crosses in 8 s, walks on for 1 s, turns and crosses at once, in 8 s.
+    turns_s = 19.0
+
+    def walks(t: float) -> tuple[float, float]:
+        way = 1.25 * max(min(t, turns_s) - 10.0, 0.0) - 1.25 * max(t - turns_s, 0.0)
+        return 32.5, -5.0 + way
+
+    def phase(t: float) -> str:
+        if 10.0 <= t <= 18.0 or 20.0 <= t <= 28.0:
+            return "crossing"
+        return "waiting" if t < 10.0 else "walking"
+
+    # The ego comes for the second walk: at the crossing 26 s after the beginning.
+    person = Person(walks, phase=phase)
+    folder = write_run(tmp_path, [Ego(line(32.5 - 260.0, 0, 10, 0))], [person], duration=30.0)
+    write_traffic(folder, [], [person])
+    row = only(analyse_run(folder))
+    assert row["ped_wait_s"] == 0.0
+    assert row["ped_delay_s"] == pytest.approx(0.0, abs=0.2)
+    (used,) = read_csv(folder / EXPOSURE.file)
+    assert (used["n_pedestrians"], used["n_ped_delay_defined"]) == ("2", "2")
+    assert float(used["ped_delay_sum_s"]) == pytest.approx(10.0, abs=0.3)
 
 
 def test_one_who_steps_out_late_could_not_have_been_spared(tmp_path: Path) -> None:

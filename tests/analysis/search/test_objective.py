@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from analysis.criteria.criterion import Criterion
+from analysis.criteria.criterion import Criterion, judge, row_value
 from analysis.criteria.reading import read_criteria
 from analysis.search.objective import judge_run, searchable
 from tests.analysis.rows_of_runs import encounter, run
@@ -64,6 +64,48 @@ def test_what_nobody_could_have_prevented_is_no_failure_and_leads_away() -> None
 
 def test_an_undefined_preventability_counts_as_preventable() -> None:
     assert margin(encounter(collision=1, preventable_r157="", impact_speed_kmh=30.0)) == pytest.approx(-0.75)
+
+
+BUMPED = contact(contact_place="carriageway", contact_moved_by="pedestrian", contact_class="ego")
+
+
+@pytest.mark.parametrize(
+    ("metric", "fails"),
+    [
+        ("n_collisions", True),
+        ("n_collisions_preventable", True),
+        ("n_collisions_crossing", False),
+        ("n_collisions_carriageway", True),
+        ("n_collisions_moved_by_ego", False),
+        ("n_collisions_moved_by_both", False),
+        ("n_collisions_moved_by_pedestrian", True),
+        ("n_collisions_class_ego", True),
+        ("n_collisions_class_appeared", False),
+    ],
+)
+def test_a_contact_fails_the_criteria_that_count_it(metric: str, fails: bool) -> None:
+    criterion = Criterion("none", "run", metric, "==", 0.0)
+    row = run(**{metric: int(fails)})
+    assert judge(criterion, row_value(criterion, row)).status == ("fail" if fails else "pass")
+    verdict = judge_run([criterion], [BUMPED], [row])
+    assert verdict.failed == fails
+    assert verdict.judged
+
+
+def test_a_contact_fails_no_criterion_that_does_not_choose_its_encounter() -> None:
+    def none(place: str) -> Criterion:
+        return Criterion("none", "encounter", "collision", "==", 0.0, where={"contact_place": place})
+
+    assert judge_run([none("crossing")], [BUMPED], [run()]).margin is None
+    assert judge_run([none("carriageway")], [BUMPED], [run()]).failed
+    # Somebody whom it might have touched there gives the search a slope.
+    near = encounter(clearance_min_m=1.0)
+    assert judge_run([none("crossing")], [BUMPED, near], [run()]).margin == pytest.approx(1.0 / 3.0)
+
+
+def test_a_later_contact_of_an_encounter_counts_though_only_the_first_ones_kind_is_told() -> None:
+    criterion = Criterion("none", "run", "n_collisions_crossing", "==", 0.0)
+    assert judge_run([criterion], [BUMPED], [run(n_collisions_crossing=1)]).failed
 
 
 def test_a_number_has_its_distance_to_the_threshold() -> None:

@@ -47,6 +47,13 @@ def test_every_measure_is_made_of_columns_and_tallies_that_exist() -> None:
         ("n_plans", "neither"),
         ("n_lane_changes", "neither"),
         ("ego_delay_mean_s", "higher"),
+        ("follower_min_ttc_s", "lower"),
+        ("follower_max_drac_mps2", "higher"),
+        ("min_vehicle_pet_s", "lower"),
+        ("n_collisions_preventable", "higher"),
+        ("n_collisions_crossing", "higher"),
+        ("n_collisions_moved_by_pedestrian", "higher"),
+        ("n_collisions_class_appeared", "higher"),
     ],
 )
 def test_a_measure_says_which_direction_is_worse(name: str, worse: str) -> None:

@@ -207,6 +207,7 @@ def test_tracks_that_jump_are_refused_with_their_row(tmp_path: Path) -> None:
     [
         ({"speed_mps": 36.0}, "speeds look like km/h"),
         ({"speed_mps": 22.37}, "speeds look like mph"),
+        ({"speed_mps": 32.81}, "speeds look like ft/s"),
         ({"speed_mps": 10.0 * 0.3048}, "positions are not in the same unit as the speeds (feet?)"),
         ({"heading_rad": 90.0}, "row 2: heading 90 is no angle in radians"),
         ({"x_m": "far"}, "row 2: x_m: expected a number, got 'far'"),

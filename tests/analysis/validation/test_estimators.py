@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -42,12 +43,28 @@ def test_a_gap_without_a_next_vehicle_and_a_signal_tell_nothing(seen: Observed) 
 def test_nothing_is_fitted_to_few_pedestrians_or_to_gaps_that_separate_perfectly() -> None:
     rows = [(f"p{i}", gap, float(gap > 5.0)) for i in range(12) for gap in (2.0 + 0.1 * i, 6.0 + 0.1 * i)]
     table = pd.DataFrame(rows, columns=["id", "gap_s", "accepted"])
-    gap, _ = critical_gap(table)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # As outside of tests, where a warning ends nothing.
+        gap, _ = critical_gap(table)
+        turned, _ = critical_gap(table.assign(accepted=1.0 - table["accepted"]))
     assert not gap.known
-    assert gap.method == "every accepted gap is longer than every rejected one"
+    assert gap.method == "no accepted gap is shorter than a rejected one"
+    assert turned.method == "no accepted gap is longer than a rejected one"
     gap, _ = critical_gap(table[table["id"] < "p3"])
     assert not gap.known
     assert "pedestrians chose among gaps" in gap.method
+
+
+def test_a_fit_that_does_not_converge_is_undefined() -> None:
+    # They overlap by a millionth of a second only.
+    rejected, accepted = np.append(np.linspace(1.0, 6.0, 20), 6.000001), np.linspace(6.0000005, 12.0, 20)
+    gap_s = np.concatenate([rejected, accepted])
+    chosen = np.repeat([0.0, 1.0], [len(rejected), len(accepted)])
+    people = [f"p{i}" for i in range(len(gap_s))]
+    gap, slope = critical_gap(pd.DataFrame({"id": people, "gap_s": gap_s, "accepted": chosen}))
+    assert not gap.known
+    assert not slope.known
+    assert gap.method == "the fit did not converge"
 
 
 def test_planted_parameters_are_found(seen: Observed) -> None:

@@ -72,7 +72,6 @@ def seen(
 ) -> Observed:
     columns = ["ped_id", "entered", "min_dist_m", "pet_area_s", "yielded"]
     return Observed(
-        "run",
         pd.concat([*vehicles, vehicle("far", lambda t: 0.0, start=1e4)], ignore_index=True),
         pd.concat([*people, person("stands", ("", 0.5, 0.0))], ignore_index=True),
         pd.DataFrame(list(encounters), columns=columns),
@@ -97,6 +96,13 @@ def test_a_speed_is_the_mean_while_a_vehicle_moves_and_its_class_counts() -> Non
     cars = values(QUANTITY["car_speed"], found)
     assert cars == pytest.approx({"a": (20 * 4.0 + 21 * 8.0) / 41, "stood": 5.0})
     assert values(QUANTITY["bicycle_speed"], found) == pytest.approx({"b": 4.5})
+
+
+def test_how_long_a_vehicle_was_seen_is_told_by_the_step() -> None:
+    # 5 samples that are 0.5 s apart are 2.5 s, of which 0.1 s would make half a second.
+    slow = vehicle("a", lambda t: 5.0, seconds=2.0).iloc[::5]
+    found = replace(seen([slow, vehicle("brief", lambda t: 5.0, seconds=0.5).iloc[::5]]), step_s=0.5)
+    assert values(QUANTITY["car_speed"], found) == pytest.approx({"a": 5.0})
 
 
 def test_accelerations_are_changes_of_speed_over_a_second() -> None:

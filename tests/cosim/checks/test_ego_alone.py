@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 
 from analysis.criteria.culprit_alone import of_ego
+from analysis.criteria.culprit_vehicle import CLOSE, of_conflict
+from analysis.metrics import followers, vehicle_conflicts
 from analysis.results.analyse import analyse_run
 from cosim.cli import main
-from tests.analysis.recorded import ZEBRA, Ego, Vehicle, line, write_run
+from tests.analysis.recorded import ZEBRA, Ego, Person, Vehicle, line, write_run
 
 CRITERIA = """
 [[criteria]]
@@ -24,6 +26,12 @@ threshold = 0
 [[criteria]]
 scope = "run"
 metric = "n_vehicle_overlaps_ego_closed"
+operator = "=="
+threshold = 0
+
+[[criteria]]
+scope = "run"
+metric = "n_follower_ttc_lt_1p5"
 operator = "=="
 threshold = 0
 """
@@ -80,6 +88,40 @@ def test_an_overlap_names_the_vehicle_and_has_a_replay(tmp_path: Path) -> None:
     found = replay(tmp_path)
     assert found["ego_id"] == "ego"
     assert float(row["moment_s"]) in found["time_s"]  # type: ignore[operator]  # a list of the JSON
+
+
+def test_a_follower_is_named_though_a_pedestrian_was_met(tmp_path: Path) -> None:
+    # 25.5 m between the bumpers at first, 6 m/s of closing speed: after 3 s there are 7.5 m left.
+    walks, van = Person(line(50, -5, 0, 1.4)), Vehicle(line(0, 0, 10, 0), "van")
+    folder = write_run(tmp_path / "one", [Ego(line(30, 0, 4, 0))], [walks], [van], duration=3.0)
+    report = analyse_run(folder)
+    assert len(report.encounters) == 1
+    (row,) = judged(tmp_path)
+    assert (row["metric"], row["ego_id"], row["ped_id"]) == ("n_follower_ttc_lt_1p5", "ego", "")
+    assert (row["moment_s"], row["place"]) == ("3", "1.25 s TTC, vehicle van behind")
+
+
+def test_the_worst_conflict_with_a_vehicle_is_told_for_every_metric_of_them() -> None:
+    declared = {*followers.RUN_COLUMNS, *vehicle_conflicts.RUN_COLUMNS}
+    assert {column.name for column in declared} == set(CLOSE)
+    empty = {"min_ttc_s": "", "pet_s": "", "drac_max_mps2": "", "t_min_ttc_s": "3"}
+    near = {**empty, "kind": "followed", "ego_id": "a", "vehicle_id": "x", "min_ttc_s": "1"}
+    brakes = {**empty, "kind": "followed", "ego_id": "b", "vehicle_id": "y", "drac_max_mps2": "4.5"}
+    late = {**empty, "kind": "crossing", "ego_id": "c", "vehicle_id": "z", "min_ttc_s": "2", "pet_s": "0.5"}
+    told = {metric: of_conflict(metric, [brakes, near, late]) for metric in CLOSE}
+    places = {metric: one.place for metric, one in told.items() if one is not None}
+    assert places == {
+        **dict.fromkeys(
+            ("n_follower_conflicts", "n_follower_ttc_lt_1p5", "follower_min_ttc_s"),
+            "1.00 s TTC, vehicle x behind",
+        ),
+        **dict.fromkeys(
+            ("n_follower_drac_gt_3p4", "follower_max_drac_mps2"), "4.50 m/s² DRAC, vehicle y behind"
+        ),
+        **dict.fromkeys(
+            ("n_vehicle_conflicts_crossing", "min_vehicle_pet_s"), "0.50 s PET, vehicle z crossing"
+        ),
+    }
 
 
 def test_the_deepest_overlap_is_told_and_only_those_that_count() -> None:

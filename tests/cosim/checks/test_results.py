@@ -15,6 +15,7 @@ from cosim.batches.job import Configuration, Job
 from cosim.batches.ledger import FAILED, Ledger
 from cosim.batches.outcome import NOTE, RUN, Outcome
 from cosim.cli import main
+from tests.analysis.rows_of_runs import encounter
 from tests.analysis.study.study_folders import write_study_run
 
 CRITERIA = """
@@ -216,3 +217,37 @@ def test_the_worst_encounter_is_told_by_what_the_metric_counts() -> None:
     assert (found.moment_s, found.place) == (12.5, "off any crossing")
     assert culprit("n_collisions_preventable", [first, second]) is None
     assert culprit("ego_delay_mean_s", [first, second]) is None
+
+
+def named(metric: str, *rows: dict[str, str]) -> int | None:
+    """Return the number of the encounter that a metric is about, counted from 1."""
+    numbered = [{**row, "encounter_id": str(i), "t_start_s": "0"} for i, row in enumerate(rows, 1)]
+    found = culprit(metric, numbered)
+    return None if found is None else found.encounter_id
+
+
+def test_the_worst_deceleration_is_one_that_no_number_is_large_enough_for() -> None:
+    large = encounter(drac_max_mps2=9.0, drac_status="ok", mdrac_max_mps2=9.0, mdrac_status="ok")
+    never = encounter(drac_status="unbounded", mdrac_status="unavoidable_at_PRT")
+    struck = encounter(drac_status="collision", mdrac_status="collision")
+    for metric in ("n_drac_gt_3p4", "n_mdrac_gt_3p4"):
+        assert named(metric, large, never, struck, never) == 3
+        assert named(metric, large, never) == 2
+        assert named(metric, large) == 1
+
+
+def test_contacts_of_a_kind_are_about_one_of_that_kind() -> None:
+    crossing = {"contact_place": "crossing", "contact_moved_by": "ego", "contact_class": "ego"}
+    slow = encounter(impact_speed_kmh=5.0, **crossing)
+    fast = encounter(impact_speed_kmh=50.0, contact_place="carriageway", contact_class="appeared")
+    for metric in ("n_collisions_crossing", "n_collisions_moved_by_ego", "n_collisions_class_ego"):
+        assert named(metric, fast, slow) == 2
+    assert named("n_collisions", slow, fast) == 2
+    assert named("n_collisions_moved_by_both", slow, fast) is None
+
+
+def test_hidden_pedestrians_are_told_of_those_who_were_hidden() -> None:
+    seen = encounter(severity="severe", hidden_before_conflict=0)
+    assert (
+        named("n_hidden_before_conflict", seen, encounter(severity="serious", hidden_before_conflict=1)) == 2
+    )

@@ -12,10 +12,11 @@ import pytest
 from cosim.errors import InputError
 from studies.papers.__main__ import main
 from studies.papers.catalog import EXTRA, found
-from studies.papers.claim import HOLDS, compared, observed
+from studies.papers.claim import compared, observed
 from studies.papers.page import markdown, titles
 from studies.papers.table import COLUMNS, read_claims, write_claims
 from tests.cosim.cli.commands import source_environment
+from tests.studies.papers.holds import HOLDS
 
 DOCUMENTATION = Path(__file__).resolve().parents[3] / "docs"
 PAPER = "003"

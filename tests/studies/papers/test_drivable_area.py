@@ -14,7 +14,7 @@ import pytest
 from controllers.drivable_area.costs import SpeedRisk
 from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
-from studies.papers.claim import HOLDS, Claim, Status
+from studies.papers.claim import Claim, Status
 from studies.papers.drivable_area import experiments
 from studies.papers.drivable_area.rides import driven
 from studies.papers.drivable_area.scenes import (
@@ -29,6 +29,7 @@ from studies.papers.drivable_area.scenes import (
     problem,
     verdict,
 )
+from tests.studies.papers.holds import HOLDS
 
 SITUATION = MappingProxyType({one.name: one for one in SITUATIONS})
 FIGURES = ("candidates", "curvature", "pareto-front", "rides", "several-pedestrians", "speed-profiles")

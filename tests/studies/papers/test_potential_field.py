@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from studies.papers.__main__ import main
-from studies.papers.claim import HOLDS, Claim, Status
+from studies.papers.claim import Claim, Status
 from studies.papers.potential_field import experiments
 from studies.papers.potential_field.scenes import (
     FIXED_AXIS,
@@ -24,6 +24,7 @@ from studies.papers.potential_field.scenes import (
 )
 from studies.papers.potential_field.spread import directions, gain_grid, orders
 from studies.papers.table import write_claims
+from tests.studies.papers.holds import HOLDS
 
 PAPER = "003"
 SCENE = MappingProxyType({scene.name: scene for scene in SCENES})
