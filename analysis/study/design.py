@@ -8,7 +8,7 @@ scenario, demand, egos, step, files. Runs are paired by condition and seed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analysis.errors import StudyError
@@ -87,7 +87,12 @@ def read_study(folders: Iterable[Path]) -> Study:
     runs, unreadable = read_whole_runs(folders)
     if unreadable and not runs:
         raise StudyError(min(unreadable.values()))
-    return Study(tuple(runs), _conditions(runs), _labels(runs), unreadable)
+    return replace(study_of_runs(runs), unreadable=unreadable)
+
+
+def study_of_runs(runs: Sequence[StudyRun]) -> Study:
+    """Return runs with what tells their conditions and their controllers apart."""
+    return Study(tuple(runs), _conditions(runs), _labels(runs))
 
 
 def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:

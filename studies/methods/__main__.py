@@ -107,8 +107,9 @@ def main(arguments: list[str]) -> int:
     again = " ".join(["python -m studies.methods", *arguments])
     good = True
     try:
-        tables = studies(given.out, given.files or FILES, given.levels, given.seeds)
-        write_plan(given.out, tables)
+        files = given.files or FILES
+        write_plan(given.out, studies(given.out, files, LEVELS, None))
+        tables = studies(given.out, files, given.levels, given.seeds)
         for folder, table in batches(given.out, tables):
             name = Path(f"{folder.name}.toml")
             request = BatchRequest(name, folder, given.jobs, table=table, again=again)

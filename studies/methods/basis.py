@@ -29,15 +29,27 @@ def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Map
         "    make study-papers\n",
         "runs the study files of `studies/methods` and writes this page. Repeat the command to resume. It "
         "runs seed by seed, within a seed level by level of demand (busy, light, crowded), within a level "
-        "scenario by scenario; the page counts what every method drove: it may be stopped at any time.\n",
+        "scenario by scenario; the page counts what every method drove: it may be stopped at any time. "
+        "[The table of its runs](study-papers.csv) is what the page is made of; with `--seeds` others can be "
+        "added to it.\n",
         f"Of the {sum(planned.values()):,} runs planned, this page counts {len(study.runs):,}"
         if planned
         else f"This page counts {len(study.runs):,} runs",
         f"(seeds {', '.join(map(str, seeds))}; {len(study.all_labels())} methods). Of the {len(cells)} "
-        f"cells, a method under a condition, {enough} have {ENOUGH} entered encounters or more.\n",
+        f"cells, a method under a condition, {enough} have {ENOUGH} entered encounters or more. "
+        f"{_code(study)}\n",
         table(("condition", "seeds", "entered encounters of a cell"), _conditions(study, rows_of)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _code(study: Study) -> str:
+    """Say which commits drove which seeds."""
+    seeds: dict[str, set[int]] = {}
+    for run in study.runs:
+        seeds.setdefault(run.versions[:7] or "an unknown commit", set()).add(run.seed)
+    told = (f"{', '.join(map(str, sorted(some)))} by {code}" for code, some in sorted(seeds.items()))
+    return f"Driven: {'; '.join(told)}."
 
 
 def _conditions(study: Study, rows_of: Mapping[Condition, Sequence[Row]]) -> list[list[str]]:

@@ -1,7 +1,8 @@
 """``python -m studies.methods.page STUDIES PAGE``: what the methods came to, and a table for each condition.
 
-Reads the runs of all studies in a folder, whether the whole was run or it was stopped, and writes the page
-and the picture beside it: the answer, what it rests on, and the tables.
+Reads the runs of all studies in a folder, whether the whole was run or it was stopped, and those of the table
+beside the page that were driven elsewhere under the same conditions. Writes that table with all of them, and
+from it the page and its picture: the answer, what it rests on, and the tables.
 """
 
 from __future__ import annotations
@@ -9,22 +10,22 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from analysis.errors import StudyError
 from analysis.files import write_text
 from analysis.markdown import table
 from analysis.statistics.paired import Comparison
-from analysis.study.design import Condition, Study, read_study
+from analysis.study.design import Condition, Study, study_of_runs
 from analysis.wording import p_value
-from studies.finished import run_folders
 from studies.methods.__main__ import PLAN
 from studies.methods.against import MARGIN, OURS, Against, against, differences
 from studies.methods.answer import sentences
 from studies.methods.basis import basis
 from studies.methods.figure import draw
-from studies.methods.rows import NEAR_M, Row, balanced, pooled, rows, title
+from studies.methods.people import NEAR_M
+from studies.methods.rows import Row, balanced, pooled, rows, title
+from studies.methods.table import driven, merged, read_table, write_table
 
 FIGURE = "study-papers.png"
 VARIANTS, MIDBLOCK = "rules_as_printed", "midblock_zebra"
@@ -137,27 +138,24 @@ def markdown(
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write what the studies in a folder found into a page, and the picture beside it.
+    """Write what the studies in a folder found into a page, with its table and its picture beside it.
 
     Raises
     ------
     StudyError
-        If there are no runs in the folder, or they cannot be read.
+        If there are no runs in the folder, or they or those of the table cannot be read.
     """
-    folders = run_folders(folder)
-    main = [one for one in folders if VARIANTS not in one.parts]
-    study = _read(main or folders)
+    path = page.with_suffix(".csv")
+    write_table(path, merged(driven(folder), read_table(path) if path.exists() else []))
+    runs = read_table(path)
+    main = [one for one in runs if VARIANTS not in one.folder.parts]
+    study = balanced(study_of_runs(main or runs))
     whole = {label: row for label in study.all_labels() if (row := pooled(study, label)).runs}
     others = against(study, whole)
     draw(page.parent / FIGURE, whole, others)
-    aside = [one for one in folders if VARIANTS in one.parts]
-    beside = [one for one in main if MIDBLOCK in one.parts] if aside else []
-    variants = None
-    if aside:
-        both = read_study([*beside, *aside])
-        variants = balanced(
-            replace(both, runs=tuple(one for one in both.runs if one.controller == "vo_paper"))
-        )
+    aside = [one for one in runs if VARIANTS in one.folder.parts]
+    beside = [one for one in main if MIDBLOCK in one.folder.parts and one.controller == "vo_paper"]
+    variants = balanced(study_of_runs([*beside, *aside])) if aside else None
     write_text(page, markdown(study, whole, others, variants, _planned(folder / PLAN)))
 
 
@@ -165,13 +163,6 @@ def _planned(plan: Path) -> Mapping[str, int]:
     """Return the planned runs of each batch, without those of variants, which have a table of their own."""
     runs = json.loads(plan.read_text("utf-8"))["runs"] if plan.exists() else {}
     return {batch: number for batch, number in runs.items() if VARIANTS not in Path(batch).parts}
-
-
-def _read(folders: Sequence[Path]) -> Study:
-    study = read_study(folders)
-    if study.unreadable:
-        raise StudyError(min(study.unreadable.values()))
-    return balanced(study)
 
 
 def _against(one: Against) -> list[str]:

@@ -7,17 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.arrays import FloatArray
-from analysis.recording.reading import RecordedRun, read_run
 from analysis.statistics.intervals import Interval, share_interval
 from analysis.study.design import Condition, Study
 from analysis.study.runs import StudyRun
+from studies.methods.table import LEAST_TTC, PEOPLE
 from studies.methods.untuned import LEVELS
-
-NEAR_M = 45.0
-"""Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
-EVERY_S = 1.0
-"""How often the people near an ego are counted [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,40 +54,21 @@ def rows(study: Study, condition: Condition) -> list[Row]:
     return found
 
 
-def people_at_once(run: RecordedRun) -> float | None:
-    """Return the mean number of pedestrians near an ego that is near a crossing; ``None`` if it never is."""
-    egos, others = run.egos.numbers, run.neighbours.numbers
-    people = np.flatnonzero(run.neighbours.texts["object_kind"].equal("pedestrian"))
-    people = people[np.argsort(others["time_s"][people], kind="stable")]
-    times = others["time_s"][people]
-    counts = []
-    for row in np.flatnonzero(_near_a_crossing(run) & _on_the_second(egos["time_s"])):
-        now = egos["time_s"][row]
-        here = people[slice(*np.searchsorted(times, (now - 1e-6, now + 1e-6)))]
-        away = np.hypot(
-            others["x_m"][here] - egos["front_x_m"][row], others["y_m"][here] - egos["front_y_m"][row]
-        )
-        counts.append(np.count_nonzero(away < NEAR_M))
-    return float(np.mean(counts)) if counts else None
-
-
 def _row(label: str, runs: Sequence[StudyRun]) -> Row:
     valid = [run for run in runs if run.valid]
     encounters, contacts, preventable, short = (
         round(sum(run.numbers[name] for run in valid))
         for name in ("met", "met_collision", "met_preventable", "met_ttc_lt_1p5")
     )
-    ttc = np.concatenate([run.samples["min_ttc_s"] for run in valid]) if valid else np.zeros(0)
-    recorded = [read_run(run.folder) for run in valid if (run.folder / "neighbours.parquet").exists()]
     return Row(
         method=label,
         runs=len(runs),
         valid=len(valid),
-        people_at_once=_mean([people_at_once(run) for run in recorded]),
+        people_at_once=_mean([run.numbers.get(PEOPLE) for run in valid]),
         encounters=encounters,
         contacts=contacts,
         contact_share=share_interval(contacts, encounters),
-        least_ttc=float(ttc.min()) if len(ttc) else None,
+        least_ttc=min((run.numbers[LEAST_TTC] for run in valid if LEAST_TTC in run.numbers), default=None),
         short_ttc=short,
         delay=_per_ego(valid, "ego_delay_mean_s"),
         jerk=_mean([run.numbers.get("p95_abs_jerk_mps3") for run in valid]),
@@ -148,21 +123,6 @@ def _solved(runs: Sequence[StudyRun]) -> float | None:
     plans = sum(run.numbers.get("n_plans", 0.0) for run in runs)
     unsolved = sum(run.numbers.get("n_solver_fail", 0.0) for run in runs)
     return 1.0 - unsolved / plans if plans else None
-
-
-def _near_a_crossing(run: RecordedRun) -> np.ndarray:
-    x, y = run.egos.numbers["front_x_m"], run.egos.numbers["front_y_m"]
-    near = np.zeros(len(x), dtype=bool)
-    for area in run.crossings():
-        for (x0, y0), (x1, y1) in zip(area.shape[:-1], area.shape[1:], strict=True):
-            length = max((x1 - x0) ** 2 + (y1 - y0) ** 2, 1e-12)
-            share = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length, 0.0, 1.0)
-            near |= np.hypot(x0 + share * (x1 - x0) - x, y0 + share * (y1 - y0) - y) < NEAR_M
-    return near
-
-
-def _on_the_second(times: FloatArray) -> np.ndarray:
-    return np.abs(times - EVERY_S * np.round(times / EVERY_S)) < 1e-6
 
 
 def _per_ego(runs: Sequence[StudyRun], name: str) -> float | None:

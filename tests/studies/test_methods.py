@@ -12,13 +12,15 @@ import pytest
 from analysis.errors import StudyError
 from analysis.files import write_json
 from analysis.recording.reading import read_run
-from analysis.study.design import read_study
+from analysis.study.design import study_of_runs
 from cosim.batches.study import study_of
 from studies.methods.__main__ import FILES, LEVELS, batches, studies, write_plan
 from studies.methods.against import against, needed, power, upper_bound
 from studies.methods.answer import front, sentences
 from studies.methods.page import write_page
-from studies.methods.rows import Row, balanced, people_at_once, pooled, rows
+from studies.methods.people import people_at_once
+from studies.methods.rows import Row, balanced, pooled, rows
+from studies.methods.table import driven, read_table
 from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.analysis.study.study_folders import write_study_run
 
@@ -41,7 +43,7 @@ def _study(folder: Path) -> Path:
 
 def test_runs_of_one_method_and_demand_make_one_row(tmp_path: Path) -> None:
     folder = _study(tmp_path)
-    study = read_study(sorted(folder.iterdir()))
+    study = study_of_runs(driven(folder))
     few, many = study.conditions
     aeb, sumo = rows(study, few)
     assert (aeb.method, aeb.runs, aeb.valid) == ("aeb", 2, 2)
@@ -95,6 +97,31 @@ def test_the_page_says_the_answer_first_and_what_it_rests_on(tmp_path: Path) -> 
         write_page(tmp_path / "nothing", page)
 
 
+def test_a_page_counts_what_was_driven_elsewhere_under_the_same_conditions(tmp_path: Path) -> None:
+    met, few = {"min_ttc_s": 2.0}, {"pedestrians_per_hour": 100.0}
+    page, here, there = tmp_path / "page.md", tmp_path / "here", tmp_path / "there"
+    for folder, seed, encounters in ((there, 1, 3), (here, 2, 5)):
+        for label in ("aeb", "sumo"):
+            place = folder / f"seed_{seed}" / "busy" / label
+            write_study_run(place, label, seed, setting=few, encounters=[met] * encounters)
+        write_page(folder, page)
+    table = read_table(page.with_suffix(".csv"))
+    assert [(run.folder.as_posix(), run.seed) for run in table] == [
+        (f"seed_{seed}/busy/{label}", seed) for seed in (1, 2) for label in ("aeb", "sumo")
+    ]
+    assert "4 runs: 1 condition, 2 seeds; the smallest cell has 8 encounters" in page.read_text()
+    # What is driven again replaces its row; what was driven under other conditions goes.
+    write_study_run(here / "seed_2/busy/aeb", "aeb", 2, setting=few, encounters=[met])
+    write_page(here, page)
+    assert [run.numbers["met"] for run in read_table(page.with_suffix(".csv"))] == [3, 3, 1, 5]
+    write_study_run(tmp_path / "other", "aeb", 2, setting={"pedestrians_per_hour": 7.0}, encounters=[met])
+    write_page(tmp_path / "other", page)
+    assert [run.numbers["met"] for run in read_table(page.with_suffix(".csv"))] == [1]
+    page.with_suffix(".csv").write_text("a,b\n1,2\n")
+    with pytest.raises(StudyError, match="not a table of runs"):
+        write_page(here, page)
+
+
 def test_a_variant_of_one_method_has_a_table_of_its_own(tmp_path: Path) -> None:
     met, zebra = {"min_ttc_s": 2.0}, tmp_path / "seed_1" / "busy" / "midblock_zebra"
     for label in ("aeb", "vo_paper"):
@@ -127,7 +154,7 @@ def test_every_other_method_is_compared_with_ours_in_pairs(tmp_path: Path) -> No
             touched = {**met, "collision": struck, "preventable_r157": struck}
             folder = tmp_path / f"{label}{seed}"
             write_study_run(folder, label, seed, numbers=numbers, encounters=[met, touched])
-    study = read_study(sorted(tmp_path.iterdir()))
+    study = study_of_runs(driven(tmp_path))
     (aeb,) = against(study, {label: pooled(study, label) for label in study.all_labels()})
     assert (aeb.method, aeb.delay.pairs) == ("aeb", 3)
     assert aeb.delay.difference == pytest.approx(-4.8)
@@ -153,7 +180,7 @@ def test_what_the_sentences_say_follows_from_the_rows(tmp_path: Path) -> None:
             acts = {"method_acts_where_applies_share": 0.4 if label == "aeb" else 1.0}
             folder = tmp_path / f"{label}{seed}"
             write_study_run(folder, label, seed, numbers={**numbers, **acts}, encounters=[met] * 2)
-    study = read_study(sorted(tmp_path.iterdir()))
+    study = study_of_runs(driven(tmp_path))
     rows_of = {label: pooled(study, label) for label in study.all_labels()}
     size, contacts, _, fronts, acting = sentences(study, rows_of, 6, against(study, rows_of), 60)
     assert "6 runs of the 60 of the whole study" in size
@@ -174,7 +201,7 @@ def test_of_a_study_that_was_stopped_only_what_everybody_drove_is_counted(tmp_pa
         write_study_run(tmp_path / f"{label}1", label, 1, setting=few, encounters=[met])
     write_study_run(tmp_path / "aeb2", "aeb", 2, setting=few, encounters=[met] * 10)
     write_study_run(tmp_path / "aeb3", "aeb", 1, setting=many, encounters=[met] * 100)
-    study = balanced(read_study(sorted(tmp_path.iterdir())))
+    study = balanced(study_of_runs(driven(tmp_path)))
     assert [pooled(study, label).encounters for label in ("aeb", "sumo")] == [1, 1]
 
 

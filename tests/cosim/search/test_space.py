@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from cosim.errors import InputError
-from cosim.search.scenario_file import write_scenario
+from cosim.search.scenario_file import scenario_text
 from cosim.search.space import filled, read_space, read_space_file
 from cosim.search.subject import read_subject
 from sumo_scenarios import library
@@ -101,7 +101,8 @@ def test_a_trial_names_a_trajectory_of_the_space_from_where_it_is_itself(tmp_pat
         scenario = str(tmp_path / "mine") if file is None else "jaywalk_arterial"
         subject = read_subject(scenario, "aeb", {}, file)
         trial = tmp_path / "out" / "trial"
-        write_scenario(subject, {"walk": "fast.csv"}, trial, "x")
+        trial.mkdir(parents=True, exist_ok=True)
+        (trial / library.DEFINITION).write_text(scenario_text(subject, {"walk": "fast.csv"}, trial, "x"))
         (one,) = library.load(str(trial)).pedestrians
         assert isinstance(one, TrajectoryTable)
         assert Path(one.file).resolve() == folder / "fast.csv"
