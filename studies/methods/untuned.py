@@ -16,7 +16,7 @@ from studies.zoo.recipe import Demand, Recipe
 
 NAME = "untuned_network"
 KIND, SEED = "random-priority", 220_022
-LEVELS = {"light": (2.0, 150.0), "busy": (1.4, 160.0), "crowded": (0.7, 130.0)}
+LEVELS = {"light": (2.0, 150.0), "busy": (1.4, 170.0), "crowded": (0.7, 130.0)}
 """Mean time between two pedestrians who set out, and how long a run is, for each level [s]."""
 EGO_SHARE = 0.2
 
