@@ -152,12 +152,25 @@ def git_sha() -> str | None:
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return None  # installed, perhaps below somebody else's checkout
-    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    return commit_of(root)
+
+
+def commit_of(root: Path) -> str | None:
+    """Return the commit of a checkout, with ``-dirty`` after changes; ``None`` where git cannot tell."""
+    # Other ways to ask write the checkout's index, and leave a lock there when the run is ended meanwhile.
+    asked = ["status", "--porcelain=v2", "--branch", "--untracked-files=no"]
+    command = ["git", "--no-optional-locks", "-C", str(root), *asked]
     try:
         answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
     except (OSError, subprocess.SubprocessError):
         return None
-    return answer.stdout.strip() or None
+    commit, changed = "", ""
+    for line in answer.stdout.splitlines():
+        if line.startswith("# branch.oid "):
+            commit = line.rpartition(" ")[2]
+        elif not line.startswith("#"):
+            changed = "-dirty"
+    return f"{commit}{changed}" if commit.isalnum() else None
 
 
 def _writable(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from cosim.recording import provenance
-from cosim.recording.provenance import Inputs
+from cosim.recording.provenance import Inputs, commit_of
 
 INPUTS = Inputs(
     scenario="zebra",
@@ -75,3 +78,25 @@ def test_the_description_can_be_written_and_begins_as_not_valid() -> None:
     }
     assert wanted <= set(description)
     assert description["parameters"]["controller"] == {"friction": 0.8}
+
+
+def test_the_commit_is_asked_for_without_touching_the_checkout(tmp_path: Path) -> None:
+    def git(*words: str) -> None:
+        name = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
+        subprocess.run(["git", *name, "-C", tmp_path, *words], check=True, capture_output=True)
+
+    git("init")
+    assert commit_of(tmp_path) is None
+    file = tmp_path / "file"
+    file.write_text("one")
+    git("add", "file")
+    git("commit", "--message", "one")
+    index = (tmp_path / ".git" / "index").read_bytes()
+    os.utime(file, (0, 0))  # git looks again, and would note in its index that nothing has changed
+    clean = commit_of(tmp_path)
+    assert clean is not None
+    assert len(clean) == 40
+    assert (tmp_path / ".git" / "index").read_bytes() == index
+    file.write_text("two")
+    assert commit_of(tmp_path) == f"{clean}-dirty"
+    assert commit_of(tmp_path / "nothing") is None

@@ -14,7 +14,6 @@ import pytest
 
 from analysis.arrays import FloatArray
 from cosim.recording.parquet_sink import ParquetSink
-from cosim.recording.provenance import git_sha
 from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.commands import ended
 
@@ -25,7 +24,6 @@ SHORT = ("--controller", "sumo", "--set", "warmup_s=2")
 @contextmanager
 def room(size: int) -> Iterator[None]:
     """Let no file of this process, or of those that it starts, become larger than so many bytes."""
-    git_sha()  # asked later, git could not write its index and would leave a lock in the checkout
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
