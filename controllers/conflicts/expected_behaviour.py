@@ -63,7 +63,7 @@ class Watch:
     def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
         """Bring it up to date; looking twice at the same instant changes nothing."""
         ego, people = perception.ego, perception.pedestrians
-        passed = min(ego.time - self.seen, 1.0)
+        passed = 0.0 if self.seen == -np.inf else min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
         road = perception.road

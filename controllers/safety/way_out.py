@@ -24,6 +24,8 @@ from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 
 PATIENCE = 4.0
 """For so long an ego that is kept from starting waits [s]."""
+LET_GO = 1.0
+"""After so long without being kept from starting it waits anew [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Of the way out [m/s, m/s^2]."""
 INCHING, APART = 0.07, 0.01
@@ -56,6 +58,8 @@ class WayOut:
 
     held_since: float | None = None
     """Since when it is kept from starting [s]."""
+    _held_at: float = -np.inf
+    """When it was so last [s]."""
     taken: bool = False
     """Whether it is on a way out."""
     _way: FloatArray | None = None
@@ -102,6 +106,10 @@ class WayOut:
         in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
         self._driven += ego.speed * (ego.time - self._last)
         self._last = ego.time
+        if held:
+            self._held_at = ego.time
+        elif ego.time - self._held_at > LET_GO:
+            self.held_since = None
         if not held and (in_lane or not self.taken):
             self.taken, self._way = False, None
             return None

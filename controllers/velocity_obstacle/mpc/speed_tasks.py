@@ -78,6 +78,8 @@ class SpeedTasks:
         self.stops = self.right_of_way.stops(perception)
         if perception.ego.speed < SLOW:
             self._wait_for_the_ego = self._watched.look(perception)
+        else:
+            self._watched = WaitingForTheEgo()  # whoever stands next has not stood for the ego's last stop
         self.waiting_place = waiting_place
 
     def task(

@@ -143,6 +143,16 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_ca
     assert len(found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
+def test_who_is_seen_for_the_first_time_has_not_waited_yet() -> None:
+    watch = Watch()
+    for second in range(3):
+        stands = [Walker(FRONT + 5.0, -3.0, 0.0, 0.0, 0)]
+        watch.look(
+            perception(ego(0.0, time=float(second)), straight_road(3, 1), stands), PedestrianAssumptions()
+        )
+        assert watch.waited == {"person0": float(second)}
+
+
 @pytest.mark.parametrize(("inwards", "expected"), [(1.3, 1), (-1.3, 0)])
 def test_somebody_who_stops_in_the_road_may_walk_on(inwards: float, expected: int) -> None:
     """Towards the path they are in conflict while they stand beside it, away from it they are not."""

@@ -169,6 +169,19 @@ def test_it_is_taken_after_a_while() -> None:
     assert first.acceleration[0] < 0.0
 
 
+def test_who_was_held_once_and_then_let_go_waits_anew() -> None:
+    """Somebody at the corner for a moment, nobody for 10 s, then somebody again."""
+    check, statuses = LastCheck(), []
+    for tick in range(int(10 * (10.0 + PATIENCE)) + 10):
+        walkers = [AT_THE_CORNER] if tick == 0 or tick >= 100 else [Walker(BODY.front + 4.0, -4.0)]
+        seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers)
+        statuses.append(check.checked(seen, keeps(2.0), np.zeros(1, bool), None, False, 60.0).status)
+    assert statuses[0] == SHIELDED
+    assert set(statuses[1:100]) == {"ok"}
+    assert set(statuses[100 : 100 + int(10 * PATIENCE)]) == {SHIELDED}
+    assert statuses[-1] == WAY_OUT
+
+
 def test_who_waits_for_a_light_or_a_leader_takes_none() -> None:
     assert _held([AT_THE_CORNER], PATIENCE + 1.0, room=3.0)[-1].status == SHIELDED
 
