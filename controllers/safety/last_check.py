@@ -129,12 +129,16 @@ class LastCheck:
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, people, cars, path, motion)
         walk = walking(told)[near]
-        margin = self._margins(perception, clearance[0, 0], walk, starts)
+        waited = self._out.waited(perception.ego.time)
+        margin = _margins(clearance[0, 0], walk, starts, waited > PATIENCE)
         touched = bool(_touches(clearance, motion, margin)[0])
         if not starts:
             self._out.reset()
         else:
-            out = self._out.command(perception, people, walk, times, room, held=touched or stuck)
+            # Whom the ego would wait for, had it not waited for so long, still is why it waits.
+            patient = _margins(clearance[0, 0], walk, starts, False) if waited > PATIENCE else margin
+            near_it = stuck or bool(_touches(clearance, motion, patient)[0])
+            out = self._out.command(perception, people, walk, times, room, touched or stuck, near_it)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:
@@ -161,22 +165,19 @@ class LastCheck:
         brakings = (_braking(plan, min(float(one), limit)) for one in tried)
         return (plan, _passing_first(plan), *brakings)[chosen]
 
-    def _margins(
-        self, perception: Perception, now: FloatArray, walk: NDArray[np.bool_], starts: bool
-    ) -> FloatArray:
-        """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
 
-        The first ones are people, of whom some walk, the others vehicles.
-        """
-        people, most = len(walk), np.full(len(now), MARGIN)
-        most[:people][walk] = WALKERS_MARGIN
-        grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), most)
-        if not starts:
-            return grazing
-        since = self._out.held_since
-        waited = 0.0 if since is None else perception.ego.time - since
-        beside = (now > 0.0) & (waited > PATIENCE) | (np.arange(len(now)) >= people)
-        return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
+def _margins(now: FloatArray, walk: NDArray[np.bool_], starts: bool, patience_over: bool) -> FloatArray:
+    """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
+
+    The first ones are people, of whom some walk, the others vehicles.
+    """
+    people, most = len(walk), np.full(len(now), MARGIN)
+    most[:people][walk] = WALKERS_MARGIN
+    grazing: FloatArray = np.clip(now - GRAZING, np.minimum(now - NEARER, TOUCHING), most)
+    if not starts:
+        return grazing
+    beside = (now > 0.0) & patience_over | (np.arange(len(now)) >= people)
+    return np.asarray(np.where(beside, grazing, STARTING_MARGIN))
 
 
 def _near(perception: Perception) -> NDArray[np.intp]:

@@ -25,7 +25,7 @@ from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 PATIENCE = 4.0
 """For so long an ego that is kept from starting waits [s]."""
 LET_GO = 1.0
-"""After so long without being kept from starting it waits anew [s]."""
+"""After so long without anybody who keeps it from starting it waits anew [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Of the way out [m/s, m/s^2]."""
 INCHING, APART = 0.07, 0.01
@@ -76,6 +76,10 @@ class WayOut:
         """Forget everything: the ego is under way."""
         self.held_since, self.taken, self._way, self._sought = None, False, None, -np.inf
 
+    def waited(self, time: float) -> float:
+        """Return for how long the ego has been kept from starting; 0 where it is not [s]."""
+        return 0.0 if self.held_since is None else time - self.held_since
+
     def command(
         self,
         perception: Perception,
@@ -84,6 +88,7 @@ class WayOut:
         times: FloatArray,
         farthest: float,
         held: bool,
+        somebody_near: bool,
     ) -> Command | None:
         """Return what leads out; ``None`` where nothing does, where it is too early, or where it has led out.
 
@@ -101,12 +106,14 @@ class WayOut:
             How far the front bumper may go for other reasons [m].
         held
             Whether somebody keeps the ego from following its plan.
+        somebody_near
+            Whether somebody would keep an ego that has just stopped from it.
         """
         ego = perception.ego
         in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
         self._driven += ego.speed * (ego.time - self._last)
         self._last = ego.time
-        if held:
+        if somebody_near:
             self._held_at = ego.time
         elif ego.time - self._held_at > LET_GO:
             self.held_since = None
