@@ -81,10 +81,9 @@ demo: $(VENV)/installed-report
 
 # Bytecode is kept even where the environment says otherwise: each process would compile what it loads again.
 # A file stays in one process, so that what its tests share is made once; the files at the end are short.
-# There is one process more than may run at a time: in a quarter of their time tests wait for something.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $$(($(JOBS) + 1)) --dist loadfile --no-loadscope-reorder
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
 
 test-slow: $(VENV)/installed-dev
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow

@@ -121,10 +121,7 @@ class LastCheck:
         if not len(near) and not cars.any():
             self._out.reset()
             return plan
-        walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
-        if comes is not None and not starts:  # who stands on a crossing is the plan's business then
-            comes = np.where(told.waiting, comes, np.nan)
-        people = discs(perception, near, may_enter, forecast, times, walk_on, comes)
+        people = _people(perception, near, may_enter, forecast, times, comes, starts)
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, people, cars, path, motion)
@@ -135,10 +132,10 @@ class LastCheck:
         if not starts:
             self._out.reset()
         else:
+            held = touched or stuck
             # Whom the ego would wait for, had it not waited for so long, still is why it waits.
-            patient = _margins(clearance[0, 0], walk, starts, False) if waited > PATIENCE else margin
-            near_it = stuck or bool(_touches(clearance, motion, patient)[0])
-            out = self._out.command(perception, people, walk, times, room, touched or stuck, near_it)
+            near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
+            out = self._out.command(perception, people, walk, times, room, held, near_it)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:
@@ -164,6 +161,28 @@ class LastCheck:
         chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1
         brakings = (_braking(plan, min(float(one), limit)) for one in tried)
         return (plan, _passing_first(plan), *brakings)[chosen]
+
+
+def _people(
+    perception: Perception,
+    near: NDArray[np.intp],
+    may_enter: NDArray[np.bool_],
+    forecast: Forecast | None,
+    times: FloatArray,
+    comes: FloatArray | None,
+    starts: bool,
+) -> Discs:
+    """Return where those who are near will be; the rest as for `LastCheck.checked`."""
+    walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
+    if comes is not None and not starts:  # who stands on a crossing is the plan's business then
+        comes = np.where(perception.pedestrians.waiting, comes, np.nan)
+    return discs(perception, near, may_enter, forecast, times, walk_on, comes)
+
+
+def _keeps(clearance: FloatArray, motion: Motion, walk: NDArray[np.bool_]) -> bool:
+    """Say whether somebody keeps an ego that has just stopped from starting."""
+    margin = _margins(clearance[0, 0], walk, starts=True, patience_over=False)
+    return bool(_touches(clearance, motion, margin)[0])
 
 
 def _margins(now: FloatArray, walk: NDArray[np.bool_], starts: bool, patience_over: bool) -> FloatArray:
