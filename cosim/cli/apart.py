@@ -65,6 +65,7 @@ def begin() -> Inside | Ended:
     child = os.fork()
     if child == 0:
         os.close(reader)
+        sys.unraisablehook = _unless_memory
         return Inside(writer)
     os.close(writer)
     # Ctrl-C reaches every process of a terminal: the new one ends in good order, this one waits for it.
@@ -78,6 +79,12 @@ def begin() -> Inside | Ended:
             signal.signal(number, handler)
     code = os.waitstatus_to_exitcode(status)
     return Ended(code, signal.Signals(-code).name if code < 0 else "", text)
+
+
+def _unless_memory(told: sys.UnraisableHookArgs) -> None:
+    """Tell of an exception in a destructor, but not that it found no memory: the run's last line does."""
+    if not issubclass(told.exc_type, MemoryError):
+        sys.__unraisablehook__(told)
 
 
 def _passed_to(child: int) -> Callable[[int, FrameType | None], None]:

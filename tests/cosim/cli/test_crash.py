@@ -82,6 +82,24 @@ def test_a_run_without_enough_memory_is_one_line_and_keeps_the_recording(tmp_pat
     assert pq.read_table(out / "egos.parquet").num_rows > 100
 
 
+@pytest.mark.parametrize(("raised", "told"), [("MemoryError", False), ("ValueError", True)])
+def test_a_destructor_without_memory_is_not_told_of_beside_the_end_of_the_run(
+    raised: str, told: bool
+) -> None:
+    program = f"""
+import os
+from cosim.cli.apart import Inside, begin
+class Held:
+    def __del__(self):
+        raise {raised}
+if isinstance(begin(), Inside):
+    Held()
+    os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert (raised in done.stderr) is told
+
+
 def test_what_was_written_of_a_table_can_be_recovered(tmp_path: Path) -> None:
     schema = pa.schema([("number", pa.int64())])
     sink = ParquetSink(tmp_path / "t.parquet", schema, rows_per_chunk=64)
