@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from analysis.recording.extent import EGOS
 from controllers.outside.addresses import is_address
 from cosim.errors import InputError
+from cosim.toml_files import read_toml
 
 Value = bool | int | float | str
 LARGEST_SEED = 2**31 - 1
@@ -64,12 +64,7 @@ def read_study(path: Path, allow_programs: bool = False) -> StudyTable:
     InputError
         One line with file, key and what was expected.
     """
-    try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from error
+    raw = read_toml(path)
     study = study_of(raw, str(path))
     addresses = [name for name in study.controllers if is_address(name)]
     if addresses and not allow_programs:

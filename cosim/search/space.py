@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from analysis.errors import did_you_mean
 from analysis.search.axes import Axis, Value, rounded
 from cosim.errors import InputError
+from cosim.toml_files import read_toml
 from sumo_scenarios.distribution import Distribution, read_distribution
 
 LONGEST_PASSAGE_S = 30.0
@@ -162,12 +162,7 @@ def read_space_file(path: Path) -> Space:
     InputError
         As `read_space`, and for a file that cannot be read.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"--space {path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"--space {path}: not valid TOML: {error}") from error
+    content = read_toml(path, "--space")
     inner = content.get("search", content)
     if "search" in content and len(content) > 1:
         raise InputError(f"--space {path}: only [search] expected, got {', '.join(sorted(content))}")

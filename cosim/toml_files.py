@@ -1,0 +1,26 @@
+"""Reading a TOML file that somebody wrote by hand."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from cosim.errors import InputError
+
+
+def read_toml(path: Path, flag: str = "") -> dict[str, Any]:
+    """Return the content of a file that was given as an argument, or with a flag.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is not TOML.
+    """
+    where = f"{flag} {path}".lstrip()
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{where}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{where}: not valid TOML: {error}") from error
