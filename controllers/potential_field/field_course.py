@@ -11,6 +11,7 @@ from controllers.arrays import BoolArray, FloatArray
 from controllers.driving import lane_keeping
 from controllers.geometry.path_clearance import beyond_edges, disc_clearances, vehicles_met
 from controllers.interface import Decision, Perception
+from controllers.perception import only
 from controllers.potential_field.field import Field
 from controllers.potential_field.field_guidance import Drives, Guidance, drive
 from controllers.potential_field.road_field import (
@@ -30,7 +31,6 @@ from controllers.potential_field.surroundings import (
     expected_speeds,
     instants,
     near_the_way,
-    with_only,
 )
 from controllers.prediction.forecast import Forecast, Predictor
 
@@ -120,7 +120,8 @@ class CourseFinder:
         near = near_the_way(perception, forecast)
         if len(near) == 0 or bends(perception):
             return None
-        perception, forecast = with_only(perception, near), forecast.only(near)
+        perception = replace(perception, pedestrians=only(perception.pedestrians, near))
+        forecast = forecast.only(near)
         course = self._past(perception, decision, forecast, acceleration)
         if course is not None and not course.free:
             course = self._braked(perception, decision, forecast, acceleration, course)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,6 @@ from controllers.arrays import FloatArray
 from controllers.driving.following import limit_now
 from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.interface import Decision, Perception
-from controllers.perception import only
 from controllers.potential_field.road_field import LONG_BEHIND, SLOWEST, braked_speeds
 from controllers.prediction.forecast import Forecast
 
@@ -27,11 +24,6 @@ GAINS_FOR = 1.0
 """An ego that speeds up is expected to do so for this time [s]."""
 BESIDE = 8.0
 """Pedestrians who never come so near to the ego's lane in the time looked at do not matter [m]."""
-
-
-def with_only(perception: Perception, chosen: NDArray[np.int64]) -> Perception:
-    """Return the perception with some of its pedestrians, by index."""
-    return replace(perception, pedestrians=only(perception.pedestrians, chosen))
 
 
 def near_the_way(perception: Perception, forecast: Forecast) -> NDArray[np.int64]:
