@@ -15,6 +15,8 @@ RADIUS = 0.25
 """Of a pedestrian's disc [m]."""
 STANDING = 0.1
 """Slower vehicles stand [m/s]."""
+SHORTEST = 1e-9
+"""A shorter part of a walk is what rounding left of it [s]."""
 
 Way = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Places (n, 2) -> along and across (left positive) from a vehicle's front bumper, along its way [m]."""
@@ -208,3 +210,18 @@ def remaining(legs: Sequence[Leg], elapsed: float) -> tuple[Leg, ...]:
             part.append(Leg(leg.duration - gone, leg.after(gone)[1], leg.acceleration))
         elapsed -= leg.duration
     return tuple(part)
+
+
+def paused(legs: Sequence[Leg], elapsed: float, duration: float) -> tuple[Leg, ...]:
+    """Return a walk that pauses at a time; one that stands then already stands for longer.
+
+    Whoever waits for a gap pauses again at every step: with a leg for each, every step would take longer.
+
+    >>> paused((Leg(2.0, 1.0), Leg(0.5, 0.0)), 2.5, 0.5)
+    (Leg(duration=2.0, speed=1.0, acceleration=0.0), Leg(duration=1.0, speed=0.0, acceleration=0.0))
+    """
+    before = [leg for leg in begun(legs, elapsed) if leg.duration > SHORTEST]
+    after = [leg for leg in remaining(legs, elapsed) if leg.duration > SHORTEST]
+    if before and before[-1].speed == before[-1].acceleration == 0.0:
+        duration += before.pop().duration
+    return (*before, Leg(duration, 0.0), *after)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from cosim.arrays import FloatArray
-from cosim.pedestrians.behaviour import Leg, Scene, State, begun, duration_of, remaining, travelled
+from cosim.pedestrians.behaviour import Leg, Scene, State, duration_of, paused, travelled
 from cosim.pedestrians.line import Line
 from cosim.pedestrians.manner import Manner, Pace, soonest_arrival
 from cosim.pedestrians.start import Start
@@ -109,7 +109,7 @@ class Walker:
                 continue
             enters = missing / max(abs(speed), self.pace.speed)
             if not meeting.leaves_gap(vehicle, enters, self.watches):
-                return (*begun(legs, elapsed), Leg(step, 0.0), *remaining(legs, elapsed))
+                return paused(legs, elapsed, step)
         return legs
 
     def _is_near(self, scene: Scene) -> bool:

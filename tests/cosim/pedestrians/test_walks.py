@@ -222,6 +222,7 @@ def test_a_watchful_pedestrian_who_waits_before_a_standing_vehicle_says_so(step:
     assert max(stands) < -0.9 - RADIUS
     waiting = [state.y_speed for _, state in found[-len(stands) :]]
     assert waiting == [0.0] * len(stands)
+    assert max(len(state.legs) for _, state in found) <= 5, "a long wait is one pause, not one for each step"
 
 
 def test_who_hesitates_stands_where_and_as_long_as_he_is_said_to() -> None:
