@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from controllers.arrays import FloatArray
 from controllers.driving.standing import StoodSince
 from controllers.interface import EgoState, JunctionFoe, Perception, RoadAhead, Signal, SignalState
 
@@ -20,8 +23,12 @@ TIME_MARGIN = 1.0
 """Time between one leaving a conflict and the other entering it [s]."""
 FOE_ACCELERATION = 1.5
 """A standing or slow foe may drive on with this [m/s^2]."""
-BEND_ACCELERATION = 2.0
-"""Lateral acceleration with which the ego is expected to take the bend through the conflict [m/s^2]."""
+BEND_ACCELERATION = 2.5
+"""Lateral acceleration with which the ego is expected to take the bends on its way [m/s^2]."""
+BRAKING_FOR_BENDS = 2.0
+"""Deceleration with which it is expected to come to them [m/s^2]."""
+SLOWEST = 2.0
+"""It is expected to drive at least as fast as this, whatever bends there are [m/s]."""
 STANDING = 0.3
 """Slower is standing [m/s]."""
 AT_THE_SIGN = 4.0
@@ -137,18 +144,29 @@ class RightOfWay:
         inside = foe.foe_entry <= 0.0
         if gone or ego.body.front > foe.entry or not self._comes(foe):
             return False
-        speed = max(ego.speed, 0.0)
-        slowest, fastest = _speeds_until(foe.exit, perception.road)
-        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for a bend.
-        enters = travel_time(foe.entry - ego.body.front, speed, self._acceleration, fastest)
-        clears = travel_time(
-            foe.exit + ego.body.rear_overhang, min(speed, slowest), self._acceleration, slowest
+        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for bends.
+        fastest = max((float(value) for value in perception.road.limit), default=30.0)
+        enters = travel_time(
+            foe.entry - ego.body.front, max(ego.speed, 0.0), self._acceleration, max(fastest, SLOWEST)
         )
+        clears = self._time_to(foe.exit + ego.body.rear_overhang, perception)
         if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf
         return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
+
+    def _time_to(self, along: float, perception: Perception) -> float:
+        """Return when the rear axle is at a place, if nothing but bends and limits slows the ego down [s]."""
+        ego, road = perception.ego, perception.road
+        places, highest = _speeds_until(along, road)
+        squares = highest**2
+        # Slowing down for what comes, then speeding up from what was.
+        ahead, behind = 2.0 * BRAKING_FOR_BENDS * places, 2.0 * self._acceleration * places
+        squares = np.minimum.accumulate((squares + ahead)[::-1])[::-1] - ahead
+        squares[0] = min(squares[0], max(ego.speed, 0.0) ** 2)
+        speeds = np.sqrt(np.minimum.accumulate(squares - behind) + behind)
+        return float(np.sum(2.0 * np.diff(places) / np.maximum(speeds[:-1] + speeds[1:], 1e-6)))
 
     @staticmethod
     def _before(foe: JunctionFoe, perception: Perception) -> StopPlace | None:
@@ -219,10 +237,16 @@ def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:
     return ego.speed**2 / (2.0 * deceleration) <= place - ego.body.front
 
 
-def _speeds_until(along: float, road: RoadAhead) -> tuple[float, float]:
-    """Return the lowest speed that bends allow until there, and the highest that limits allow [m/s]."""
-    count = int(along / road.curvature_step) + 1 if road.curvature_step > 0.0 else 0
-    sharpest = max((abs(float(value)) for value in road.curvature[:count]), default=0.0)
+def _speeds_until(along: float, road: RoadAhead) -> tuple[FloatArray, FloatArray]:
+    """Return places from the rear axle to there, and how fast bends and limits let it be there [m, m/s]."""
     fastest = max((float(value) for value in road.limit), default=30.0)
-    slowest = math.sqrt(BEND_ACCELERATION / sharpest) if sharpest > 0.0 else fastest
-    return max(min(slowest, fastest), 2.0), max(fastest, 2.0)
+    fastest = max(fastest, SLOWEST)
+    step = road.curvature_step
+    count = math.ceil(along / step) if step > 0.0 else 0
+    bends = np.abs(road.curvature[:count])
+    places = np.append(np.arange(len(bends)) * step, max(along, 0.0))
+    highest = np.full(len(places), fastest)
+    highest[:-1] = np.sqrt(BEND_ACCELERATION / np.maximum(bends, BEND_ACCELERATION / fastest**2))
+    if len(bends):
+        highest[-1] = highest[-2]
+    return places, np.maximum(highest, SLOWEST)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from controllers.driving.right_of_way import (
@@ -199,3 +200,17 @@ def test_travel_time_speeds_up_and_then_keeps_the_limit() -> None:
     # 4 s from 0 to 8 m/s take 16 m, the other 16 m take 2 s.
     assert travel_time(32.0, 0.0, 2.0, 8.0) == pytest.approx(6.0)
     assert travel_time(-1.0, 5.0, 2.0, 8.0) == 0.0
+
+
+@pytest.mark.parametrize(("distance", "stops"), [(60.0, True), (75.0, False)])
+def test_a_bend_ahead_slows_the_ego_down_in_the_bend_alone(distance: float, stops: bool) -> None:
+    """From 12 m/s it is 3.2 m/s in a bend of 4 m from 25 m on, and out of the conflict after 5.9 s."""
+    seen = perception(ego(12.0))
+    places = np.arange(0.0, 60.0, 0.5)
+    road = replace(
+        seen.road,
+        curvature=np.where(places < 25.0, 0.0, 0.25),
+        curvature_step=0.5,
+        foes=(_foe(distance, 10.0),),
+    )
+    assert bool(_stops(replace(seen, road=road))) is stops
