@@ -14,7 +14,7 @@ from controllers.interface import Perception
 STANDING = 0.5
 """Slower ones stand [m/s]."""
 NEAR, NEAR_DRIVING = 15.0, 35.0
-"""Those farther from the ego's middle do not count, standing and driving [m]."""
+"""Those of whom every part is farther from the ego's middle do not count, standing and driving [m]."""
 ONCOMING = np.deg2rad(150.0)
 """Vehicles whose heading differs from the lane's by more come towards the ego."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
@@ -23,7 +23,7 @@ DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
 
 def standing_vehicles(perception: Perception) -> Boxes:
     """Return those that stand, in the plane of :mod:`controllers.geometry.plane`."""
-    return _boxes(perception, _apart(perception, NEAR) & _stand(perception), np.zeros(1))
+    return _boxes(perception, _near(perception, NEAR) & _stand(perception), np.zeros(1))
 
 
 def driving_vehicles(perception: Perception) -> Boxes:
@@ -33,7 +33,7 @@ def driving_vehicles(perception: Perception) -> Boxes:
     """
     them = perception.vehicles
     follow = footprints(them).same_way & (them.along < 0.0)
-    who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
+    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
     return _boxes(perception, who, DRIVEN_FOR)
 
 
@@ -42,7 +42,7 @@ def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
 
     Whoever drives the ego's way is followed, and does not count.
     """
-    who = _apart(perception, NEAR) & ~_stand(perception) & ~footprints(perception.vehicles).same_way
+    who = _near(perception, NEAR) & ~_stand(perception) & ~footprints(perception.vehicles).same_way
     boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
     if not shape[1]:
         return boxes
@@ -57,7 +57,7 @@ def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
     """
     them = perception.vehicles
     towards = np.abs(them.heading_error) > ONCOMING
-    who = _apart(perception, NEAR_DRIVING) & ~_stand(perception) & towards & (them.along > 0.0)
+    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & towards & (them.along > 0.0)
     count = int(who.sum())
     if not count:
         return Boxes(*np.empty((5, 0)))
@@ -75,9 +75,13 @@ def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
     )
 
 
-def _apart(perception: Perception, most: float) -> NDArray[np.bool_]:
-    them, ego = perception.vehicles, perception.ego
-    return np.asarray(np.hypot(them.along - 0.5 * ego.body.front, them.across - ego.across) < most)
+def _near(perception: Perception, most: float) -> NDArray[np.bool_]:
+    """Return which vehicles are near: of a lorry the tail may be beside an ego far behind its front."""
+    box, ego = footprints(perception.vehicles), perception.ego
+    middle = 0.5 * ego.body.front
+    ahead = np.maximum(np.maximum(box.rear - middle, middle - box.front), 0.0)
+    aside = np.maximum(np.maximum(box.right - ego.across, ego.across - box.left), 0.0)
+    return np.asarray(np.hypot(ahead, aside) < most)
 
 
 def _stand(perception: Perception) -> NDArray[np.bool_]:

@@ -54,6 +54,13 @@ def test_a_plan_into_a_vehicle_that_stands_brakes(across: float, status: str) ->
     assert LastCheck().checked(seen, keeps(5.0), NOBODY).status == status
 
 
+@pytest.mark.parametrize("length", [4.5, 12.0, 18.75])
+def test_of_a_long_vehicle_the_tail_counts_however_far_its_front_is(length: float) -> None:
+    seen = perception(ego(speed=5.0), straight_road(2), cars=[Car(FRONT + 2.0 + length, 0.5, length=length)])
+    assert len(standing_vehicles(seen).x) == 1
+    assert LastCheck().checked(seen, keeps(5.0), NOBODY).status == SHIELDED
+
+
 def test_in_a_bend_the_box_is_that_of_the_place_in_the_world() -> None:
     """Along the road, the front of a vehicle beside a bend of 6 m is told of another place than its middle."""
     seen = perception(
