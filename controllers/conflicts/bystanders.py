@@ -17,6 +17,7 @@ from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.driving.standing import walking
 from controllers.geometry.path_clearance import disc_clearances
+from controllers.geometry.swing import farthest_out
 from controllers.interface import Body, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
@@ -37,9 +38,10 @@ HASTE = 2.5
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
 ASIDE = 2.2
-"""Whoever is farther beside the body on the rear axle's way cannot be near a front that swings out [m]."""
+"""Whoever is farther beside the body on the rear axle's way cannot be near the front of a car that swings
+out; that of a longer vehicle comes farther out [m]."""
 LARGEST_SWING = 1.5
-"""[m]"""
+"""Of a car [m]."""
 
 
 class Bystanders(NamedTuple):
@@ -127,7 +129,9 @@ def bystanders(
     counts = ~enters | (people.along < ego.body.front) | ~np.isnan(sets_off)
     if not counts.any():
         return None
-    farthest, aside = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed), 0.5 * ego.body.width + ASIDE
+    swing = farthest_out(ego.body, perception.road.curvature)
+    farthest = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed)
+    aside = 0.5 * ego.body.width + max(ASIDE, swing + FREE)
     if way_into_lane.nobody_near(perception, offset, farthest, aside):
         return None
     places, way = way_into_lane.poses(perception, offset, farthest)
@@ -155,5 +159,6 @@ def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArra
         return none, none
     at = ((along - 0.5 * body.front) / road.curvature_step).astype(np.int64)
     bend = road.curvature[np.minimum(np.maximum(at, 0), len(road.curvature) - 1)]
-    swing = np.clip(0.5 * body.front**2 * bend, -LARGEST_SWING, LARGEST_SWING)
+    largest = max(LARGEST_SWING, farthest_out(body, road.curvature))
+    swing = np.clip(0.5 * body.front**2 * bend, -largest, largest)
     return np.maximum(swing, 0.0), np.maximum(-swing, 0.0)

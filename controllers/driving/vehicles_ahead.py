@@ -8,6 +8,7 @@ import numpy as np
 
 from controllers.arrays import BoolArray, FloatArray, IntArray
 from controllers.geometry.footprints import Footprints, footprints
+from controllers.geometry.swing import swung_out
 from controllers.interface import Perception, Vehicles
 
 HARD_BRAKING = 8.0
@@ -20,8 +21,6 @@ DRIFTING = 0.15
 """Slower movement across the road is not taken for a change of lane [m/s]."""
 TURNING_SPEED, ROOM_TO_TURN = 2.0, 4.0
 """A slower vehicle that does not go the ego's way manoeuvres, and is left so much more room [m/s, m]."""
-STRAIGHT = 1e-3
-"""A road that is less curved is straight [1/m]."""
 
 
 class Blockade(NamedTuple):
@@ -105,11 +104,8 @@ def _swung_out(
     body, road = perception.ego.body, perception.road
     if not who.any() or not len(road.curvature):
         return right, left
-    front = body.front
-    bent = np.abs(road.curvature)
-    radius = 1.0 / np.maximum(bent, STRAIGHT) + 0.5 * body.width
-    out = np.where(bent > STRAIGHT, np.hypot(radius, front) - radius, 0.0)
-    axle = np.arange(len(bent)) * road.curvature_step
+    front, out = body.front, swung_out(body, road.curvature)
+    axle = np.arange(len(out)) * road.curvature_step
     for i in np.flatnonzero(who):
         # Where the rear axle is while the front bumper is beside the vehicle.
         beside = (axle > box.rear[i] - front - road.curvature_step) & (axle < box.front[i] - front)

@@ -11,6 +11,7 @@ from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.driving.lanes.vehicles_jutting_in import jutting_in, standing_beside
 from controllers.geometry.footprints import footprints
+from controllers.geometry.swing import farthest_out
 from controllers.interface import EgoState, Lane, Perception
 
 LOOK_AHEAD = 45.0
@@ -20,7 +21,8 @@ WANTED = 0.8
 ENOUGH, LEAST = 0.5, 0.3
 """Distance for which the body leaves its lane, and without which nobody is made room for [m]."""
 ASIDE = 1.5
-"""How much nearer somebody may be in a bend than the lane's centre line says [m]."""
+"""How much nearer somebody may be in a bend than the lane's centre line says: by so much in that of a car, by
+more where the front of a longer vehicle swings out [m]."""
 TO_THE_LINE = 0.2
 """The body keeps this far from the lane's lines [m]."""
 BEYOND = 0.5
@@ -89,7 +91,7 @@ def kept(
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
     """Return how far to move, left positive [m]."""
     half = 0.5 * perception.ego.body.width
-    aside = half + WANTED + ASIDE
+    aside = half + WANTED + max(ASIDE, farthest_out(perception.ego.body, perception.road.curvature))
     people = stays.any() and not way_into_lane.nobody_near(perception, lane.offset, LOOK_AHEAD, aside)
     vehicles = standing_beside(perception, lane, LOOK_AHEAD, aside)
     if not people and not vehicles.any():
@@ -98,7 +100,7 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     beside, gap = jutting_in(perception, lane, vehicles, way)
     gap = gap + NEARER
     if people:
-        who = _passed(perception, way, stays)
+        who = _passed(perception, way, stays, aside)
         beside, gap = np.concatenate((beside, who[0])), np.concatenate((gap, who[1]))
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, half)
@@ -110,15 +112,17 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
 
 
 def _passed(
-    perception: Perception, way: FloatArray, stays: NDArray[np.bool_]
+    perception: Perception, way: FloatArray, stays: NDArray[np.bool_], aside: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return on which side those are who stay near the way, when the body is beside them, and the gap to it.
+
+    Looked at are those nearer to the way than ``aside`` [m].
 
     In a bend the front swings out and the rear cuts in, so that is told from the body's places along it. The
     gap is inf where the body never is beside somebody.
     """
     body = perception.ego.body
-    who, at = way_into_lane.people_beside(perception, way, 0.5 * body.width + WANTED + ASIDE)
+    who, at = way_into_lane.people_beside(perception, way, aside)
     who, at = who[stays[who]], at[stays[who]]
     beside, alongside = way_into_lane.beside_body(way, body, at)
     radius = perception.pedestrians.radius[who, None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from controllers.conflicts.bystanders import (
 )
 from controllers.conflicts.expected_behaviour import Expectation, PedestrianAssumptions, Watch, expected
 from controllers.interface import Body, CrossingKind, Perception
+from cosim.step.plant import body_of
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
@@ -210,6 +212,23 @@ def test_the_front_swings_out_of_a_bend() -> None:
     straight, turning = (_beside(perception(ego(), one, [outside])) for one in (straight_road(), road))
     assert straight.least(1) == pytest.approx([0.3])
     assert turning.least(1)[0] < 0.0, "a front that swings out comes nearer than the band says"
+
+
+def test_the_front_of_a_bus_swings_farther_out_than_that_of_a_car() -> None:
+    """By 3 m in a bend of 12 m: whoever stands there is in its way."""
+    bus, road = body_of(12.0, 2.5), bend(straight_road(), 10.0, 12.0, 19.0)
+    radius = 12.0 + 0.5 * bus.width
+    swing = math.hypot(radius, bus.front) - radius
+    right, left = swing_out(road, bus, np.array([24.0]))
+    assert right == pytest.approx([swing], abs=1e-6)
+    assert left == pytest.approx([0.0])
+    outside = Walker(29.0, -(0.5 * bus.width + 0.25 + swing - 0.3))
+    for body, near in ((bus, True), (BODY, False)):
+        seen = perception(replace(ego(5.0), body=body), road, [outside])
+        found = bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan))
+        assert (found is not None) == near
+        if found is not None:
+            assert found.least(1)[0] < 0.0
 
 
 def test_somebody_who_walks_towards_the_ego_counts_where_they_meet() -> None:
