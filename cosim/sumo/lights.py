@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from controllers.interface import CrossingKind
 from cosim.sumo.network import NetCrossing
 
 
@@ -33,7 +34,19 @@ class Lights:
         if not crossing.signal:
             return None
         if crossing.name not in self._green:
-            letters = [self.letter(crossing.signal, index) for index in crossing.signal_indices]
+            letters = self._letters(crossing)
             out_of_order = all(letter in "oO" for letter in letters)
             self._green[crossing.name] = None if out_of_order else any(c in "gG" for c in letters)
         return self._green[crossing.name]
+
+    def kind(self, crossing: NetCrossing) -> CrossingKind:
+        """Return who has to wait at a crossing now.
+
+        Where its light is switched off, pedestrians have the priority that SUMO gives them: they walk on.
+        """
+        if not crossing.signal or self.pedestrians_have_green(crossing) is not None:
+            return crossing.kind
+        return CrossingKind.ZEBRA if "O" in self._letters(crossing) else CrossingKind.UNMARKED
+
+    def _letters(self, crossing: NetCrossing) -> list[str]:
+        return [self.letter(crossing.signal, index) for index in crossing.signal_indices]

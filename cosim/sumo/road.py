@@ -100,7 +100,7 @@ def _crossing(crossing: PathCrossing, origin: float, lights: Lights) -> Crossing
     source = crossing.source
     return Crossing(
         source.name,
-        source.kind,
+        lights.kind(source),
         crossing.entry - origin,
         crossing.exit - origin,
         crossing.stop_line - origin,

@@ -190,7 +190,7 @@ class ScriptedPersons:
         stands = abs(state.x_speed) + abs(state.y_speed) < WALKING
         crossing = self._network.crossings.get(spot.crossing)
         if crossing is None or not (
-            crossing.kind is CrossingKind.ZEBRA or lights.pedestrians_have_green(crossing)
+            lights.kind(crossing) is CrossingKind.ZEBRA or lights.pedestrians_have_green(crossing)
         ):
             return Seen(*state.motion) if spot.on_road or not stands else None
         x_speed, y_speed = state.x_speed, state.y_speed

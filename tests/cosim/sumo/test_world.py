@@ -128,6 +128,28 @@ def test_pedestrians_first_wait_and_then_cross(open_world: OpenWorld) -> None:
     assert 0.8 < np.median(speeds[speeds > 0.1]) < 1.7
 
 
+def test_where_lights_are_switched_off_pedestrians_have_the_priority_that_sumo_gives_them(
+    open_world: OpenWorld,
+) -> None:
+    """They step out in front of vehicles as at a zebra, and so that is what the ego is told."""
+
+    def kinds() -> set[CrossingKind]:
+        (seen,) = world.sense() or ()
+        return {one.kind for one in seen.road.crossings if one.name.startswith(":j_")}
+
+    world = open_world("", Egos(routes=(("mj", "jb"),), count=1))
+    world.sense()
+    world.advance()
+    world.advance()
+    assert kinds() == {CrossingKind.SIGNAL}
+    libsumo.trafficlight.setProgram("j", "off")
+    assert "O" in libsumo.trafficlight.getRedYellowGreenState("j")
+    assert kinds() == {CrossingKind.ZEBRA}
+    blinking = "o" * len(libsumo.trafficlight.getRedYellowGreenState("j"))
+    libsumo.trafficlight.setRedYellowGreenState("j", blinking)
+    assert kinds() == {CrossingKind.UNMARKED}
+
+
 def test_signals_are_what_sumo_says(open_world: OpenWorld) -> None:
     states = set()
 
