@@ -306,6 +306,7 @@ class LongitudinalProgram:
             half_jerk=0.5 * limits.jerk * np.cumsum(self.dt),
             acceleration=limits.acceleration,
             comfortable_braking=limits.comfortable_braking,
+            emergency_braking=limits.emergency_braking,
             freeze_braking=limits.freeze_braking,
             headway=limits.headway,
         )

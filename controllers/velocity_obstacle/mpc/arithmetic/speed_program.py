@@ -36,6 +36,7 @@ class Layout(NamedTuple):
     """How far half the jerk changes the command until each instant, shape (N,) [m/s^2]."""
     acceleration: float
     comfortable_braking: float
+    emergency_braking: float
     freeze_braking: float
     headway: float
 
@@ -92,7 +93,9 @@ def write(
     h[FAST] = np.maximum(fastest - speed, slowed + 0.05)
     recovered = v @ towards(layout.acceleration, command_now, layout.half_jerk)
     h[SLOW] = np.maximum(speed, 0.05 - recovered)
-    h[BRAKE] = layout.comfortable_braking + free[COMMAND]
+    # The last check may have braked harder than a plan may: that is eased within half the jerk.
+    beyond = layout.emergency_braking - layout.comfortable_braking
+    h[BRAKE] = np.maximum(layout.comfortable_braking + free[COMMAND], -beyond - layout.half_jerk)
     h *= layout.row_scale
     program.upper[:] = max(layout.acceleration - command_now, 0.0)
     return free

@@ -198,6 +198,20 @@ def test_the_program_has_a_solution_from_any_state(
 _KEPT = _program()
 
 
+@pytest.mark.parametrize("speed", [0.3, 2.0, 10.0, 25.0])
+@pytest.mark.parametrize("jerk", [3.0, 12.0])
+@pytest.mark.parametrize("hardest", [3.0, 4.0, 6.0])
+def test_it_has_one_after_the_last_check_braked_harder_than_a_plan_may(
+    hardest: float, jerk: float, speed: float
+) -> None:
+    limits = SpeedLimits(comfortable_braking=3.0, emergency_braking=hardest, jerk=jerk)
+    program = LongitudinalProgram(DT, 0.3, SpeedWeights(), limits)
+    plan = program.solve(_task(speed, acceleration=-8.0))
+    assert plan.found
+    assert (plan.command >= np.minimum(-8.0 + 0.5 * jerk * TIMES, -hardest) - TOLERANCE).all()
+    assert plan.command[-1] >= -hardest - TOLERANCE
+
+
 @pytest.mark.parametrize(("solver", "share"), [("daqp", 0.0), ("osqp", 0.005)])
 def test_stops_are_found_one_after_the_other(solver: str, share: float) -> None:
     """OSQP may give up at its iteration limit now and then, on one machine in other programs than on another."""
