@@ -32,6 +32,8 @@ SPACING = 0.5
 """Distance between the places for which the limit is worked out [m]."""
 UNBOUNDED = 100.0
 """Stands for no limit [m/s]."""
+AT_ONCE = 1e4
+"""Braking of who stops at once; it may be given as infinite [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,9 +120,10 @@ def assured_speed(gap: FloatArray, time: FloatArray, assume: HiddenPedestrian) -
     >>> assured_speed(np.array([12.142857, 1.0]), np.array([0.2, 1.0]), rule).round(3).tolist()
     [10.0, 7.0]
     """
-    lost = assume.reaction * assume.braking
-    stops = np.sqrt(lost**2 + 2.0 * assume.braking * np.maximum(gap, 0.0)) - lost
-    passes = 2.0 * assume.braking * (time - assume.reaction)
+    braking = min(assume.braking, AT_ONCE)
+    lost = assume.reaction * braking
+    stops = np.sqrt(lost**2 + 2.0 * braking * np.maximum(gap, 0.0)) - lost
+    passes = 2.0 * braking * (time - assume.reaction)
     return np.maximum(np.maximum(stops, np.minimum(passes, UNBOUNDED)), assume.creep)
 
 

@@ -42,6 +42,15 @@ def _distances(scene: Perception, eye: tuple[float, float]) -> FloatArray:
     return np.asarray(found.distances(np.array([eye]))[0])
 
 
+def test_who_brakes_at_once_need_not_see_farther_than_they_react() -> None:
+    """``freeze_braking_mps2`` may be infinite."""
+    at_once = replace(RULE, braking=float("inf"))
+    gap, time = np.array([8.0, 8.0, 0.5]), np.array([0.1, 3.0, at_once.reaction])
+    allowed = hidden_pedestrians.assured_speed(gap, time, at_once)
+    fast = hidden_pedestrians.UNBOUNDED
+    assert allowed == pytest.approx([8.0 / at_once.reaction, fast, at_once.creep], abs=0.05)
+
+
 def test_the_border_of_what_a_bus_hides_is_the_line_over_its_corner() -> None:
     """Corner at (40, −2.125); 40 m on, the line from the origin would be 4.25 m out."""
     (outward,) = _distances(_seen(BUS), (0.0, 0.0))
