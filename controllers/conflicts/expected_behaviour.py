@@ -43,6 +43,8 @@ class PedestrianAssumptions:
     """A slower ego waits [m/s]."""
     waiting_within: float = 15.0
     """For people so far ahead of its rear axle [m]."""
+    waiting_ahead: float = 11.0
+    """And, where it is longer than a car, for those so far ahead of its front bumper [m]."""
 
 
 @dataclass(slots=True)
@@ -66,7 +68,7 @@ class Watch:
         passed = 0.0 if self.seen == -np.inf else min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
-        road = perception.road
+        road, within = perception.road, max(assume.waiting_within, ego.body.front + assume.waiting_ahead)
         movements = zip(
             people.names,
             people.across.tolist(),
@@ -81,7 +83,7 @@ class Watch:
                 if road.right_edge < where < road.left_edge:
                     self.pace[name] = abs(across)
             if math.hypot(along, across) <= assume.standing_below:
-                before = ego.speed < assume.waiting_below and at < assume.waiting_within
+                before = ego.speed < assume.waiting_below and at < within
                 waits = passed if before else 0.0
                 waited[name] = self.waited.get(name, 0.0) + waits
         self.waited = waited

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch
+from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch, expected
 from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.interface import CrossingKind
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
+from cosim.step.plant import body_of
 from tests.controllers.conflicts.found import (
     HORIZON,
     REACH,
@@ -151,6 +152,18 @@ def test_who_is_seen_for_the_first_time_has_not_waited_yet() -> None:
             perception(ego(0.0, time=float(second)), straight_road(3, 1), stands), PedestrianAssumptions()
         )
         assert watch.waited == {"person0": float(second)}
+
+
+@pytest.mark.parametrize("length", [4.5, 12.0, 18.0])
+def test_whoever_stands_before_a_waiting_bus_lets_it_go_first_as_they_let_a_car(length: float) -> None:
+    """Its front bumper is up to 14 m ahead of the rear axle, from which distances are told."""
+    watch, body = Watch(), body_of(length, 2.0)
+    stands = Walker(body.front + 7.0, -3.0, crossing=0, waiting=True)
+    for time in range(5):
+        state = replace(ego(0.0, time=float(time)), body=body)
+        seen = perception(state, straight_road(), [stands], crossings=[zebra(body.front + 5.0)])
+        known = expected(seen, watch, PedestrianAssumptions(), None)
+        assert known.lets_go.all() == (time >= 3)
 
 
 @pytest.mark.parametrize(("inwards", "expected"), [(1.3, 1), (-1.3, 0)])
