@@ -104,6 +104,7 @@ class SumoWorld:
                 self.step: float = self._sumo.simulation.getDeltaT()
                 self._time: float = self._sumo.simulation.getTime()
                 self._sources.check(self._sumo)
+                self._calibrated = self._sumo.calibrator.getIDCount() > 0
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
@@ -268,7 +269,8 @@ class SumoWorld:
         if self._egos or self._sources.trips:
             return False
         ends = self._sources.ends and self._everybody is None
-        return ends or self._sumo.simulation.getMinExpectedNumber() == 0
+        # SUMO expects nobody from calibrators before they have inserted them.
+        return ends or not (self._calibrated or self._sumo.simulation.getMinExpectedNumber())
 
     def _drop_gone(self) -> None:
         """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""

@@ -104,13 +104,17 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
         seed: int = 1,
         actuation: Literal["hybrid", "move"] = "hybrid",
         gui: bool = False,
+        additional: str = "",
     ) -> SumoWorld:
         number = len(opened)
         routes = tmp_path / f"demand{number}.rou.xml"
         routes.write_text(f"<routes>{TYPES}{demand}</routes>")
+        further = tmp_path / f"further{number}.add.xml"
+        further.write_text(f"<additional>{additional}</additional>")
         configuration = tmp_path / f"run{number}.sumocfg"
         configuration.write_text(
-            f'<configuration><input><net-file value="{network}"/><route-files value="{routes.name}"/></input>'
+            f'<configuration><input><net-file value="{network}"/><route-files value="{routes.name}"/>'
+            f'<additional-files value="{further.name}"/></input>'
             f'<time><step-length value="{step_s}"/></time></configuration>'
         )
         for other in opened:

@@ -74,6 +74,17 @@ def test_cars_of_which_none_is_drawn_are_told_with_the_share(open_world: OpenWor
         drive(open_world(car, Egos(share=0.001), duration_s=5.0))
 
 
+def test_a_share_is_taken_of_cars_that_only_a_calibrator_inserts(open_world: OpenWorld) -> None:
+    calibrator = (
+        '<vType id="van" vClass="passenger"/><calibrator id="c" lane="am_1" pos="5" period="10">'
+        '<route id="r" edges="am mj jb"/>'
+        '<flow begin="0" end="60" vehsPerHour="900" route="r" type="van"/></calibrator>'
+    )
+    world = open_world("", Egos(share=1.0), duration_s=20.0, additional=calibrator)
+    egos = {ego.name for snapshot in drive(world) for ego in snapshot.egos}
+    assert len(egos) >= 2
+
+
 def test_an_ego_that_finds_no_place_is_told(open_world: OpenWorld) -> None:
     standing = "".join(
         f'<vehicle id="s{lane}" type="car" depart="0" departLane="{lane}" departPos="7">'
