@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,8 +56,14 @@ class DrivenEgo:
         off_the_route = standing and on_a_lane_off_the_route(self.track)
         self.stood_off_the_route_for = self.stood_off_the_route_for + step if off_the_route else 0.0
 
-    def truth(self, step: float) -> EgoTruth:
-        """Return what the recording holds of it after a step of that length [s]."""
+    def truth(self, step: float, changed_limits: Mapping[str, float]) -> EgoTruth:
+        """Return what the recording holds of it after a step.
+
+        Parameters
+        ----------
+        step : length of the step [s]
+        changed_limits : of lanes that have other limits now than in the network, by lane [m/s]
+        """
         plant, track = self.plant, self.track
         entry = 0
         if len(self.command.times) > 1:
@@ -77,7 +84,7 @@ class DrivenEgo:
             edge=piece.lane.edge,
             lane=self.executed.lane,
             route_position=self.travelled,
-            speed_limit=min(piece.lane.speed, self.own_limit),
+            speed_limit=min(changed_limits.get(piece.lane.name, piece.lane.speed), self.own_limit),
             commanded_acceleration=float(self.command.acceleration[entry]),
             commanded_steering=float(self.command.steering[entry]),
             executed_x=self.executed.x,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -137,9 +137,8 @@ class LanePath:
         """Where the lanes that were followed end [m]."""
         self.leads_to_end = leads_to_end
         """Whether the chain ends because the route does."""
-        self._limits = self._speed_limits()
-        if self.bends:
-            self._limits = self._slowed(turning)
+        self._slow = tuple(self._slow_stretch(bend, turning) for bend in self.bends)
+        self._limits = self._speed_limits({})
         self.crossings: tuple[PathCrossing, ...] = ()
         self.signals: tuple[PathSignal, ...] = ()
         self.stop_signs: tuple[PathStopSign, ...] = ()
@@ -151,6 +150,17 @@ class LanePath:
     @property
     def limits(self) -> tuple[FloatArray, FloatArray]:
         """Where speed limits begin [m], and the limits [m/s]; bends drawn anew have one for the vehicle."""
+        return self._limits
+
+    def limits_with(self, changed: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Return the same where lanes have other limits than in the network.
+
+        Parameters
+        ----------
+        changed : the limits of such lanes, by lane [m/s]
+        """
+        if changed and any(piece.lane.name in changed for piece in self.pieces):
+            return self._speed_limits(changed)
         return self._limits
 
     @cached_property
@@ -196,21 +206,19 @@ class LanePath:
             self._offsets[key] = np.where(gone, np.nan, -across)
         return self._offsets[key]
 
-    def _speed_limits(self) -> tuple[FloatArray, FloatArray]:
-        starts: list[float] = []
-        limits: list[float] = []
-        for piece in self.pieces:
-            if not limits or piece.lane.speed != limits[-1]:
-                starts.append(piece.start)
-                limits.append(piece.lane.speed)
-        return np.array(starts), np.array(limits)
+    def _slow_stretch(self, bend: PathBend, turning: Turning) -> tuple[float, float, float]:
+        """Return where a bend slows the vehicle down [m], and to what it can steer through [m/s]."""
+        start, end = max(bend.start - BEFORE, self.pieces[0].start), bend.end + BEFORE
+        return start, end, highest_speed(self.curve, start, end, turning)
 
-    def _slowed(self, turning: Turning) -> tuple[FloatArray, FloatArray]:
-        """Return the limits with those of the bends: what the vehicle can steer through."""
-        starts, limits = self._limits
-        for bend in self.bends:
-            start, end = max(bend.start - BEFORE, float(starts[0])), bend.end + BEFORE
-            speed = highest_speed(self.curve, start, end, turning)
+    def _speed_limits(self, changed: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        given: list[tuple[float, float]] = []
+        for piece in self.pieces:
+            limit = changed.get(piece.lane.name, piece.lane.speed)
+            if not given or limit != given[-1][1]:
+                given.append((piece.start, limit))
+        starts, limits = (np.array(column) for column in zip(*given, strict=True))
+        for start, end, speed in self._slow:
             places = np.union1d(starts, [start, end])
             limits = limits[np.searchsorted(starts, places, side="right") - 1]
             limits = np.where((places >= start) & (places < end), np.minimum(limits, speed), limits)

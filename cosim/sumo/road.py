@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -37,6 +37,7 @@ def road_ahead(
     lights: Lights,
     foes: Sequence[JunctionFoe],
     own_limit: float,
+    changed_limits: Mapping[str, float],
 ) -> tuple[RoadAhead, dict[int, LaneLine]]:
     """Return the road, and the lines of its lanes: 0 for the ego's, 1 for the one left of it, −1 right.
 
@@ -47,6 +48,7 @@ def road_ahead(
     lights : of this instant
     foes : vehicles whose ways cross its own
     own_limit : what its kind of vehicle drives at most, told as a speed limit [m/s]
+    changed_limits : of lanes that have other limits now than in the network, by lane [m/s]
     """
     path, origin = frame.path, frame.origin
     route, step = track.route, track.step
@@ -70,7 +72,7 @@ def road_ahead(
                 lines[side] = LaneLine(width, path.curve.along, offsets, origin)
             nearest = False
     lanes.sort(key=lambda lane: lane.number)
-    starts, limits = path.limits
+    starts, limits = path.limits_with(changed_limits)
     first = max(int(starts.searchsorted(origin, "right")) - 1, 0)
     limit_along = starts[first:] - origin
     limit_along[0] = min(limit_along[0], 0.0)

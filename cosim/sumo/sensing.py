@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from controllers.interface import Body, EgoState, Eyesight, JunctionFoe, Perception, RoadAhead
+from cosim.sumo.changed_limits import ChangedLimits
 from cosim.sumo.driven_ego import DrivenEgo
 from cosim.sumo.foes import NEAR, FoeFinder
 from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
@@ -27,15 +28,22 @@ class Perceiver:
     network
     interval : time until the next plan is asked for [s]
     eyesight : where an ego of that size looks from
+    limits : that differ from those of the network
     """
 
     def __init__(
-        self, sumo: Any, network: Network, interval: float, eyesight: Callable[[Body], Eyesight | None]
+        self,
+        sumo: Any,
+        network: Network,
+        interval: float,
+        eyesight: Callable[[Body], Eyesight | None],
+        limits: ChangedLimits,
     ) -> None:
         self._sumo = sumo
         self._foes = FoeFinder(sumo, network)
         self._interval = interval
         self._eyesight = eyesight
+        self._limits = limits
 
     def perceive(self, egos: Sequence[DrivenEgo], time: float, known: Surroundings) -> list[Perception]:
         """Return what each ego is told; its frame is kept with it.
@@ -95,7 +103,7 @@ class Perceiver:
         foes: list[JunctionFoe] = []
         if junctions and cars:
             foes = self._foes.find(ego.name, frame.origin, junctions, cars, known.cars, lights)
-        return road_ahead(frame, ego.track, crossings, signals, lights, foes, ego.own_limit)
+        return road_ahead(frame, ego.track, crossings, signals, lights, foes, ego.own_limit, self._limits.now)
 
     def _state(self, ego: DrivenEgo, frame: Frame, time: float) -> EgoState:
         plant = ego.plant

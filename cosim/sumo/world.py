@@ -15,6 +15,7 @@ from cosim.sensing.models.perfect import Model as Perfect
 from cosim.step.frames import heading_of
 from cosim.step.plant import CAR_DRIVE
 from cosim.step.world import MapArea, Mishaps, Snapshot, Traffic
+from cosim.sumo.changed_limits import ChangedLimits
 from cosim.sumo.connection import start
 from cosim.sumo.driven_ego import DrivenEgo, is_on_lane, let_go
 from cosim.sumo.egos import EgoSources
@@ -105,6 +106,7 @@ class SumoWorld:
                 self._time: float = self._sumo.simulation.getTime()
                 self._sources.check(self._sumo)
                 self._calibrated = self._sumo.calibrator.getIDCount() > 0
+                self._limits = ChangedLimits(self._sumo, self._network)
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
@@ -115,7 +117,11 @@ class SumoWorld:
             self._scripted.join(self._sumo, self.step)
             self._knowledge = self._known_by(sensing or Perfect(), seed)
             self._perceiver = Perceiver(
-                self._sumo, self._network, self._plan_every * self.step, self._knowledge.eyesight
+                self._sumo,
+                self._network,
+                self._plan_every * self.step,
+                self._knowledge.eyesight,
+                self._limits,
             )
             self._surroundings: Surroundings = self._observer.read((), {}, Present())
         except BaseException:
@@ -185,7 +191,7 @@ class SumoWorld:
         others = [row for row, name in enumerate(cars.names) if name not in self._egos]
         return Snapshot(
             self._time,
-            tuple(ego.truth(self.step) for ego in self._egos.values()),
+            tuple(ego.truth(self.step, self._limits.now) for ego in self._egos.values()),
             with_signals(
                 persons_truth(persons, np.arange(len(persons.names))),
                 Lights(self._sumo),
@@ -260,6 +266,7 @@ class SumoWorld:
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()
         self._present = everybody_present(self._sumo)
+        self._limits.read()
         if self._everybody is not None:
             self._everybody.follow_departed(self._present)
 
