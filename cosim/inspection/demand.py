@@ -23,6 +23,7 @@ DEFAULT_CLASSES = {
 CAR = "passenger"
 _RIDERS = ("vehicle", "trip", "flow")
 _WALKERS = ("person", "personFlow")
+_SUBLANE_MODELS = ("SL2015", "default")
 _POISSON = re.compile(r"exp\(([^)]+)\)")
 
 
@@ -37,6 +38,8 @@ class Demand:
     """Expected number of passenger cars by the edges that are given: a whole route, or its ends."""
     ignored: dict[Path, list[str]] = field(default_factory=dict)
     """By route file: ids that SUMO leaves out, because one before them departs later."""
+    lane_change_models: dict[str, str] = field(default_factory=dict)
+    """Those that vehicle types in use name, by type, where they are not the sublane model's."""
 
 
 def read_demand(source: Source) -> Demand:
@@ -81,6 +84,7 @@ class _Reader:
         self._begin_s = begin_s
         self._end_s = end_s
         self._classes: dict[str, str] = dict(DEFAULT_CLASSES)
+        self._models: dict[str, str] = {}
         self._members: defaultdict[str, list[str]] = defaultdict(list)
         self._routes: dict[str, tuple[str, ...]] = {}
         self._found: list[tuple[ElementTree.Element, float]] = []
@@ -112,7 +116,11 @@ class _Reader:
             if element.tag in _WALKERS:
                 self._demand.persons += count
                 continue
-            kind = self._class(element.get("type", "DEFAULT_VEHTYPE"))
+            name = element.get("type", "DEFAULT_VEHTYPE")
+            kind = self._class(name)
+            self._demand.lane_change_models |= {
+                one: self._models[one] for one in (name, *self._members.get(name, ())) if one in self._models
+            }
             self._demand.vehicles[kind] += count
             way = self._way(element)
             if kind == CAR and way:
@@ -122,6 +130,8 @@ class _Reader:
     def _define(self, element: ElementTree.Element) -> None:
         for kind in element.iter("vType"):
             self._classes[kind.get("id", "")] = kind.get("vClass", CAR)
+            if kind.get("laneChangeModel", "default") not in _SUBLANE_MODELS:
+                self._models[kind.get("id", "")] = kind.get("laneChangeModel", "")
         if element.tag == "vTypeDistribution":
             names = [kind.get("id", "") for kind in element.iter("vType")]
             self._members[element.get("id", "")] += names + element.get("vTypes", "").split()

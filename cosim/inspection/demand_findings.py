@@ -9,6 +9,8 @@ from cosim.inspection.demand import CAR, Demand
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source
 
+LANE_CHANGE_MODEL = "lane-change model"
+
 
 def vehicles(source: Source, demand: Demand) -> Finding:
     """Report the number of vehicles of each class in the demand."""
@@ -47,6 +49,20 @@ def sorting(demand: Demand) -> list[Finding]:
         )
         for path, names in demand.ignored.items()
     ]
+
+
+def lane_change_model(demand: Demand) -> list[Finding]:
+    """Name the vehicle types with which hybrid actuation is not possible."""
+    if not demand.lane_change_models:
+        return []
+    name, model = min(demand.lane_change_models.items())
+    others = len(demand.lane_change_models) - 1
+    more = f" and {others} more" if others else ""
+    text = (
+        f"vType {name!r}{more} has laneChangeModel {model}, which SUMO's sublane model excludes: "
+        "cosim run --actuation move, or remove it"
+    )
+    return [Finding(LANE_CHANGE_MODEL, Level.NOTE, text)]
 
 
 def _walks_command(source: Source) -> str:

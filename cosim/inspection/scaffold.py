@@ -188,7 +188,7 @@ def _scenario(found: Inspection, origin: str, configuration: str, duration_s: fl
         f"description = {_quoted(f'Made by cosim inspect from {origin}')}",
         f"duration_s = {duration_s:.1f}",
         f"warmup_s = {warmup_s:.1f} # egos enter afterwards",
-        'actuation = "hybrid"',
+        f'actuation = "{"move" if found.demand.lane_change_models else "hybrid"}"',
         f"sumocfg = {_quoted(configuration)}",
         "",
         "[egos]",

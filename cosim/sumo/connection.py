@@ -22,6 +22,13 @@ DEBIAN_PACKAGES = {
     "libXrender": "libxrender1",
 }
 """Which Debian package brings a system library that the libsumo wheel needs."""
+_REMEDIES = {
+    "is not compatible with sublane simulation": (
+        "hybrid actuation needs the sublane model; choose --actuation move, or remove laneChangeModel from "
+        "the vehicle type"
+    )
+}
+"""What to do about a message of SUMO's that names what the user never asked for."""
 
 
 class Connection:
@@ -57,7 +64,7 @@ class Connection:
         try:
             yield
         except self.errors as error:
-            raise SimulationError(f"SUMO failed while {activity}: {_one_line(error)}") from error
+            raise SimulationError(f"SUMO failed while {activity}: {_told(_one_line(error))}") from error
 
 
 def start(options: Sequence[str], gui: bool = False) -> Connection:
@@ -158,7 +165,12 @@ def _reason(heard: _Heard, error: Exception) -> str:
             return f"sumo-gui was {line.rpartition(': ')[2].strip()}"
     lines = [line.strip() for line in heard.text.splitlines() if line.startswith("Error:")]
     said = " ".join(line.removeprefix("Error:").strip() for line in lines[:2])
-    return said or _one_line(error)
+    return _told(said or _one_line(error))
+
+
+def _told(message: str) -> str:
+    """Return a message of SUMO's with what to do about it, where that is known."""
+    return "; ".join([message, *(remedy for words, remedy in _REMEDIES.items() if words in message)])
 
 
 def _one_line(error: Exception) -> str:

@@ -13,6 +13,7 @@ import pytest
 from controllers.interface import CrossingKind
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.inspection import Inspection, inspect
+from cosim.inspection.scaffold import write_scaffold
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.inspection.towns import build, call_line, configure
 
@@ -225,6 +226,25 @@ def test_options_that_are_all_set_well_are_not_mentioned(tmp_path: Path) -> None
     )
     found = inspect(configure(tmp_path, PERSONS + CARS, good))
     assert "options" not in {one.check for one in found.findings}
+
+
+def test_types_that_the_sublane_model_excludes_are_named_where_they_are_used(tmp_path: Path) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    types = "".join(
+        f'<vType id="{name}" laneChangeModel="{model}"/>'
+        for name, model in (("plain", "LC2013"), ("free", "SL2015"), ("idle", "LC2013"))
+    )
+    mixed = '<vTypeDistribution id="mixed" vTypes="plain free"/>'
+    car = '<trip id="mine" type="mixed" depart="299" from="east_1" to="east_2"/>'
+    found = inspect(configure(tmp_path, types + mixed + PERSONS + CARS + car))
+    one = finding(found, "lane-change model")
+    assert one.level is Level.NOTE
+    assert "'plain' has laneChangeModel LC2013" in one.text
+    assert "--actuation move" in one.text
+    write_scaffold(found, tmp_path / "made")
+    assert 'actuation = "move"' in (tmp_path / "made" / "scenario.toml").read_text()
+    unused = inspect(configure(tmp_path, types + mixed + PERSONS + CARS))
+    assert "lane-change model" not in {one.check for one in unused.findings}
 
 
 def test_what_is_closed_to_cars_gives_no_ego_route(tmp_path: Path) -> None:

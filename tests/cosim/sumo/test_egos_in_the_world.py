@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from controllers.interface import HAND_BACK, Command, Perception
-from cosim.errors import InputError, SimulationError
+from cosim.errors import CosimError, InputError, SimulationError
 from sumo_scenarios.model import Egos
 
 from .conftest import STRAIGHT, OpenWorld, drive, keep_lane
@@ -72,6 +72,20 @@ def test_cars_of_which_none_is_drawn_are_told_with_the_share(open_world: OpenWor
     car = '<vehicle id="only" type="car" depart="0"><route edges="am mj"/></vehicle>'
     with pytest.raises(SimulationError, match=r"1 passenger cars .* none of them was drawn .* 0\.001;"):
         drive(open_world(car, Egos(share=0.001), duration_s=5.0))
+
+
+@pytest.mark.parametrize("depart", [0, 1])
+def test_a_lane_change_model_that_hybrid_excludes_is_told_with_what_to_do(
+    open_world: OpenWorld, depart: int
+) -> None:
+    demand = (
+        '<vType id="plain" laneChangeModel="LC2013"/>'
+        f'<flow id="f" type="plain" begin="{depart}" end="9" number="1"><route edges="am mj"/></flow>'
+    )
+    egos = Egos(vehicles=("f.0",))
+    with pytest.raises(CosimError, match=r"'LC2013' is not compatible .*; choose --actuation move"):
+        drive(open_world(demand, egos, duration_s=2.0))
+    assert drive(open_world(demand, egos, duration_s=2.0, actuation="move"))[-1].egos
 
 
 def test_a_share_is_taken_of_cars_that_only_a_calibrator_inserts(open_world: OpenWorld) -> None:
