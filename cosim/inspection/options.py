@@ -65,9 +65,15 @@ def replaced(source: Source) -> list[Finding]:
     waiting = seconds(options.get("time-to-teleport", ""))
     if waiting is not None and 0.0 < waiting < SOONEST_TELEPORT_S:
         found.append(f"teleporting after {waiting:g} s of waiting, not {SOONEST_TELEPORT_S:g} s")
+    waiting = seconds(options.get("time-to-teleport.highways", ""))
+    if waiting is not None and waiting > 0.0:
+        found.append(f"teleporting after {waiting:g} s of waiting on fast roads")
     action = options.get("collision.action", "teleport")
     if action != "warn":
         found.append(f"collision.action {action}")
+    action = options.get("intermodal-collision.action", "warn")
+    if action != "warn":
+        found.append(f"intermodal-collision.action {action}")
     if not is_true(options, "collision.check-junctions"):
         found.append("no collision check in junctions, where the crossings are")
     if is_true(options, "step-method.ballistic"):

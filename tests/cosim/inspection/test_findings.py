@@ -201,6 +201,8 @@ def test_sumo_leaves_out_and_inserts_what_is_said(tmp_path: Path) -> None:
         ('<step-method.ballistic value="true"/>', "0.1", "options", Level.NOTE, "ballistic"),
         ('<collision.action value="none"/>', "0.1", "options", Level.NOTE, "collision.action none"),
         ('<time-to-teleport value="5"/>', "0.1", "options", Level.NOTE, "after 5 s"),
+        ('<time-to-teleport.highways value="9"/>', "0.1", "options", Level.NOTE, "after 9 s"),
+        ('<intermodal-collision.action value="remove"/>', "0.1", "options", Level.NOTE, "action remove"),
         ("", "0.1", "options", Level.NOTE, "in junctions"),
         ("", "2", "step length", Level.MISSING, "0.05 to 1 s"),
         ("", "1", "step length", Level.NOTE, "1 s"),

@@ -105,6 +105,7 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
         actuation: Literal["hybrid", "move"] = "hybrid",
         gui: bool = False,
         additional: str = "",
+        processing: str = "",
     ) -> SumoWorld:
         number = len(opened)
         routes = tmp_path / f"demand{number}.rou.xml"
@@ -115,7 +116,7 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
         configuration.write_text(
             f'<configuration><input><net-file value="{network}"/><route-files value="{routes.name}"/>'
             f'<additional-files value="{further.name}"/></input>'
-            f'<time><step-length value="{step_s}"/></time></configuration>'
+            f'<time><step-length value="{step_s}"/></time><processing>{processing}</processing></configuration>'
         )
         for other in opened:
             other.close()

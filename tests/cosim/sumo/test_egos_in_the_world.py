@@ -122,6 +122,18 @@ def test_an_ego_may_not_have_the_name_of_a_vehicle(open_world: OpenWorld) -> Non
         open_world(demand, STRAIGHT)
 
 
+def test_an_ego_that_strikes_somebody_stays_whatever_the_configuration_says(open_world: OpenWorld) -> None:
+    demand = (
+        '<personFlow id="p" begin="0" end="40" period="1" departPos="130">'
+        '<walk from="am" to="ma" arrivalPos="30"/></personFlow>'
+    )
+    options = '<intermodal-collision.action value="teleport"/>'
+    world = open_world(demand, STRAIGHT, warmup_s=20.0, duration_s=40.0, processing=options)
+    snapshots = drive(world)
+    assert snapshots[-1].teleports == 0
+    assert max(ego.x for one in snapshots for ego in one.egos) > 170.0
+
+
 def test_riders_are_no_pedestrians_and_stops_of_an_ego_are_dropped(open_world: OpenWorld) -> None:
     demand = (
         '<vType id="coach" vClass="bus" length="10"/>'
