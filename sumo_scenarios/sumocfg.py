@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -79,7 +80,7 @@ def _options(path: Path) -> dict[str, str]:
     for element in ElementTree.parse(path).getroot().iter():
         value = element.get("value", element.get("v"))
         if value is not None:
-            options[long_name(element.tag)] = value
+            options[long_name(element.tag)] = os.path.expandvars(value)
     return options
 
 

@@ -160,6 +160,19 @@ def test_a_configuration_gives_times_and_files(tmp_path: Path) -> None:
     assert prepared.options[0] == "--configuration-file"
 
 
+def test_variables_of_the_environment_stand_for_any_value_of_a_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MORNING", "1:00:00")
+    monkeypatch.setenv("QUEUES", "true")
+    more = '<time><begin value="${MORNING}"/><end value="4000"/></time>'
+    scenario = load(str(write_configuration(tmp_path, more=more)))
+    assert (scenario.begin_s, scenario.duration_s) == (3600.0, 400.0)
+    path = write_configuration(tmp_path, more='<mesosim value="${QUEUES}"/>')
+    with pytest.raises(ScenarioError, match="mesosim is set"):
+        load(str(path))
+
+
 @pytest.mark.parametrize("in_folder", [False, True])
 @pytest.mark.parametrize(
     ("more", "after"),
