@@ -55,6 +55,7 @@ class EgoSources:
     def __init__(self, egos: Egos, network: Network, seed: int, start: float, needed: bool = True) -> None:
         self._egos = egos
         self._seed = seed
+        self._needed = needed
         self._start = start
         self._wanted = set(egos.vehicles)
         self._cars_seen = 0
@@ -170,7 +171,8 @@ class EgoSources:
         Raises
         ------
         SimulationError
-            If a vehicle never departed, or no car ever came of which a share could be taken.
+            If a vehicle never departed, or no car ever came of which a share could be taken though an ego is
+            needed.
         """
         if self._wanted:
             some = ", ".join(f'"{name}"' for name in self._some_departed) or "none"
@@ -178,7 +180,7 @@ class EgoSources:
                 f'vehicle "{min(self._wanted)}" did not depart until {end:g} s; '
                 f"{self._departed_seen} vehicles did, for instance {some}"
             )
-        if self._egos.share and not any_ego:
+        if self._needed and self._egos.share and not any_ego:
             seen = f"{self._cars_seen} passenger cars departed until {end:g} s"
             told = (
                 f"{seen}, and none of them was drawn with a share of {self._egos.share:g}; expected a larger "

@@ -135,8 +135,7 @@ class SumoWorld:
         if not self._warm:
             self._warm_up()
         if self._over():
-            if self._everybody is None:
-                self._sources.check_seen(self._any_ego, self._time)
+            self._sources.check_seen(self._any_ego, self._time)
             return None
         self._knowledge.begin()
         if self._steps % self._plan_every:

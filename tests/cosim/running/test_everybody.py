@@ -12,6 +12,7 @@ from analysis.files import read_csv, read_json
 from cosim.errors import InputError
 from cosim.running.execution import execute
 from cosim.running.request import RunRequest
+from cosim.running.simulation import run
 from cosim.sumo.everybody import CELL, PERSON_RANGE, VEHICLE_RANGE
 
 DEMAND = {"vehicles_per_hour": "900", "pedestrians_per_hour": "400", "warmup_s": "20"}
@@ -38,6 +39,23 @@ def test_recording_everybody_changes_no_byte_of_what_is_said_of_egos(tmp_path: P
         "egos",
         "everybody",
     )
+
+
+@pytest.mark.sumo
+def test_a_vehicle_that_was_named_and_never_comes_is_told(tmp_path: Path) -> None:
+    request = RunRequest(
+        "midblock_zebra",
+        "aeb",
+        1,
+        DEMAND,
+        duration_s=5.0,
+        ego_vehicle="ghost",
+        record="everybody",
+        out=tmp_path,
+    )
+    result = run(request)
+    assert 'vehicle "ghost" did not depart' in result.invalid_reason
+    assert (tmp_path / "traffic.parquet").exists()
 
 
 @pytest.mark.sumo
