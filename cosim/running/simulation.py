@@ -14,6 +14,7 @@ from pyarrow import ArrowInvalid
 from analysis.files import read_json, write_json
 from analysis.manifest import CLAIM, MANIFEST
 from analysis.recording.columns import SCHEMA_VERSION
+from analysis.recording.extent import EVERYBODY
 from analysis.sealing import seal_recording
 from cosim.errors import CosimError, InputError, SimulationError, reason_of
 from cosim.recording import folders, provenance
@@ -115,6 +116,8 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     if reason is None and recorder.teleports:
         reason = f"{TELEPORTED} {recorder.teleports} egos"
     if reason is None and not recorder.ego_names and not recorder.records_everybody:
+        if composition.inputs.record == EVERYBODY:
+            raise InputError("nobody to record: after the warm-up no vehicle or person is there or to come")
         raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
     _finish(description, recorder, times, perf_counter() - started, reason)
     _write_description(folder, description)

@@ -116,6 +116,16 @@ def test_what_sumo_does_not_take_is_told_in_its_words(
 
 
 @pytest.mark.sumo
+def test_recording_everybody_where_nobody_comes_is_told_as_that(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, town: Path
+) -> None:
+    configuration(tmp_path)
+    line = refused(capsys, "run", "town.sumocfg", "--record", "everybody", "--ego-share", "0")
+    assert "nobody to record" in line
+    assert not list(tmp_path.glob("runs/*"))
+
+
+@pytest.mark.sumo
 def test_a_folder_that_cannot_be_made_is_refused(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, town: Path
 ) -> None:
