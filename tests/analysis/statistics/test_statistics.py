@@ -242,6 +242,24 @@ def test_nine_pairs_with_the_ranks_of_a_textbook_have_its_p() -> None:
     assert found.effect_size == pytest.approx((5.0 - 40.0) / 45.0)
 
 
+def test_five_of_thirty_pairs_that_differ_have_the_p_of_five_signs() -> None:
+    # 2 / 2^5, however many seeds show no difference: SciPy's normal distribution would say 0.025 and 0.043.
+    base = np.linspace(1.0, 30.0, 30)
+    for more in (np.ones(5), np.arange(1.0, 6.0)):
+        found = compare_values(base, base + np.append(more, np.zeros(25)))
+        assert (found.test, found.statistic, found.effect_size) == ("wilcoxon", 0.0, 1.0)
+        assert found.p_value == pytest.approx(2.0 / 2.0**5)
+
+
+def test_what_rounding_leaves_of_equal_pairs_is_no_difference() -> None:
+    # Contributions of delays are the delays up to rounding, of each side another one.
+    delays = np.random.default_rng(8).gamma(2.0, 3.0, 30)
+    worse = delays + np.append(np.arange(5.0, 10.0), np.zeros(25))
+    base, alt = (contributions(values, np.ones(30)) for values in (delays, worse))
+    assert np.count_nonzero(alt - base) > 5
+    assert compare_values(base, alt).p_value == pytest.approx(2.0 / 2.0**5)
+
+
 def test_the_order_of_the_two_sides_only_turns_the_sign() -> None:
     rng = np.random.default_rng(7)
     base, alt = rng.normal(size=12), rng.normal(1.0, 2.0, 12)
