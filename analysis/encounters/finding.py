@@ -233,14 +233,16 @@ def _slice(track: Track, first: int, last: int) -> slice:
 def exposed_samples(encounter: Encounter, run: RecordedRun, standing_speed: float) -> BoolArray:
     """Return the samples at which a predicted collision counts.
 
-    A person on a crossing counts while on it, if the ego passes that crossing in this run or the
-    encounter is censored; a person who crosses the ego's path elsewhere counts throughout. Nobody counts
+    A person on the encounter's crossing counts while on it, if the ego passes that crossing in this run or
+    the encounter is censored; a person who crosses the ego's path elsewhere counts throughout. Nobody counts
     while waiting at the kerb, and nothing counts while the ego stands.
     """
     ego = _slice(encounter.ego, encounter.first, encounter.last)
     rows = encounter.person.rows[_slice(encounter.person, encounter.first, encounter.last)]
     moving = encounter.ego.speed[ego] > standing_speed
-    on_crossing: BoolArray = run.neighbours.texts["phase"].equal("crossing", rows)
+    texts = run.neighbours.texts
+    on_crossing: BoolArray = texts["phase"].equal("crossing", rows)
+    on_crossing &= texts["crossing_id"].equal(encounter.crossing_id, rows)
     if on_crossing.any():
         meets = encounter.area is not None or encounter.passes_crossing or encounter.censored
         return on_crossing & moving if meets else np.zeros_like(moving)

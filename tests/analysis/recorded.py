@@ -41,14 +41,14 @@ class Ego:
 
 @dataclass
 class Person:
-    """A pedestrian; the phase is a function of time."""
+    """A pedestrian; the phase is a function of time, and the crossing may be one."""
 
     motion: Motion
     name: str = "ped"
     start: float = 0.0
     end: float = 1e9
     radius: float = 0.25
-    crossing: str | None = "zebra"
+    crossing: str | Callable[[float], str] | None = "zebra"
     phase: Callable[[float], str] = lambda t: "crossing"
 
 
@@ -132,7 +132,7 @@ def _person_row(person: Person, t: float) -> dict[str, Any]:
         "length_m": 2 * person.radius,
         "width_m": 2 * person.radius,
         "edge_or_lane": "e",
-        "crossing_id": person.crossing,
+        "crossing_id": person.crossing(t) if callable(person.crossing) else person.crossing,
         "phase": person.phase(t),
     }
 

@@ -136,6 +136,36 @@ def test_a_person_waiting_at_the_kerb_is_no_conflict(tmp_path: Path) -> None:
     assert row["yielded"] is False, "the pedestrian stood there in time for the ego to stop"
 
 
+def test_a_jaywalker_counts_throughout_wherever_they_came_from(tmp_path: Path) -> None:
+    # On the crossing of a side street for the first second, then across the road away from any crossing.
+    person = Person(line(32.5, -4, 0, 1.25), crossing="side", phase=crosses(0.0, 1.0))
+    row = only(analyse(tmp_path, Ego(line(-21.2, 0, 10, 0)), person, areas=()))
+    assert not row["crossing_id"]
+    assert row["clearance_min_m"] == pytest.approx(1.26943, abs=1e-5)
+    assert row["tadv_min_s"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_happens_on_another_crossing_is_no_part_of_the_encounter(tmp_path: Path) -> None:
+    # They stand ahead of the ego on the crossing of a street that it never reaches, run back to the zebra
+    # and cross behind the ego, which is on the zebra until 3.5 s; they enter its way at 2 + 3.85 / 1.25 s.
+    def motion(t: float) -> tuple[float, float]:
+        share = min(max(t - 1.0, 0.0), 1.0)
+        return 60.0 - 27.5 * share, -5.0 * share + 1.25 * max(t - 2.0, 0.0)
+
+    def crossing(t: float) -> str:
+        return "side" if t < 1.5 else "zebra"
+
+    def phase(t: float) -> str:
+        return "walking" if 1.0 < t < 2.0 else "crossing"
+
+    person = Person(motion, crossing=crossing, phase=phase)
+    row = only(analyse(tmp_path, Ego(line(0, 0, 10, 0), end=5.0), person))
+    assert row["crossing_id"] == "zebra"
+    assert row["pet_area_s"] == pytest.approx(1.58, abs=1e-6)
+    assert row["ttc_status"] == "no_collision_course", "they stood in the way elsewhere"
+    assert row["min_ttc_1d_s"] is None
+
+
 def test_where_signals_decide_nobody_yields(tmp_path: Path) -> None:
     area = {**ZEBRA, "crossing_kind": "signal"}
     person = Person(line(32.5, -2.6, 0, 0), phase=crosses(1e9, 1e9, waits_from=0.0))
