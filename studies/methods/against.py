@@ -23,8 +23,10 @@ ASSUMED = 0.001
 """Share of preventable contacts of both methods for which the power is stated."""
 LEVEL = 0.05
 """One-sided."""
-MOST = 40
-"""Contacts beyond which nothing is added to the power."""
+REST = 1e-9
+"""Probability of more contacts than those that are added up to the power."""
+CERTAIN = 0.99
+"""Power from which on more encounters no longer lower it to where it matters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,21 +139,30 @@ def power(encounters: int, share: float) -> float:
     """
     if encounters == 0:
         return 0.0
-    contacts = np.arange(min(MOST, encounters) + 1.0)
+    contacts = np.arange(float(binom.isf(REST, encounters, share)) + 1.0)
     probability = binom.pmf(contacts, encounters, share)
     shown = 100.0 * upper_bound(contacts[:, None], contacts[None, :], encounters, encounters) < MARGIN
     return float(probability @ shown @ probability)
 
 
 def needed(share: float, wanted: float = 0.8) -> int:
-    """Return the encounters of each method from which the power is enough, to the next 100.
+    """Return the encounters of each method from which on the power is enough, to the next 100.
+
+    Contacts are whole numbers, so that a few more encounters may lower the power.
 
     Examples
     --------
     >>> needed(0.0)
     600
     """
-    return next(n for n in range(100, 100_000, 100) if power(n, share) >= wanted)
+    enough = 100
+    for n in range(100, 100_000, 100):
+        found = power(n, share)
+        if found < wanted:
+            enough = n + 100
+        if found >= CERTAIN:
+            break
+    return enough
 
 
 def _paired(study: Study, label: str, name: str, conditions: Sequence[Condition] | None = None) -> Comparison:

@@ -86,16 +86,14 @@ def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
         f"`{one.method}` ({one.bound:+.2f})" for one in known if one.bound is not None and not one.shown
     ]
     shown = [f"`{one.method}`" for one in known if one.shown]
-    told = (
-        f"is shown to be within {MARGIN:g} per 100 entered encounters of every other method"
-        if not missed
-        else f"is within {MARGIN:g} per 100 entered encounters of {', '.join(shown) or 'no other method'}, "
-        f"and not shown to be of {', '.join(missed)}: upper bound of the difference in brackets"
-    )
+    more = f"to have less than {MARGIN:g} per 100 more than"
+    yes = f"shown {more} {', '.join(shown) if missed else 'every other method'}" if shown else ""
+    no = f"not shown {more} {', '.join(missed)}: upper bound of the difference in brackets" if missed else ""
+    told = ", and ".join(filter(None, (yes, no)))
     chance = power(row.encounters, ASSUMED)
     return (
         f"**Non-inferiority.** With {row.preventable} preventable contacts in {row.encounters:,} entered "
-        f"encounters, `{OURS}` {told}; were {100 * ASSUMED:g} per 100 the truth for both, a study of "
+        f"encounters, `{OURS}` is {told}; were {100 * ASSUMED:g} per 100 the truth for both, a study of "
         f"this size would show it with a power of {chance:.0%}, and of 80 % from {needed(ASSUMED):,} "
         "encounters a method on."
     )
