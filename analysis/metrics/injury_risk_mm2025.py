@@ -21,7 +21,7 @@ CURVE = (
     "P = 1 / (1 + exp(-eta)), eta = -0.460 + 0.091 (v - 42.79) + 0.039 (h - 85.25) "
     "+ 0.002 (v - 42.79) (h - 85.25), v in km/h, h = hood_leading_edge_cm"
 )
-COLUMNS = (column.at_least_0("p_mais3_mm2025", "1", "risk of MAIS3+ or death at the impact speed"),)
+COLUMNS = (column.share("p_mais3_mm2025", "risk of MAIS3+ or death at the impact speed"),)
 
 
 def risk(speed_kmh: float, leading_edge_cm: float) -> float:

@@ -18,7 +18,7 @@ UNIT = "1"
 WORSE = "higher"
 SOURCE = "[RosenSander2009], coefficients as restated in later work"
 CURVE = "P = 1 / (1 + exp(6.9 - 0.090 v)), v in km/h"
-COLUMNS = (column.at_least_0("p_fatal_rosen2009", "1", "risk of death at the impact speed"),)
+COLUMNS = (column.share("p_fatal_rosen2009", "risk of death at the impact speed"),)
 RUN_COLUMNS = (column.at_least_0("sum_p_fatal_rosen2009", "1", "sum of the risks of death", required=True),)
 
 

@@ -22,15 +22,12 @@ SOURCE = "own definition"
 OF_CONTROLLER = True
 RUN_COLUMNS = (
     column.count("n_plans_near_ped", "plans made during encounters"),
-    column.at_least_0("method_applies_share", "1", "share of them in which the method's condition holds"),
-    column.at_least_0("method_acts_share", "1", "share of them in which the method's own plan is driven"),
-    column.at_least_0("method_deviates_share", "1", "share of them that differ from free driving"),
-    column.at_least_0(
-        "method_overridden_share", "1", "share of them in which braking or a fallback overrules"
-    ),
-    column.at_least_0(
+    column.share("method_applies_share", "share of them in which the method's condition holds"),
+    column.share("method_acts_share", "share of them in which the method's own plan is driven"),
+    column.share("method_deviates_share", "share of them that differ from free driving"),
+    column.share("method_overridden_share", "share of them in which braking or a fallback overrules"),
+    column.share(
         "method_acts_where_applies_share",
-        "1",
         "share of the plans whose condition holds in which the method's own plan is driven",
     ),
 )

@@ -18,8 +18,8 @@ UNIT = "1"
 WORSE = "higher"
 SOURCE = "own definition"
 OF_CONTROLLER = True
-COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
-RUN_COLUMNS = (column.at_least_0("slack_share", "1", "share of plans that violated a soft constraint"),)
+COLUMNS = (column.share("slack_share", "share of plans that violated a soft constraint"),)
+RUN_COLUMNS = (column.share("slack_share", "share of plans that violated a soft constraint"),)
 
 
 def compute(case: Case) -> Values:

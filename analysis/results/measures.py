@@ -40,6 +40,8 @@ class Measure:
     """``higher``, ``lower`` or ``neither``."""
     lowest: float | None = 0.0
     """What the quantity cannot be below; ``None`` where it can be anything."""
+    highest: float | None = None
+    """What it cannot be above."""
 
 
 ENTERED = "entered encounter"
@@ -59,7 +61,17 @@ TALLIES = (
 
 def _share(name: str, text: str, numerator: str, key: bool = False) -> Measure:
     return Measure(
-        name, "1", "share", text, numerator, "met", ENTERED, group="safety", key=key, worse="higher"
+        name,
+        "1",
+        "share",
+        text,
+        numerator,
+        "met",
+        ENTERED,
+        group="safety",
+        key=key,
+        worse="higher",
+        highest=1.0,
     )
 
 
@@ -119,6 +131,7 @@ POOLED = (
         group="pedestrians",
         key=True,
         worse="lower",
+        highest=1.0,
     ),
 )
 """Shares and rates. Where runs.csv has a column of the same name, this is the same over all runs."""
@@ -158,6 +171,7 @@ def run_measures() -> tuple[Measure, ...]:
                     key=key,
                     worse=worse,
                     lowest=column.minimum,
+                    highest=column.maximum,
                 )
             )
     return (*POOLED, *sorted(found, key=lambda measure: measure.name))
@@ -182,6 +196,7 @@ def encounter_measures() -> tuple[Measure, ...]:
                     denominator_unit="encounter",
                     worse=metric.worse,
                     lowest=column.minimum,
+                    highest=column.maximum,
                 )
             )
     return tuple(sorted(found, key=lambda measure: measure.name))

@@ -91,8 +91,7 @@ def _runs(measure: Measure, valid: Sequence[StudyRun]) -> dict[str, Any]:
     events, exposure = float(tops.sum()), float(bottoms.sum())
     each = contributions(tops, bottoms)
     exact, upper = _exact(measure, events, exposure)
-    highest = 1.0 if measure.kind == "share" else None
-    interval = exact if measure.kind == "yes_no" else mean_interval(each, measure.lowest, highest)
+    interval = exact if measure.kind == "yes_no" else mean_interval(each, measure.lowest, measure.highest)
     none_or_all = events == 0.0 or (measure.kind == "share" and events == exposure)
     if interval is None and none_or_all:
         interval = exact  # no run differs from the others, and yet the next one might
@@ -127,7 +126,7 @@ def _encounters(measure: Measure, valid: Sequence[StudyRun]) -> dict[str, Any]:
         "numerator": number,
         "denominator": everybody,
         **(_spread(each) if whole else {}),
-        **_ends("ci", mean_interval(each, measure.lowest) if whole else None),
+        **_ends("ci", mean_interval(each, measure.lowest, measure.highest) if whole else None),
         **_ends("exact", None),
         **_percentiles(np.concatenate(filled)),
         "tail": tail,

@@ -27,6 +27,7 @@ class Column:
     """The value must not be undefined."""
     worse: str = ""
     """Of a metric's column in runs.csv: which direction is worse, if not the metric's."""
+    maximum: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,11 @@ def at_least_0(
 ) -> Column:
     """Declare a column of numbers that cannot be negative."""
     return Column(name, "number", unit, description, source, minimum=0.0, required=required, worse=worse)
+
+
+def share(name: str, description: str, *, source: str = "", required: bool = False) -> Column:
+    """Declare a column of numbers from 0 to 1: shares and probabilities."""
+    return Column(name, "number", "1", description, source, minimum=0.0, required=required, maximum=1.0)
 
 
 def number(name: str, unit: str, description: str, *, source: str = "", required: bool = False) -> Column:

@@ -59,6 +59,8 @@ def _field(column: Column) -> dict[str, Any]:
         constraints["required"] = True
     if column.minimum is not None:
         constraints["minimum"] = int(column.minimum) if column.kind == "integer" else column.minimum
+    if column.maximum is not None:
+        constraints["maximum"] = column.maximum
     if column.choices:
         constraints["enum"] = [harmless(choice) for choice in column.choices]  # as the cells are
     if constraints:

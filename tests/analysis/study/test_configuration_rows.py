@@ -58,6 +58,27 @@ def test_no_event_at_all_is_reported_with_its_upper_bound(
     assert float(runs["upper95"]) == pytest.approx(1.0 - 0.05 ** (1.0 / 3.0), rel=1e-5)
 
 
+def test_an_interval_of_a_share_of_plans_ends_at_1(tmp_path: Path) -> None:
+    folders = [
+        write_study_run(
+            tmp_path / f"{seed}",
+            "sumo",
+            seed,
+            numbers={"slack_share": share, "method_acts_share": share},
+            encounters=[{"slack_share": share}],
+        )
+        for seed, share in enumerate((0.7, 1.0, 1.0), start=1)
+    ]
+    configs, _ = tables(tmp_path / "out", folders)
+    rows = [row for row in configs if row["metric"] in ("slack_share", "method_acts_share")]
+    # 0.9 ± 4.302653 · 0.1, cut where no share can be.
+    assert [(row["kind"], row["mean"], row["ci95_hi"]) for row in rows] == [
+        *[("mean", "0.9", "1")] * 2,
+        ("encounter", "0.9", "1"),
+    ]
+    assert {row["ci95_lo"] for row in rows} == {"0.469735"}
+
+
 def test_a_rate_is_all_events_over_all_exposure(tmp_path: Path) -> None:
     folders = [
         write_study_run(tmp_path / f"{seed}", "sumo", seed, numbers={"n_conflicts": n, "ego_dist_km": km})
