@@ -3,7 +3,8 @@
 Pedestrians arrive when they first stand waiting for the crossing or step on it. The ego could
 yield (yieldable) if it was then further from the crossing than v t + v^2 / (2 a), with
 yield_reaction_s and yield_deceleration_mps2, and at its speed would have reached the crossing before
-they left it. It yielded if they were on the crossing before the ego was.
+they left it. It yielded if they were on the crossing before the ego was, came to the ground that both used
+first, and were not hit.
 
 Undefined: empty where it could not have yielded, where signals decide, where it does not pass the
 crossing, or where the person does not come to it. yield_rate is yields over yieldable encounters.
@@ -28,13 +29,16 @@ RUN_COLUMNS = (
     column.count(
         "yieldable", "encounters in which the ego could have yielded", required=True, worse="neither"
     ),
-    column.at_least_0("yield_rate", "1", "yields over yieldable"),
+    column.share("yield_rate", "yields over yieldable"),
 )
 
 
 def compute(case: Case) -> Values:
     """Return 1, 0, or nan where the ego could not have yielded."""
-    return {"yielded": np.array([_yielded(case, one) for one in case.encounters], dtype=np.float64)}
+    yielded = np.array([_yielded(case, one) for one in case.encounters], dtype=np.float64)
+    hit = np.array([contact is not None for contact in case.first_collision()], dtype=np.bool_)
+    yielded[hit & (yielded == 1.0)] = 0.0
+    return {"yielded": yielded}
 
 
 def _yielded(case: Case, one: Encounter) -> float:
@@ -63,7 +67,8 @@ def _yielded(case: Case, one: Encounter) -> float:
     leaves = np.inf if stay is None else float(time[one.person.first + stay[1]])
     if way <= needed or (speed > 0.0 and way / speed >= leaves - arrives):
         return np.nan
-    return float(stay is not None and time[one.person.first + stay[0]] < ego_enters)
+    before = stay is not None and time[one.person.first + stay[0]] < ego_enters
+    return float(before and (one.area is None or one.area.person.enter < one.area.ego.enter))
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:

@@ -252,6 +252,20 @@ def test_a_yielding_ego_is_counted_with_its_delay_braking_and_stop(tmp_path: Pat
     assert row["preventable_r157"] == 1.0
 
 
+@pytest.mark.parametrize(
+    ("enters_at", "hit"),
+    # The ego drives on, in the shared ground from 4.0 to 4.5 s; they are on the crossing from the beginning.
+    [(5.0, False), (3.0, True)],
+)
+def test_who_drives_on_past_or_into_a_pedestrian_did_not_yield(
+    tmp_path: Path, enters_at: float, hit: bool
+) -> None:
+    walk = Person(line(32.5, -1.15 - 1.25 * enters_at, 0, 1.25), phase=crosses(0.0, 9.0))
+    row = only(analyse(tmp_path, Ego(line(-10, 0, 10, 0)), walk, duration=12.0))
+    assert row["collision"] is hit
+    assert row["yielded"] is False
+
+
 def test_the_waiting_of_a_pedestrian_is_his_delay(tmp_path: Path) -> None:
     def waits(t: float) -> tuple[float, float]:
         return 32.5, -5.0 + (1.25 * t if t < 1.0 else 1.25 if t < 4.0 else 1.25 + 1.25 * (t - 4.0))
