@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
@@ -14,6 +15,17 @@ def some(names: Sequence[str], most: int) -> str:
     'a, b and 1 more'
     """
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def decimals(value: float, least: int) -> int:
+    """Return the decimals with which a number is not rounded to 0: at least some, at most three more.
+
+    Examples
+    --------
+    >>> decimals(0.04, 1), decimals(12.3, 1), decimals(0.0, 1), decimals(1e-17, 1)
+    (2, 1, 1, 4)
+    """
+    return min(max(least, -math.floor(math.log10(abs(value)))), least + 3) if value else least
 
 
 def p_value(value: float | None, undefined: str = "–") -> str:

@@ -18,7 +18,7 @@ from analysis.study.seeds_needed import seeds_needed
 from analysis.study.tables import COMPARISONS, CONFIGS
 from analysis.study.writing import write_tables
 from analysis.tables.column import Column, Table
-from analysis.wording import p_value
+from analysis.wording import decimals, p_value
 
 Row = Mapping[str, Any]
 
@@ -243,12 +243,12 @@ def pretty_unit(unit: str) -> str:
 
 
 def shown(value: float | None, measure: Measure, sign: str = "") -> str:
-    """Return a number with three digits or so; shares in percent."""
+    """Return a number with three digits or so, and never 0 for one that is not; shares in percent."""
     if value is None:
         return "–"
     sign = sign if value else ""
     if measure.kind in _SHARES:
-        return f"{value:{sign}.1%}".replace("%", " %")
+        return f"{value:{sign}.{decimals(100.0 * value, 1)}%}".replace("%", " %")
     size = abs(value)
-    decimals = 0 if size == 0.0 else 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
-    return f"{value:{sign}.{decimals}f}"
+    least = 0 if size == 0.0 else 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
+    return f"{value:{sign}.{decimals(value, least)}f}"

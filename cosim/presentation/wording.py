@@ -12,7 +12,7 @@ from analysis.statistics.intervals import share_upper_bound
 from analysis.study.comparison_rows import Pairs
 from analysis.study.runs import StudyRun
 from analysis.study.seeds_needed import MEANING, NOT_SHOWN, range_needed, seeds_needed
-from analysis.wording import p_value
+from analysis.wording import decimals, p_value
 
 Row = Mapping[str, Any]
 
@@ -98,8 +98,8 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
     """Return what a reader has to know beside the table."""
     first = rows[0]
     said = [
-        "Mean differences, paired by seed. The 95 % interval is that of one measure alone; the verdict "
-        "follows from p, which is Holm-corrected over the "
+        "Mean differences, paired by seed, those of shares in percentage points. The 95 % interval is that "
+        "of one measure alone; the verdict follows from p, which is Holm-corrected over the "
         f"{first['n_family']} test{'s' * (first['n_family'] != 1)} of this table. "
         f'"No difference shown" does not mean that there is no difference. {MEANING}'
     ]
@@ -110,7 +110,8 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
         bound = share_upper_bound(round(hit), round(met))
         if bound is not None:
             said.append(
-                f"{name}: {hit:.0f} collisions in {met:.0f} entered encounters, at most {bound:.2%} of them "
+                f"{name}: {hit:.0f} collisions in {met:.0f} entered encounters, at most "
+                f"{bound:.{decimals(100.0 * bound, 2)}%} of them "
                 "(one-sided 95 %, assuming independent encounters)."
             )
         said.extend(_contacts(str(name), [run for seed in side for run in seed]))
@@ -163,9 +164,10 @@ def _value(value: float | None, measure: Measure, sign: str = "") -> str:
         return "–"
     sign = sign if value else ""
     if measure.kind in _SHARES:
-        return f"{value:{sign}.1%}"
+        return f"{value:{sign}.{decimals(100.0 * value, 1)}%}"
     size = abs(value)
-    return f"{value:{sign}.{3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0}f}"
+    least = 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
+    return f"{value:{sign}.{decimals(value, least)}f}"
 
 
 def _interval(row: Row, measure: Measure) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from analysis.wording import p_value, some
+from analysis.wording import decimals, p_value, some
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,14 @@ def test_a_list_says_how_many_it_leaves_out(names: list[str], text: str) -> None
 )
 def test_a_p_value_has_three_digits_and_is_never_nought(value: float | None, text: str) -> None:
     assert p_value(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0.0"), (0.25, "0.2"), (-0.06, "-0.06"), (0.0008, "0.0008"), (-0.1, "-0.1"), (1e-17, "0.0000")],
+)
+def test_a_small_number_is_not_rounded_to_0(value: float, text: str) -> None:
+    assert f"{value:.{decimals(value, 1)}f}" == text
 
 
 def test_a_test_that_was_not_made_is_shown_as_a_table_asks() -> None:

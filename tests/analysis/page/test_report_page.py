@@ -13,8 +13,9 @@ import pytest
 
 from analysis.errors import StudyError
 from analysis.page.report import Written, write_report
+from analysis.page.tables import shown
 from analysis.page.terms import terms
-from analysis.results.measures import Measure
+from analysis.results.measures import Measure, run_measures
 from analysis.validation.statement import SENTENCE
 from cosim.cli import main
 from cosim.presentation.wording import sentence
@@ -243,6 +244,13 @@ def test_every_term_of_the_page_stands_in_the_glossary() -> None:
         if line.startswith("### ")
     }
     assert {term.anchor for term in terms()} <= headings
+
+
+def test_a_small_difference_is_not_shown_as_none() -> None:
+    measures = {measure.name: measure for measure in run_measures()}
+    share, rate = (measures[name] for name in ("collision_share", "collisions_per_veh_km"))
+    assert shown(0.0004, share, "+") == "+0.04 %"
+    assert shown(0.0004, rate, "+") == "+0.0004"
 
 
 def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
