@@ -114,7 +114,7 @@ def _failure(measured: Measured, demand: Demand, speed: float | None, colour: st
     if demand.rule == "impact_speed":
         assert demand.highest_impact_kmh is not None
         highest = demand.highest_impact_kmh
-        return "" if 0.0 < speed <= highest else f"{told}, at most {highest:g} km/h allowed"
+        return "" if speed <= highest and highest > 0.0 else f"{told}, at most {highest:g} km/h allowed"
     if demand.rule == "not_red":
         return f"{told}, red" if colour == "red" else ""
     return f"{told}, {colour}"

@@ -77,6 +77,8 @@ def test_overlap_counts_from_the_side_that_he_came_from() -> None:
         (Demand("no_contact", 30.0), measured(0.1), False),
         (Demand("impact_speed", 50.0, 25.0), measured(25.0), True),
         (Demand("impact_speed", 50.0, 25.0), measured(25.1), False),
+        (Demand("impact_speed", 50.0, 25.0), measured(0.0), True),
+        (Demand("impact_speed", 40.0, 0.0), measured(0.0), False),
         (Demand("impact_speed", 40.0, 0.0), measured(0.1), False),
         (Demand("impact_speed", 40.0, 0.0), measured(), True),
         (Demand("green", 60.0), measured(), True),
