@@ -100,7 +100,8 @@ def write_changes(folder: Path, base: Counts, alt: Counts) -> Changed:
     """
     rows = change_rows(base, alt)
     files = [
-        write_csv(folder / CHANGES.file, CHANGES.names(), cells(CHANGES, rows)),
+        # As comparisons.csv: a p value below 0.0000005 is not 0.
+        write_csv(folder / CHANGES.file, CHANGES.names(), cells(CHANGES, rows, number="{:.6g}".format)),
         write_json(folder / CHANGES_PACKAGE, describe([CHANGES], "what an alternative changes")),
     ]
     seal(folder, files, [])

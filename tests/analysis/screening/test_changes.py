@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.errors import StudyError
+from analysis.files import read_csv
 from analysis.screening.changes import CHANGES, TOTAL, change_rows
 from analysis.screening.counts import Counts
+from analysis.screening.writing import write_changes
 from analysis.tables.cells import Row, cells
 
 RUNS, WALKS = 10, 40
@@ -68,6 +71,19 @@ def test_where_nothing_changed_hardly_a_crossing_is_called_changed() -> None:
         changed(change_rows(simulated(seed, RATES), simulated(1000 + seed, RATES))) for seed in range(50)
     ]
     assert sum(len({*names} - {TOTAL}) for names in found) <= 0.05 * 50 * len(NAMES)
+
+
+def test_a_small_p_value_is_not_written_as_0(tmp_path: Path) -> None:
+    walks = np.full((2, RUNS), 1000.0)
+    conflicts = np.arange(2.0 * RUNS).reshape(2, RUNS) % 3.0
+    changed = write_changes(
+        tmp_path, counts(conflicts, walks, NAMES[:2]), counts(900.0 - 2.0 * conflicts, walks, NAMES[:2])
+    )
+    written = read_csv(tmp_path / CHANGES.file)
+    p_values = [(row["p_value"], texts["p_value"]) for row, texts in zip(changed.rows, written, strict=True)]
+    small = [float(cell) / p for p, cell in p_values if p is not None and 0.0 < p < 5e-7]
+    assert small
+    assert small == pytest.approx([1.0] * len(small), rel=1e-5)
 
 
 def test_differences_are_those_of_ratios_of_sums() -> None:
