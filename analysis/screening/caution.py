@@ -18,14 +18,14 @@ def caution(rows: Sequence[Row]) -> str:
     Examples
     --------
     >>> caution([{"n_collisions": 3, "entered_per_h": 50.0, "observed_h": 2.0}]).partition(":")[0]
-    "SUMO's drivers struck 3 of the 100 pedestrians whom they met on the crossings (3.0 %)"
+    "SUMO's drivers struck the pedestrian in 3 of 100 encounters on the crossings (3.0 %)"
     """
     struck = sum(int(row["n_collisions"]) for row in rows)
     met = round(sum((row["entered_per_h"] or 0.0) * row["observed_h"] for row in rows))
     if not struck or not met:
         return ""
     return (
-        f"SUMO's drivers struck {struck} of the {met} pedestrians whom they met on the crossings "
+        f"SUMO's drivers struck the pedestrian in {struck} of {met} encounters on the crossings "
         f"({100.0 * struck / met:.1f} %): its models overlap where people would brake or step back. "
         "Severities rank crossings of this network; they are no crash rates"
     )
