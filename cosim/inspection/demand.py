@@ -161,14 +161,18 @@ class _Reader:
 
     def _count(self, element: ElementTree.Element, depart: float | None) -> float:
         """Return how many are expected to depart in the simulated time."""
-        first = max(self._begin_s, depart or 0.0)
         if element.tag in ("vehicle", "trip", "person"):
             return float(depart is None or self._begin_s <= depart < self._end_s)
-        last = min(self._end_s, seconds(element.get("end", "")) or self._end_s)
-        duration = max(last - first, 0.0)
-        if element.get("number"):
-            return float(element.get("number", "0")) if duration > 0.0 else 0.0
-        rate = _rate(element)
+        begins, ends, rate = depart or 0.0, seconds(element.get("end", "")) or math.inf, _rate(element)
+        number = float(element.get("number") or "inf")
+        if math.isfinite(number):
+            if math.isinf(ends):
+                # Without an end of its own, a flow without a rate is spread until the simulation ends.
+                ends = begins + number / rate if rate > 0.0 else self._end_s
+            if not 0.0 < ends - begins < math.inf:
+                return number * float(self._begin_s <= begins < self._end_s)
+            rate = number / (ends - begins)
+        duration = max(min(ends, self._end_s) - max(begins, self._begin_s), 0.0)
         # A flow without an end in a run without one: an hour's worth of it.
         return rate * (3600.0 if math.isinf(duration) else duration)
 

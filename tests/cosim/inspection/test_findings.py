@@ -183,8 +183,12 @@ def test_sumo_leaves_out_and_inserts_what_is_said(tmp_path: Path) -> None:
     )
     flow = '<flow id="f" begin="11" end="41" period="10" from="west_1" to="west_2"/>'
     later = '<flow id="g" begin="15" end="75" number="6" from="west_1" to="west_2"/>'
-    path = configure(tmp_path, PERSONS + trips + flow + later)
+    # The simulation ends at 300 s: half of the first, and 9 of the other, which is one every 10 s.
+    cut = '<flow id="h" begin="200" end="400" number="10" from="west_1" to="west_2"/>'
+    cut += '<flow id="i" begin="210" number="20" vehsPerHour="360" from="west_1" to="west_2"/>'
+    path = configure(tmp_path, PERSONS + trips + flow + later + cut)
     found = inspect(path)
+    assert found.demand.vehicles["passenger"] == 3 + 6 + 5 + 9
     assert found.demand.ignored == {tmp_path / "town.rou.xml": ["t4", "t8", "f"]}
     call_line("sumo -c town.sumocfg --no-warnings --statistic-output s.xml --tripinfo-output t.xml", tmp_path)
     statistics = (tmp_path / "s.xml").read_text()
