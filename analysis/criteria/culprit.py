@@ -25,14 +25,21 @@ _BY_WORD: tuple[tuple[str, tuple[str, Callable[..., float], str]], ...] = (
     ("pet", ("pet_area_s", min, "t_min_dist_s")),
     ("dist_m", _DISTANCE),
     ("clearance", ("clearance_min_m", min, "t_min_dist_s")),
-    ("close_pass", ("clearance_min_m", min, "t_min_dist_s")),
+    ("close_pass", ("close_pass_speed_mps", max, "t_min_dist_s")),
     ("decel", ("ego_max_decel_mps2", max, "t_min_dist_s")),
     ("ped_delay", ("ped_delay_s", max, "t_start_s")),
 )
 """A word in a metric's name: the column of encounters.csv that tells the worst one, and its moment."""
 _SEVERITY = ("conflict", "severity")
-_OF_KIND = {**contact_kind.COUNTED, "n_hidden_before_conflict": ("hidden_before_conflict", "1")}
+_OF_KIND = {
+    **contact_kind.COUNTED,
+    **{f"n_severity_{level}": ("severity", level) for level in LEVELS},
+    "n_contacts_standing": ("contact_standing", "1"),
+    "n_hidden_before_conflict": ("hidden_before_conflict", "1"),
+}
 """Metric to the column of encounters.csv, and its text, of the encounters that it counts."""
+OF_ALL_STEPS = {"max_decel_mps2": "ego_max_decel_mps2"}
+"""Metric of all steps of a run to the same of an encounter: only one that has the run's value is to blame."""
 _BEYOND = {
     "n_drac_gt_3p4": ("drac_status", deceleration_to_avoid_collision.BEYOND),
     "n_mdrac_gt_3p4": ("mdrac_status", modified_deceleration.BEYOND),

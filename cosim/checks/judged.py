@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis.criteria.criterion import Cells, Criterion, chosen_rows, judge, row_value, statistic_value
-from analysis.criteria.culprit import culprit, of_row
+from analysis.criteria.culprit import OF_ALL_STEPS, culprit, of_row
 from analysis.criteria.culprit_alone import ALONE, of_ego
 from analysis.criteria.culprit_vehicle import CLOSE, of_conflict
 from analysis.files import read_csv
@@ -151,6 +151,9 @@ def with_culprit(judged: Finding, folder: Path, run: Cells) -> Finding:
     if worst is None:
         return judged
     row = next(row for row in rows if int(row["encounter_id"]) == worst.encounter_id)
+    told_by = OF_ALL_STEPS.get(judged.metric)
+    if told_by is not None and row[told_by] != run[judged.metric]:
+        return judged
     return replace(_of_encounter(judged, row), moment_s=worst.moment_s, place=worst.place)
 
 

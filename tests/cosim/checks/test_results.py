@@ -246,6 +246,62 @@ def test_contacts_of_a_kind_are_about_one_of_that_kind() -> None:
     assert named("n_collisions_moved_by_both", slow, fast) is None
 
 
+def test_a_contact_with_the_standing_ego_is_told_of_one_who_had_it() -> None:
+    struck = encounter(min_dist_m=0.0, contact_standing=0)
+    leant = encounter(min_dist_m=0.0, contact_standing=1)
+    assert named("n_contacts_standing", struck, leant) == 2
+    assert named("n_contacts_standing", struck) is None
+
+
+@pytest.mark.parametrize(("encounters", "blamed"), [((2.0, 7.5), "2"), ((2.0, 3.0), "")])
+def test_braking_outside_every_encounter_is_nobody_s_fault(
+    tmp_path: Path, encounters: tuple[float, float], blamed: str
+) -> None:
+    write_study_run(
+        tmp_path / "runs" / "one",
+        "sumo",
+        1,
+        encounters=[{**FAR, "ego_max_decel_mps2": one} for one in encounters],
+        numbers={"max_decel_mps2": 7.5},
+    )
+    criterion = CRITERIA.partition('[[criteria]]\nscope = "configuration"')[0]
+    (tmp_path / "criteria.toml").write_text(
+        criterion.replace("n_ttc_lt_1p5", "max_decel_mps2").replace('"=="', '"<="')
+    )
+    assert judged(tmp_path) == 1
+    (row,) = [row for row in rows(tmp_path) if row["status"] == "fail"]
+    assert (row["value"], row["encounter_id"]) == ("7.5", blamed)
+
+
+def test_a_severity_is_told_of_an_encounter_that_has_it() -> None:
+    severe, slight, none = (encounter(severity=level) for level in ("severe", "slight", "none"))
+    assert named("n_severity_slight", severe, slight, slight) == 2
+    assert named("n_severity_severe", slight, severe) == 2
+    assert named("n_severity_serious", slight, severe) is None
+    assert named("n_severity_none", slight, none) is None, "it is nobody's fault"
+
+
+@pytest.mark.parametrize(
+    ("metric", "column", "good", "bad"),
+    [
+        ("min_pet_s", "pet_area_s", 3.0, 0.4),
+        ("min_dist_m", "min_dist_m", 2.0, 0.1),
+        ("clearance_p05_m", "clearance_min_m", 2.0, 0.1),
+        ("n_close_passes", "close_pass_speed_mps", 2.0, 9.0),
+        ("tit_1p5_s2", "min_ttc_s", 3.0, 0.4),
+        ("max_decel_mps2", "ego_max_decel_mps2", 1.0, 7.5),
+        ("ped_delay_p95_s", "ped_delay_s", 1.0, 20.0),
+        ("sum_p_fatal_rosen2009", "impact_speed_kmh", 5.0, 40.0),
+    ],
+)
+def test_the_worst_of_two_is_told_by_the_number_that_is_counted(
+    metric: str, column: str, good: float, bad: float
+) -> None:
+    better, worse, unknown = encounter(**{column: good}), encounter(**{column: bad}), encounter()
+    assert named(metric, unknown, better, worse) == 3
+    assert named(metric, worse, better, unknown) == 1
+
+
 def test_hidden_pedestrians_are_told_of_those_who_were_hidden() -> None:
     seen = encounter(severity="severe", hidden_before_conflict=0)
     assert (
