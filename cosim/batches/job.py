@@ -110,7 +110,7 @@ class Job:
         if one.ego_vehicle is not None:
             words += ["--ego-vehicle", one.ego_vehicle]
         if one.ego_share is not None:
-            words += ["--ego-share", f"{one.ego_share:g}"]
+            words += ["--ego-share", repr(one.ego_share).removesuffix(".0")]
         if one.sensing is not None:
             words += ["--sensing", one.sensing]
         if one.record != EGOS:

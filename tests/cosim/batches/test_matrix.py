@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +111,15 @@ def test_scenarios_are_found_beside_the_study_file(tmp_path: Path, monkeypatch: 
     assert one.place == str(tmp_path / "study" / "roads" / "town.sumocfg")
     assert one.request(3).ego_route == ("e1", "e2")
     assert one.scenario_name == "town"
+
+
+@pytest.mark.parametrize(("share", "text"), [(1.0 / 3.0, "0.3333333333333333"), (0.25, "0.25"), (1, "1")])
+def test_the_command_of_a_run_takes_the_very_share_of_egos(tmp_path: Path, share: float, text: str) -> None:
+    town(tmp_path)
+    (job,) = matrix(tmp_path, scenarios=["town.sumocfg"], seeds="1", set={"ego_share": share}).jobs()
+    words = shlex.split(job.command())
+    assert words[words.index("--ego-share") + 1] == text
+    assert float(text) == job.request().ego_share == share
 
 
 def test_what_a_configuration_has_is_said_once(tmp_path: Path) -> None:
