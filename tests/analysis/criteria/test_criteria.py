@@ -113,6 +113,33 @@ def test_statistics_are_columns_of_the_configurations_and_each_kind_of_measure_h
         assert any(measure.kind in kinds for _, kinds in STATISTICS.values())
 
 
+@pytest.mark.parametrize(
+    ("statistic", "kind", "value"),
+    [
+        ("mean", "share", 0.1),
+        ("share", "share", 0.1),
+        ("total", "share", 1.0),
+        ("upper_95", "share", 0.394),
+        ("exact95_lo", "share", 0.003),
+        ("exact95_hi", "share", 0.445),
+        ("ci95_lo", "mean", 2.0),
+        ("ci95_hi", "mean", 4.0),
+        ("p95", "mean", 5.0),
+        ("tail95_hi", "encounter", 6.0),
+    ],
+)
+def test_a_statistic_is_what_its_name_says_of_a_configuration(
+    statistic: str, kind: str, value: float
+) -> None:
+    """Of one event in ten trials, and of other numbers that are all different."""
+    row = configuration_row(kind, "1", "10") | {
+        **{"mean": "0.1", "upper95": "0.394", "exact95_lo": "0.003", "exact95_hi": "0.445"},
+        **{"ci95_lo": "2", "ci95_hi": "4", "p95": "5", "tail95_lo": "5.5", "tail95_hi": "6", "max": "7"},
+    }
+    one = Criterion("one", "configuration", row["metric"], "<", 0.0, statistic=statistic, kind=kind)
+    assert statistic_value(one, row) == value
+
+
 def configuration_row(kind: str, numerator: str, denominator: str) -> dict[str, str]:
     empty = dict.fromkeys(CONFIGS.names(), "")
     metric = "collision_share" if kind == "share" else "collisions_per_veh_km"

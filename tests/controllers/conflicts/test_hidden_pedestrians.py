@@ -151,6 +151,32 @@ def test_what_a_roadside_unit_watches_is_not_hidden(place: tuple[float, float], 
     assert (found is None) == watched
 
 
+def _least_range(across: float, course: float) -> float:
+    """Return how far a unit 8 m beside the lane, at the end of the bus, has to see so that nothing is hidden.
+
+    The ego is somewhere in the world, beside the middle of its lane, and its sensor is above that middle.
+    """
+    along, left = BUS.along, 8.0 - across
+    x = 7.0 + along * np.cos(course) - left * np.sin(course)
+    y = -3.0 + along * np.sin(course) + left * np.cos(course)
+    least, most = 1.0, 60.0
+    while most - least > 1e-3:
+        middle = 0.5 * (least + most)
+        eyes = replace(EYES, left=-across, watched=np.array([[x, y, middle]]))
+        seen = _seen(BUS, eyesight=eyes)
+        seen = replace(seen, ego=replace(seen.ego, x=7.0, y=-3.0, across=across, heading=course))
+        hidden = hidden_pedestrians.speed_limit(seen, BAND, RULE) is not None
+        least, most = (middle, most) if hidden else (least, middle)
+    return most
+
+
+@pytest.mark.parametrize(("across", "course"), [(0.5, 0.0), (-0.7, 0.5 * np.pi), (0.5, -2.5)])
+def test_where_a_unit_watches_is_known_wherever_the_road_leads(across: float, course: float) -> None:
+    straight_east = _least_range(0.0, 0.0)
+    assert 10.0 < straight_east < 50.0
+    assert _least_range(across, course) == pytest.approx(straight_east, abs=2e-3)
+
+
 @settings(max_examples=200, deadline=None)
 @given(
     side=st.floats(0.3, 4.0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -117,6 +118,19 @@ def test_an_oncoming_vehicle_beside_the_lane_is_not_braked_for() -> None:
     controller = catalog.build("aeb")
     seen = perception(ego(13.0), cars=[Car(20.0, 3.5, -13.0, heading_error=3.1)])
     assert controller.decide(seen).because == ""
+
+
+@pytest.mark.parametrize("turned", [-0.3, 0.3])
+@pytest.mark.parametrize(
+    ("distance", "ahead", "braked"), [(12.0, True, True), (12.0, False, False), (24.0, True, False)]
+)
+def test_whoever_is_ahead_of_a_turned_body_is_braked_for_in_time_and_not_who_is_beside(
+    turned: float, distance: float, ahead: bool, braked: bool
+) -> None:
+    """Where the car points to, or as far on the other side; it needs 19.1 m, and 3.9 m are its own."""
+    x, y = distance * math.cos(turned), distance * math.sin(turned)
+    seen = perception(ego(13.0, heading_error=turned), walkers=[Walker(x, y if ahead else -y)])
+    assert (catalog.build("aeb").decide(seen).because == "person0") is braked
 
 
 @pytest.mark.parametrize(("across", "braked"), [(2.4, True), (2.9, False)])

@@ -54,6 +54,25 @@ def test_somebody_who_stands_in_front_is_braked_for(across: float) -> None:
     assert plan.command.acceleration.max() <= -3.5
 
 
+def test_a_plan_that_brakes_harder_than_is_needed_is_not_made_weaker() -> None:
+    """4.5 m/s^2 would do for somebody who stands 16 m ahead of the bumper."""
+    seen = perception(ego(speed=10.0), straight_road(), [Walker(20.0, 0.0)])
+    for planned_braking, done in ((0.0, -4.5), (6.0, -6.0)):
+        command = Command(np.zeros(1), np.full(1, -planned_braking), np.zeros(1))
+        checked = LastCheck().checked(seen, replace(keeps(10.0), command=command), np.array([False]))
+        assert checked.status == SHIELDED
+        assert checked.command.acceleration.tolist() == [done]
+
+
+def test_no_more_braking_is_asked_for_than_the_car_has() -> None:
+    weak = replace(ego(speed=10.0), drive=replace(ego().drive, max_deceleration=4.0))
+    for along in (20.0, 9.0):
+        seen = perception(weak, straight_road(), [Walker(along, 0.0)])
+        checked = LastCheck().checked(seen, keeps(10.0), np.array([False]))
+        assert checked.status == SHIELDED
+        assert set(checked.command.acceleration) == {-4.0}
+
+
 def test_how_somebody_sets_off_is_known_better_than_any_forecast_says() -> None:
     """Two stand at the same place; of the first it is known that they come. The forecast has both standing."""
     seen = perception(ego(8.0), straight_road(), [Walker(20.0, -3.0), Walker(20.0, -3.0)])
@@ -235,6 +254,31 @@ def test_a_rollout_follows_the_plan_and_the_bend() -> None:
     assert x[:, 0] == pytest.approx(20.0 * np.sin(turned), abs=0.05)
     assert y[:, 0] == pytest.approx(20.0 * (1.0 - np.cos(turned)), abs=0.05)
     assert heading[:, 0] == pytest.approx(turned, abs=0.02)
+
+
+@pytest.mark.parametrize("across", [3.0, -3.0])
+def test_steering_beside_the_centre_line_of_a_bend_leads_round_the_same_middle(across: float) -> None:
+    road, radius = bend(straight_road(), 0.0, 20.0, 40.0), 20.0 - across
+    angle = math.atan(BODY.wheelbase / radius)
+    seen = perception(ego(speed=5.0, across=across, steering=angle), road)
+    plan = replace(keeps(5.0), command=Command(TIMES, 0.0 * TIMES, 0.0 * TIMES + angle))
+    motion = planned(seen, plan, TIMES)
+    x, y, heading = poses(seen, course(seen, plan, motion, TIMES), motion)
+    turned = motion.along[:, 0] / 20.0  # along the centre line
+    assert x[:, 0] == pytest.approx(radius * np.sin(turned), abs=0.05)
+    assert y[:, 0] == pytest.approx(20.0 - radius * np.cos(turned), abs=0.05)
+    assert heading[:, 0] == pytest.approx(turned, abs=0.02)
+
+
+def test_wheels_lag_behind_what_is_commanded() -> None:
+    """Behind a lag of 0.3 s, a car at 3 m/s has turned by 0.3 s * 3 m/s * tan(0.2) / 2.6 m less."""
+    car = replace(ego(speed=3.0), drive=replace(ego().drive, steering_lag=0.3))
+    seen = perception(car, straight_road())
+    plan = replace(keeps(3.0), command=Command(TIMES, 0.0 * TIMES, 0.0 * TIMES + 0.2))
+    path = course(seen, plan, planned(seen, plan, TIMES), TIMES)
+    rate = 3.0 * math.tan(0.2) / BODY.wheelbase
+    # The command is there until 3 s: at a constant rate but for what the lag has cost.
+    assert path.heading_error.max() == pytest.approx(rate * (3.0 - 0.3), abs=0.01)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from cosim.batches import identity as identity_module
 from cosim.batches.identity import Identity, differences, identity_of, source_digest
 from cosim.batches.job import Job
 from cosim.batches.ledger import Ledger
@@ -203,6 +204,25 @@ def test_a_failure_is_kept_with_its_reason_and_log_until_the_run_succeeds(
     ledger.keep(attempt(ledger, identity), identity)
     ledger.write_failures()
     assert rows(ledger.folder / "failed.csv") == []
+
+
+def test_the_hash_of_the_source_is_of_what_makes_the_numbers_of_a_run_and_of_nothing_else() -> None:
+    root = Path(identity_module.__file__).parents[2]
+    files = {path.relative_to(root).as_posix() for path in identity_module._own_files("aeb")}
+    deciding = (
+        *(
+            "cosim/step/plant.py",
+            "cosim/sumo/world.py",
+            "cosim/sensing/onboard_sensor.py",
+            "cosim/running/compose.py",
+        ),
+        *("controllers/strategies/aeb.py", "controllers/safety/emergency_braking.py"),
+        *("analysis/metrics/collision.py", "analysis/encounters/contacts.py", "sumo_scenarios/library.py"),
+    )
+    assert files.issuperset(deciding)
+    others = ("controllers/strategies/vo_mpc.py", "analysis/statistics/paired.py", "cosim/cli/run.py")
+    assert all((root / name).is_file() for name in others)
+    assert files.isdisjoint(others)
 
 
 def test_the_hash_of_the_source_knows_the_controller_in_use_and_no_other(tmp_path: Path) -> None:

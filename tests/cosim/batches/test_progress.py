@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from cosim.batches.conduct import Tally
-from cosim.batches.estimate import in_words
+from cosim.batches.estimate import ROUGH_SPEED, ROUGH_START_S, estimate, in_words
+from cosim.batches.ledger import Ledger
 from cosim.batches.outcome import Outcome, says_full
+from cosim.batches.preflight import Checked
 from cosim.batches.progress import shown_tally, standing
+from cosim.recording.provenance import Inputs
 from tests.cosim.batches.studies import some_job
 
 
@@ -34,6 +38,33 @@ def test_a_log_gets_whole_lines_and_each_failure_once(capsys: pytest.CaptureFixt
     assert "\r" not in "".join(lines)
     assert "\x1b" not in "".join(lines)
     assert "1 of 4 done" in lines[-1]
+
+
+INPUTS = Inputs("zebra", {}, "sumo", {}, 1, {}, 0.1, 2.0, 6.0, "hybrid", {})
+"""Of a run of 6 s."""
+
+
+def test_the_time_left_is_told_by_what_finished_runs_of_the_same_kind_took(tmp_path: Path) -> None:
+    """With one controller 3 and 5 s for each run, with the other 12 s: what is missing takes 4 + 12 + 12 s."""
+    jobs = [some_job(seed, controller) for seed in (1, 2, 3) for controller in ("sumo", "aeb")]
+    checked = Checked({job.configuration: (INPUTS, "") for job in jobs})
+    ledger = Ledger(tmp_path / "out")
+    rough = estimate(jobs, jobs, ledger, checked, processes=3)
+    assert rough.wall_s == pytest.approx(2.0 * (ROUGH_START_S + 6.0 / ROUGH_SPEED))
+    assert "a rough figure" in rough.basis
+    for job, wall_s in zip(jobs[:3], (3.0, 12.0, 5.0), strict=True):
+        folder = ledger.run_folder(job.name)
+        folder.mkdir(parents=True)
+        (folder / "run.json").write_text(json.dumps({"wall_total_s": wall_s}))
+        (folder / "job.json").write_text('{"source": "x"}')
+    missing = ledger.missing(jobs)
+    for processes, wall_s in ((1, 28.0), (2, 14.0), (8, 28.0 / 3.0)):
+        found = estimate(jobs, missing, ledger, checked, processes)
+        assert found.wall_s == pytest.approx(wall_s)
+        assert found.basis == "from the 3 finished runs of this study"
+    ledger.damaged[jobs[2].name] = "lost"
+    assert estimate(jobs, missing, ledger, checked, 1).wall_s == pytest.approx(27.0)
+    assert estimate(jobs[:3], [], ledger, checked, 1).wall_s == 0.0
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from cosim.checks import summary
+from cosim.checks.baseline import _finding
 from cosim.checks.finding import Finding, exit_code
 from cosim.checks.junit import write_junit
 
@@ -51,6 +53,36 @@ INVALID = replace(UNDEFINED, status="invalid", note="still running after run_tim
 )
 def test_the_worst_finding_that_counts_decides_the_exit_code(findings: list[Finding], code: int) -> None:
     assert exit_code(findings) == code
+
+
+COMPARED = {
+    **{"metric": "ego_delay_mean_s", "unit": "s", "n_pairs": 6, "base_mean": 10.0, "alt_mean": 12.0},
+    **{"diff_mean": 2.0, "test": "paired_t", "p_value": 0.004, "p_holm": 0.02, "n_family": 5},
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "told"),
+    [
+        ({"worse_now": True}, 1, "p = 0.004, 0.02 corrected over 5 tests: worse at level 0.05"),
+        ({"worse_now": False}, 0, "corrected over 5 tests: not shown to be worse at level 0.05"),
+        ({"worse_now": False, "p_holm": None}, 0, "10 → 12 s, 6 pairs, no test"),
+        ({"worse_now": False, "p_holm": None, "diff_mean": 0.0}, 0, "6 pairs, no difference"),
+        ({"worse_now": False, "p_holm": None, "diff_mean": None}, 0, "undefined in the pairs; not compared"),
+    ],
+)
+def test_what_got_worse_than_the_baseline_fails_and_says_by_how_much(
+    changes: dict[str, Any], code: int, told: str
+) -> None:
+    found = _finding(PASSED, COMPARED | changes, 0.05)
+    assert exit_code([found]) == code
+    assert (found.scope, found.metric, found.value) == (
+        "baseline",
+        "ego_delay_mean_s",
+        (COMPARED | changes)["diff_mean"],
+    )
+    assert told in found.sentence
+    assert found.counts is (found.status != "undefined")
 
 
 def written(folder: Path, *findings: Finding) -> ElementTree.Element:
