@@ -211,4 +211,6 @@ def test_drawn_numbers_have_the_moments_that_they_ought_to(
 
 def test_the_built_in_scenarios_describe_walkers() -> None:
     for name in ("jaywalk_arterial", "bus_stop_occlusion"):
-        assert all(isinstance(table, WalkerTable) for table in load(name).pedestrians)
+        tables = load(name).pedestrians
+        assert tables
+        assert all(isinstance(table, WalkerTable) for table in tables)

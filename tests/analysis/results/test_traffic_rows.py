@@ -74,6 +74,7 @@ def test_a_car_that_drives_like_the_ego_has_the_ego_s_numbers(tmp_path: Path, mo
 def test_egos_have_the_values_of_encounters_csv(tmp_path: Path) -> None:
     egos, _ = rows_of(tmp_path, line(0, 0, 10, 0))
     listed = {row["encounter_id"]: row for row in read_csv(tmp_path / "encounters.csv")}
+    assert len(egos) >= 3
     for row in egos:
         shared = row.keys() & listed[row["encounter_id"]].keys()
         assert len(shared) > 60

@@ -108,7 +108,9 @@ def test_what_was_recorded_before_a_failure_is_kept(tmp_path: Path) -> None:
 def test_the_same_run_gives_the_same_bytes_apart_from_timing(tmp_path: Path) -> None:
     for name in ("first", "second"):
         record(tmp_path / name, TinyWorld(("a", "b"), steps=30))
-    for path in sorted((tmp_path / "first").iterdir()):
+    written = sorted((tmp_path / "first").iterdir())
+    assert {path.name for path in written} == {*FILES, "map.json"}
+    for path in written:
         same = path.read_bytes() == (tmp_path / "second" / path.name).read_bytes()
         assert same or path.name == "timing.parquet"
 

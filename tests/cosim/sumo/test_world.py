@@ -47,15 +47,18 @@ def test_plans_are_asked_for_every_tenth_of_a_second_at_most(open_world: OpenWor
 
 def test_the_route_frame_and_the_world_agree(open_world: OpenWorld) -> None:
     world = open_world("", LEFT, duration_s=40.0)
+    across: list[float] = []
 
     def look(perception: Perception) -> None:
         ego = perception.ego
+        across.append(ego.across)
         (point,) = world.to_world(ego.name, np.zeros(1), np.array([ego.across]))
         assert point == pytest.approx([ego.x, ego.y], abs=1e-6)
         assert perception.road.limit_along[0] <= 0.0
         assert perception.road.lane(perception.road.reference) is not None
 
     drive(world, look=look)
+    assert len(across) > 100
 
 
 def test_gaps_on_a_straight_road_are_those_of_sumo_plus_the_minimum_gap(open_world: OpenWorld) -> None:
