@@ -16,7 +16,7 @@ from controllers.drivable_area.drivable_entropy import EntropyMode
 from controllers.drivable_area.quintic_path import PathStart, quintic_paths
 from studies.papers.claim import Claim, Status
 from studies.papers.drivable_area import experiments
-from studies.papers.drivable_area.rides import driven
+from studies.papers.drivable_area.rides import rides_in
 from studies.papers.drivable_area.scenes import (
     GRIP,
     RULES,
@@ -36,13 +36,15 @@ FIGURES = ("candidates", "curvature", "pareto-front", "rides", "several-pedestri
 
 
 searched = cache(chosen)
+driven = cache(rides_in)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def searched_once() -> Iterator[None]:
-    """The experiments and the tests ask for the same searches; each is made once."""
+    """The experiments and the tests ask for the same searches and rides; each is made once."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(experiments, "chosen", searched)
+        patch.setattr(experiments, "rides_in", driven)
         yield
 
 
@@ -133,17 +135,10 @@ def test_the_search_stops_where_it_can_and_touches_nobody(mode: EntropyMode) -> 
 
 
 def test_the_closed_loops() -> None:
-    impacts = {
-        name: [
-            ride.impact_speed
-            for ride in (
-                driven(SITUATION[name], "aeb"),
-                driven(SITUATION[name], "drivable_area", within_friction=False),
-                driven(SITUATION[name], "drivable_area"),
-            )
-        ]
-        for name in SITUATION
-    }
+    impacts = {}
+    for one in SITUATIONS:
+        rides = driven(one)
+        impacts[one.name] = [ride.impact_speed for ride in (rides.brake, rides.loose, rides.strict)]
     assert impacts["A1"] == [None] * 3
     assert impacts["A2"] == [None] * 3
     for name in ("A3", "A4"):
@@ -173,6 +168,7 @@ def test_a_second_run_gives_the_same_bytes(
 ) -> None:
     claims, folder = results
     monkeypatch.setattr(experiments, "chosen", chosen)  # not what the first run has found
+    monkeypatch.setattr(experiments, "rides_in", rides_in)
     assert experiments.run(tmp_path) == claims
     for path in folder.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
