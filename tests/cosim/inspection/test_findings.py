@@ -14,6 +14,7 @@ from controllers.interface import CrossingKind
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.inspection import Inspection, inspect
 from cosim.inspection.scaffold import write_scaffold
+from cosim.inspection.walks import walks_over
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.inspection.towns import build, call_line, configure
 
@@ -115,6 +116,26 @@ def test_crossings_are_counted_by_kind_and_lanes(tmp_path: Path) -> None:
     with_signals = inspect(build(tmp_path, *WALKS, *CROSSINGS, "--tls.set", "b", lanes=1))
     assert with_signals.counts == {(CrossingKind.SIGNAL, 2): 3}
     assert finding(with_signals, "roads").level is Level.NOTE
+
+
+def test_cars_that_drive_over_a_crossing_and_people_who_walk_over_it_are_told_from_others(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "c.con.xml").write_text(
+        '<connections><crossing node="b" edges="east_1 west_2" priority="true"/></connections>'
+    )
+    build(tmp_path, *WALKS, "--connection-files", "c.con.xml")
+    aside = '<flow id="aside" begin="0" end="300" vehsPerHour="120" from="south" to="east_2"/>'
+    found = inspect(configure(tmp_path, CARS + aside))
+    assert "30 of 40 cars of the demand drive over a crossing" in finding(found, "ego routes").text
+    # From 20 m before the crossing on one side of the road to 20 m behind it on the other.
+    (walk,) = walks_over(found.network, found.routes)
+    ends = {walk.origin: walk.depart_m, walk.destination: walk.arrival_m}
+    before = found.network.lanes["east_1_0"].length - 20.0
+    assert ends == {"east_1": pytest.approx(before), "west_2": pytest.approx(20.0)}
+    back = walk.back()
+    assert {back.destination: back.arrival_m, back.origin: back.depart_m} == ends
+    assert (back.origin, back.destination) == (walk.destination, walk.origin)
 
 
 def test_ego_routes_follow_the_network_and_pass_every_crossing_that_they_name(tmp_path: Path) -> None:
