@@ -14,6 +14,7 @@ import pytest
 import yaml  # type: ignore[import-untyped]
 
 from analysis.criteria.reading import read_criteria
+from tests.cosim.batches.studies import rows
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs/ci.md").read_text()
@@ -81,11 +82,13 @@ def test_the_action_checks_reports_and_tells_the_exit_code(tmp_path: Path) -> No
         "PATH": f"{shim.parent}:{os.environ['PATH']}",
         "PYTHONPATH": str(ROOT),
         "TARGET": "suite:fmvss127",
+        "CONTROLLER": "aeb",
         "ARGUMENTS": "--filter crossing_right_25_30kmh --jobs 1",
         "OUT": "out",
         "GITHUB_OUTPUT": str(tmp_path / "output"),
     }
     subprocess.run([ROOT / ".ci/action"], cwd=tmp_path, env=environment, check=True, timeout=300)
     assert (tmp_path / "output").read_text() == "exit-code=0\n"
+    assert {row["controller"] for row in rows(tmp_path / "out" / "criteria.csv")} == {"aeb"}
     for name in ("junit.xml", "criteria.csv", "report.html"):
         assert (tmp_path / "out" / name).is_file()
