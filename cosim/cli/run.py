@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -128,11 +127,11 @@ def run(
                 return _tell_of_crash(ended)
             raise SystemExit(ended.code)  # everything was said there
         try:
-            return _run(request, ended.tell, debug)
+            return _run(request, ended, debug)
         except MemoryError:
             ended.give_up()
             raise
-    return _run(request, lambda folder: None, debug)
+    return _run(request, apart.Inside(), debug)
 
 
 def _tell_of_crash(ended: apart.Ended) -> int:
@@ -146,14 +145,16 @@ def _tell_of_crash(ended: apart.Ended) -> int:
     return _show(salvage(Path(ended.told), reason))
 
 
-def _run(request: RunRequest, begun: Callable[[Path], None], debug: bool) -> int:
+def _run(request: RunRequest, inside: apart.Inside, debug: bool) -> int:
     from cosim.cli.progress import shown_progress
     from cosim.running.execution import execute
 
     with shown_progress() as progress:
-        outcome = execute(request, progress, begun)
+        outcome = execute(request, progress, inside.tell)
     if debug and outcome.error is not None:
         traceback.print_exception(outcome.error)
+    if isinstance(outcome.error, MemoryError):
+        inside.give_up()  # the other process has the memory that its files may still need
     return _show(outcome)
 
 

@@ -23,6 +23,8 @@ NEW = ".new"
 AT_RISK = 32
 """The rows of this part of a chunk are lost at most where the process ends without a word."""
 ROWS_PER_CHUNK = 8192
+_NO_MEMORY = "Allocation error"
+"""Said by zstd, which pyarrow takes for an error of the file."""
 _REPEATED = 3
 """A dictionary is worth it for numbers that occur more often than this."""
 
@@ -87,6 +89,8 @@ class ParquetSink:
         ------
         OSError
             If there is no room, for the rows or for the file.
+        MemoryError
+            If there is no memory to make the file; the rows that are written are still there.
         """
         if not self._open:
             return
@@ -148,6 +152,8 @@ def recover(part: Path) -> None:
         When not even its beginning was written.
     OSError
         When the file cannot be written; what was written of the table is still there.
+    MemoryError
+        Likewise.
     """
     _convert(part, part.with_name(part.name.removesuffix(PART)), (), ROWS_PER_CHUNK)
 
@@ -168,11 +174,17 @@ def _convert(
     ------
     OSError
         When the file is not complete; it has not its name then, and the stream is still there.
+    MemoryError
+        Likewise.
     """
     unfinished = path.with_name(path.name + NEW)
     try:
         _copy(part, unfinished, set(chunk_ends), rows_per_chunk, batches)
         unfinished.replace(path)
+    except OSError as error:
+        if error.errno is None and _NO_MEMORY in str(error):
+            raise MemoryError(str(error)) from error
+        raise
     finally:
         unfinished.unlink(missing_ok=True)
     part.unlink()

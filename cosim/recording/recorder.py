@@ -115,12 +115,12 @@ class Recorder:
 
     def close(self) -> None:
         """Write the last rows of every file, also when one of them cannot be written."""
-        errors: list[OSError] = []
+        errors: list[OSError | MemoryError] = []
         for table in (self._egos, self._neighbours, self._traffic, self._plans, self._timing, self._sensing):
             try:
                 if table is not None:
                     table.close()
-            except OSError as error:
+            except (OSError, MemoryError) as error:
                 errors.append(error)
         if errors:
             raise errors[0]

@@ -149,8 +149,8 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
             recover(part)
         except ArrowInvalid:
             part.unlink(missing_ok=True)  # not even its beginning was written
-        except OSError as error:
-            reason += f"; {part} could not be made a table: {error.strerror or error}"
+        except (OSError, MemoryError) as error:
+            reason += f"; {part} could not be made a table: {reason_of(error)}"
     description = read_json(folder / "run.json")
     description.update({"valid": False, "invalid_reason": reason, CLAIM: MANIFEST})
     _write_description(folder, description)

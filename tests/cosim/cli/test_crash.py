@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -36,20 +38,25 @@ def disturbed(self):
         {disturb}()
     step(self)
 SumoWorld._step = disturbed
-sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--set", "warmup_s=20", "--out", "{out}"]
+sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--out", "{out}"]
+sys.argv += ["--set", "warmup_s=5", "--set", "ego_headway_s=5"]
 from cosim.cli import main
 sys.exit(main())
 """
+
+
+LATE = 22
+"""Four egos have been recorded for so long that the first 256 rows are written [s]."""
 
 
 @pytest.mark.sumo
 @pytest.mark.parametrize(
     ("after", "disturb", "recorded", "told"),
     [
-        (55, "crash", True, "SIGSEGV"),
+        (LATE, "crash", True, "SIGSEGV"),
         (2, "crash", False, "SIGSEGV"),
-        (55, "fail_without_a_word", True, "could not report"),
-        (55, "find_no_memory_to_finish", True, "want of memory"),
+        (LATE, "fail_without_a_word", True, "could not report"),
+        (LATE, "find_no_memory_to_finish", True, "want of memory"),
     ],
 )
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
@@ -72,7 +79,7 @@ def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
 @pytest.mark.sumo
 def test_a_run_without_enough_memory_is_one_line_and_keeps_the_recording(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    command = [sys.executable, "-c", CRASHING.format(after=55, disturb="forbid_more_memory", out=out)]
+    command = [sys.executable, "-c", CRASHING.format(after=LATE, disturb="forbid_more_memory", out=out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 3
     (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
@@ -111,3 +118,27 @@ def test_what_was_written_of_a_table_can_be_recovered(tmp_path: Path) -> None:
     found = pq.read_table(tmp_path / "t.parquet")["number"].to_pylist()
     assert found == list(range(len(found)))
     assert 90 <= len(found) <= 101
+
+
+@pytest.mark.parametrize(
+    ("failure", "told"),
+    [
+        (OSError("ZSTD compression failed: Allocation error : not enough memory"), MemoryError),
+        (OSError(errno.ENOSPC, "No space left on device"), OSError),
+    ],
+)
+def test_a_table_without_memory_to_finish_it_stays_a_part_and_is_not_taken_for_one_without_room(
+    failure: OSError, told: type[Exception], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> None:
+        raise failure
+
+    sink = ParquetSink(tmp_path / "t.parquet", pa.schema([("number", pa.int64())]))
+    sink.add_row((7,))
+    with monkeypatch.context() as patch:
+        patch.setattr(pq.ParquetWriter, "write_table", fails)
+        with pytest.raises(told, match=re.escape(str(failure))):
+            sink.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["t.parquet.part"]
+    recover(tmp_path / "t.parquet.part")
+    assert pq.read_table(tmp_path / "t.parquet")["number"].to_pylist() == [7]
