@@ -110,9 +110,10 @@ def own_limit(sumo: Any, name: str) -> float:
 
 
 def is_on_lane(sumo: Any, name: str) -> bool:
-    """Return whether a vehicle drives: neither parked nor waiting at a stop."""
+    """Return whether a vehicle drives on an edge: not parked, waiting at a stop or inside a junction."""
     vehicle = sumo.vehicle
-    return bool(vehicle.getLaneID(name)) and not vehicle.isStopped(name)
+    lane = vehicle.getLaneID(name)
+    return bool(lane) and not lane.startswith(":") and not vehicle.isStopped(name)
 
 
 def let_go(sumo: Any, name: str) -> None:

@@ -12,7 +12,7 @@ from cosim.arrays import FloatArray, IntArray
 from cosim.step.world import Traffic
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
-from cosim.sumo.present import Present, forget_absent
+from cosim.sumo.present import Departed, Present, forget_absent
 from cosim.sumo.road_users import CarReader, KnownState, PersonReader, sumo_constant
 from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
 
@@ -43,13 +43,12 @@ class Everybody:
         self._person_places = Places(axes, PERSON_RANGE)
         self._vehicle_places = Places(axes, VEHICLE_RANGE)
 
-    def follow_departed(self, present: Present) -> None:
-        """Begin to read those who departed in the last step and are still there, after every step."""
-        sumo = self._sumo
-        for name in present.vehicles.intersection(sumo.simulation.getDepartedIDList()):
-            sumo.vehicle.subscribe(name, (*self._cars.variables, self._allowed))
-        for name in present.persons.intersection(sumo.simulation.getDepartedPersonIDList()):
-            sumo.person.subscribe(name, self._people.variables)
+    def follow(self, departed: Departed) -> None:
+        """Begin to read those who departed in the last step, after every step."""
+        for name in departed.vehicles:
+            self._sumo.vehicle.subscribe(name, (*self._cars.variables, self._allowed))
+        for name in departed.persons:
+            self._sumo.person.subscribe(name, self._people.variables)
 
     def leave(self, name: str) -> None:
         """Stop reading a vehicle that is about to be removed: a step would fail otherwise."""

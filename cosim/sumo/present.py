@@ -22,6 +22,36 @@ class Present(NamedTuple):
     """On foot, waiting or riding."""
 
 
+class Departed(NamedTuple):
+    """Who is there for the first time after a step, in the order of SUMO's lists."""
+
+    vehicles: tuple[str, ...] = ()
+    persons: tuple[str, ...] = ()
+
+
+class Departures:
+    """Tells who has departed; those of a loaded state of SUMO's have done so before its first step.
+
+    Parameters
+    ----------
+    sumo : module or connection, before the first step
+    """
+
+    def __init__(self, sumo: Any) -> None:
+        self._sumo = sumo
+        self._loaded = everybody_present(sumo)
+
+    def read(self, present: Present) -> Departed:
+        """Return who has departed in the last step and is still there."""
+        simulation, loaded, self._loaded = self._sumo.simulation, self._loaded, Present()
+        vehicles = (*sorted(loaded.vehicles), *simulation.getDepartedIDList())
+        persons = (*sorted(loaded.persons), *simulation.getDepartedPersonIDList())
+        return Departed(
+            tuple(name for name in dict.fromkeys(vehicles) if name in present.vehicles),
+            tuple(name for name in dict.fromkeys(persons) if name in present.persons),
+        )
+
+
 def everybody_present(sumo: Any) -> Present:
     """Return the road users in the simulation now.
 

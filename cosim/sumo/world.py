@@ -28,7 +28,7 @@ from cosim.sumo.map_areas import CELL, areas_near, cells_of_crossings
 from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
 from cosim.sumo.placement import Method, Placement
-from cosim.sumo.present import Present, everybody_present
+from cosim.sumo.present import Departed, Departures, Present, everybody_present
 from cosim.sumo.recorded_vehicles import RecordedVehicles
 from cosim.sumo.road_users import KnownState
 from cosim.sumo.scripted_persons import ScriptedPersons, road_user
@@ -95,6 +95,7 @@ class SumoWorld:
         self._to_take: list[str] = []
         """Chosen as egos, but not on a lane yet."""
         self._present = Present()
+        self._departed = Departed()
         self._traffic: Traffic | None = None
         self._any_ego = False
         self._warm = False
@@ -104,9 +105,15 @@ class SumoWorld:
             with self._connection.reporting("starting"):
                 self.step: float = self._sumo.simulation.getDeltaT()
                 self._time: float = self._sumo.simulation.getTime()
+                if self._time > self._begin + self.step:
+                    raise InputError(
+                        f"the state of load-state is of {self._time:g} s; expected that time as begin, "
+                        f"got {self._begin:g} s"
+                    )
                 self._sources.check(self._sumo)
                 self._calibrated = self._sumo.calibrator.getIDCount() > 0
                 self._limits = ChangedLimits(self._sumo, self._network)
+                self._departures = Departures(self._sumo)
             self._plan_every = max(1, math.ceil(PLAN_INTERVAL / self.step - 1e-9))
             self._steps = 0
             self._placement = Placement(self._sumo, self.step, Method(scenario.actuation))
@@ -265,9 +272,10 @@ class SumoWorld:
         self._connection.pending = False
         self._time = self._sumo.simulation.getTime()
         self._present = everybody_present(self._sumo)
+        self._departed = self._departures.read(self._present)
         self._limits.read()
         if self._everybody is not None:
-            self._everybody.follow_departed(self._present)
+            self._everybody.follow(self._departed)
 
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
@@ -345,9 +353,8 @@ class SumoWorld:
         self._connection.pending = True
 
     def _take_over_departed(self) -> None:
+        there, departed = self._present.vehicles, self._departed.vehicles
         # In a long step a vehicle may depart and be gone again.
-        there = self._present.vehicles
-        departed = [name for name in self._sumo.simulation.getDepartedIDList() if name in there]
         chosen = [name for name in self._to_take if name in there]
         if departed:
             chosen += self._sources.choose(self._sumo, departed, self._time)

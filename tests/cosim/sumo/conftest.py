@@ -106,17 +106,22 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
         gui: bool = False,
         additional: str = "",
         processing: str = "",
+        begin_s: float = 0.0,
+        state: Path | None = None,
+        everybody: bool = False,
     ) -> SumoWorld:
         number = len(opened)
         routes = tmp_path / f"demand{number}.rou.xml"
         routes.write_text(f"<routes>{TYPES}{demand}</routes>")
         further = tmp_path / f"further{number}.add.xml"
         further.write_text(f"<additional>{additional}</additional>")
+        loaded = "" if state is None else f'<load-state value="{state}"/>'
         configuration = tmp_path / f"run{number}.sumocfg"
         configuration.write_text(
             f'<configuration><input><net-file value="{network}"/><route-files value="{routes.name}"/>'
             f'<additional-files value="{further.name}"/></input>'
-            f'<time><step-length value="{step_s}"/></time><processing>{processing}</processing></configuration>'
+            f'<time><begin value="{begin_s}"/><step-length value="{step_s}"/></time>'
+            f"<processing>{processing}</processing>{loaded}</configuration>"
         )
         for other in opened:
             other.close()
@@ -128,7 +133,7 @@ def open_world(tmp_path: Path, town_file: Path) -> Iterator[OpenWorld]:
             actuation=actuation,
             lateral_resolution_m=0.4 if actuation == "hybrid" else None,
         )
-        world = SumoWorld(scenario, prepare(scenario, seed, tmp_path), seed, gui=gui)
+        world = SumoWorld(scenario, prepare(scenario, seed, tmp_path), seed, gui=gui, everybody=everybody)
         opened.append(world)
         return world
 
