@@ -38,6 +38,8 @@ class Demand:
     """Expected number of passenger cars by the edges that are given: a whole route, or its ends."""
     ignored: dict[Path, list[str]] = field(default_factory=dict)
     """By route file: ids that SUMO leaves out, because one before them departs later."""
+    closed: dict[str, None] = field(default_factory=dict)
+    """Lanes that rerouters close in the simulated time, in the order of the files."""
     lane_change_models: dict[str, str] = field(default_factory=dict)
     """Those that vehicle types in use name, by type, where they are not the sublane model's."""
 
@@ -95,6 +97,8 @@ class _Reader:
         ignored: list[str] = []
         for _, element in elements(path):
             self._define(element)
+            if element.tag == "rerouter":
+                self._close(element)
             if element.tag not in (*_RIDERS, *_WALKERS):
                 continue
             depart = seconds(element.get("depart", element.get("begin", "0")))
@@ -142,6 +146,13 @@ class _Reader:
             first = next(iter(element.iter("route")), None)
             if first is not None:
                 self._routes[element.get("id", "")] = tuple(first.get("edges", "").split())
+
+    def _close(self, rerouter: ElementTree.Element) -> None:
+        for interval in rerouter.iter("interval"):
+            begin, end = seconds(interval.get("begin", "")), seconds(interval.get("end", ""))
+            if (begin or 0.0) < self._end_s and (math.inf if end is None else end) > self._begin_s:
+                lanes = interval.iter("closingLaneReroute")
+                self._demand.closed |= dict.fromkeys(lane.get("id", "?") for lane in lanes)
 
     def _class(self, name: str) -> str:
         if name in self._classes:

@@ -65,6 +65,15 @@ def lane_change_model(demand: Demand) -> list[Finding]:
     return [Finding(LANE_CHANGE_MODEL, Level.NOTE, text)]
 
 
+def closed_lanes(demand: Demand) -> list[Finding]:
+    """Name lanes that are closed during the run, of which no ego is told."""
+    if not demand.closed:
+        return []
+    some = ", ".join(list(demand.closed)[:3]) + (", …" if len(demand.closed) > 3 else "")
+    text = f"rerouters close {some}: egos drive there all the same, and SUMO's drivers do not see them there"
+    return [Finding("closed lanes", Level.DANGER, text)]
+
+
 def _walks_command(source: Source) -> str:
     return shlex.join(
         [

@@ -274,6 +274,27 @@ def test_types_that_the_sublane_model_excludes_are_named_where_they_are_used(tmp
     assert "lane-change model" not in {one.check for one in unused.findings}
 
 
+def test_what_rerouters_close_during_the_run_is_named(tmp_path: Path) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    path = configure(tmp_path, PERSONS + CARS)
+    text = path.read_text().replace("</input>", '<additional-files value="works.add.xml"/></input>')
+    path.write_text(text)
+    intervals = (
+        '<interval begin="{}" end="{}"><closingLaneReroute id="east_2_1" disallow="all"/></interval>'
+        '<interval begin="900" end="1000"><closingReroute id="west_1"/></interval>'
+    )
+    for begin, end, closed in ((0, 100, True), (300, 400, False)):
+        works = f'<rerouter id="works" edges="east_1">{intervals.format(begin, end)}</rerouter>'
+        (tmp_path / "works.add.xml").write_text(f"<additional>{works}</additional>")
+        found = inspect(path)
+        assert ("closed lanes" in {one.check for one in found.findings}) is closed
+        if closed:
+            one = finding(found, "closed lanes")
+            assert one.level is Level.DANGER
+            assert "close east_2_1: " in one.text
+            assert found.possible
+
+
 def test_what_is_closed_to_cars_gives_no_ego_route(tmp_path: Path) -> None:
     net = build(tmp_path, *WALKS, *CROSSINGS, "--keep-edges.by-vclass", "passenger")
     assert inspect(net).routes
