@@ -77,9 +77,10 @@ def evasions(case: Case) -> Evasion:
     braked = np.zeros(count, dtype=np.bool_)
     low, at = samples.smallest(samples.ttc)
     for i, rows in enumerate(case.ego_rows):
-        hard = rows[case.steps.deceleration[rows] > case.thresholds.evasive_deceleration_mps2]
+        hard = np.flatnonzero(case.steps.deceleration[rows] > case.thresholds.evasive_deceleration_mps2)
         if len(hard):
-            begin = float(case.run.egos.numbers["time_s"][hard[0]])
+            # The acceleration of a row is that of the step that ends there.
+            begin = float(case.run.egos.numbers["time_s"][rows[max(int(hard[0]) - 1, 0)]])
             sample = int(samples.starts[i] + np.searchsorted(_own_time(case, i), begin - 1e-9))
             braked[i] = True
         elif np.isfinite(low[i]):

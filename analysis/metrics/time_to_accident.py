@@ -1,6 +1,6 @@
 """Time to accident (TA): TTC at the instant when the ego's evasive action begins.
 
-Evasive action begins at the first step of the encounter at which the ego brakes harder than
+Evasive action begins with the first step of the encounter in which the ego brakes harder than
 evasive_deceleration_mps2. Without one, the instant of the smallest TTC is taken (evasive_status `none`).
 
 Undefined: empty where there is no collision course at that instant, or the person is not on the

@@ -252,6 +252,18 @@ def test_a_yielding_ego_is_counted_with_its_delay_braking_and_stop(tmp_path: Pat
     assert row["preventable_r157"] == 1.0
 
 
+def test_evasive_action_begins_with_the_step_that_brakes(tmp_path: Path) -> None:
+    # 10 m/s until 3 s; what SUMO has for a step is written at its end, here first at 3.5 s with 8.75 m/s.
+    ego = Ego(
+        lambda t: (10.0 * t - 1.25 * max(t - 3.0, 0.0) ** 2 - 27.0, 0.0),
+        columns={"acceleration_mps2": lambda t: -2.5 if t > 3.0 else 0.0},
+    )
+    walk = Person(line(32.5, -6.0, 0, 1.25), phase=crosses(0.8, 8.8, waits_from=0.0))
+    row = only(analyse(tmp_path, ego, walk, step=0.5, duration=6.5))
+    assert (row["evasive_status"], row["evasive_t_s"]) == ("braked", 3.0)
+    assert row["conflicting_speed_mps"] == pytest.approx(10.0, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("enters_at", "hit"),
     # The ego drives on, in the shared ground from 4.0 to 4.5 s; they are on the crossing from the beginning.
