@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import statsmodels.api as sm
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
-from statsmodels.stats.multitest import multipletests
 
 from analysis.statistics import intervals
 from analysis.statistics.intervals import (
@@ -151,12 +149,15 @@ def test_a_percentile_interval_is_the_same_every_time_and_needs_two_groups() -> 
 
 
 def test_contributions_have_the_ratio_as_mean_and_the_error_of_a_weighted_regression() -> None:
+    # It takes long to load, and every worker collects this file.
+    from statsmodels.regression.linear_model import WLS
+
     rng = np.random.default_rng(5)
     trials = rng.integers(1, 40, 25).astype(float)
     events = rng.binomial(trials.astype(int), 0.3).astype(float)
     each = contributions(events, trials)
     # The same estimator as statsmodels has it: a weighted mean of the runs' shares with robust errors.
-    fit = sm.WLS(events / trials, np.ones(25), weights=trials).fit(cov_type="HC1", use_t=True)
+    fit = WLS(events / trials, np.ones(25), weights=trials).fit(cov_type="HC1", use_t=True)
     assert each.mean() == pytest.approx(events.sum() / trials.sum())
     assert each.mean() == pytest.approx(fit.params[0])
     assert stats.sem(each) == pytest.approx(fit.bse[0])
@@ -348,10 +349,15 @@ def test_holm_corrects_as_in_the_manual_of_r() -> None:
     assert holm([0.04, 0.001, 0.6]) == pytest.approx([0.08, 0.003, 0.6])
 
 
-@settings(max_examples=20)
-@given(st.lists(st.floats(0.0, 1.0) | st.sampled_from([0.01, 0.04]), min_size=1, max_size=12))
-def test_holm_corrects_as_statsmodels_does(p_values: list[float]) -> None:
-    assert holm(p_values) == multipletests(p_values, method="holm")[1].tolist()
+def test_holm_corrects_as_statsmodels_does() -> None:
+    from statsmodels.stats.multitest import multipletests
+
+    @settings(max_examples=20)
+    @given(st.lists(st.floats(0.0, 1.0) | st.sampled_from([0.01, 0.04]), min_size=1, max_size=12))
+    def the_same(p_values: list[float]) -> None:
+        assert holm(p_values) == multipletests(p_values, method="holm")[1].tolist()
+
+    the_same()
 
 
 def test_a_test_that_was_not_made_is_not_in_the_family() -> None:

@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from lxml import etree
-from scenariogeneration import xosc
 
 import cosim
 import sumo_scenarios
@@ -101,6 +100,8 @@ def test_the_egos_rear_axle_is_where_it_was(run: cosim.Run, number: int, exporte
 
 
 def test_another_reader_understands_it(exported: Path) -> None:
+    from scenariogeneration import xosc  # it takes long to load, and every worker collects this file
+
     scenario = xosc.ParseOpenScenario(str(exported))
     assert isinstance(scenario, xosc.Scenario)
     names = {one.name for one in scenario.entities.scenario_objects}
