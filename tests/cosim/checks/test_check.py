@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-import frictionless
 import pytest
 
 from analysis.files import write_json
@@ -54,6 +53,8 @@ def criteria(metric: str, sign: str, threshold: object, name: str = "criteria.to
 def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    import frictionless  # it takes long to load, and every worker collects this file
+
     summary = tmp_path / "summary.md"
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(summary))
     arguments = ["midblock_zebra", *SHORT, "--out", "out", "--junit", "out/junit.xml"]
