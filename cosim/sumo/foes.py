@@ -25,13 +25,24 @@ from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
 
 NEAR = 60.0
-"""Junctions that begin further ahead of the front bumper are not looked at [m]."""
+"""Junctions that begin further ahead of the front bumper are not looked at by a slow ego [m]."""
+REACTION, BRAKING = 0.5, 3.0
+"""A fast one looks as far as it needs to stop for a foe like this [s, m/s^2]."""
 FOE_RANGE = 120.0
 """Vehicles further away from the conflict are no foes yet; at 50 km/h they need 8 s, a slow turn less [m]."""
 CLEARANCE = 2.0
 """Ways nearer to each other than this are in conflict: a car's width and 0.2 m [m]."""
 SAMPLE = 0.5
 """[m]"""
+
+
+def looked_ahead(speed: float) -> float:
+    """Return how far ahead of its front bumper an ego looks at junctions [m].
+
+    >>> [round(looked_ahead(speed)) for speed in (8.0, 13.89, 27.78)]
+    [60, 60, 142]
+    """
+    return max(NEAR, REACTION * speed + speed**2 / (2.0 * BRAKING))
 
 
 @dataclass(frozen=True, slots=True)

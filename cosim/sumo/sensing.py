@@ -8,7 +8,7 @@ from typing import Any
 from controllers.interface import Body, EgoState, Eyesight, JunctionFoe, Perception, RoadAhead
 from cosim.sumo.changed_limits import ChangedLimits
 from cosim.sumo.driven_ego import DrivenEgo
-from cosim.sumo.foes import NEAR, FoeFinder
+from cosim.sumo.foes import FoeFinder, looked_ahead
 from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
 from cosim.sumo.lane_path import PathCrossing
 from cosim.sumo.lights import Lights
@@ -99,7 +99,7 @@ class Perceiver:
         known: Surroundings,
         lights: Lights,
     ) -> tuple[RoadAhead, dict[int, LaneLine]]:
-        signals, junctions = frame.signals(), frame.junctions(NEAR)
+        signals, junctions = frame.signals(), frame.junctions(looked_ahead(ego.plant.speed))
         foes: list[JunctionFoe] = []
         if junctions and cars:
             foes = self._foes.find(ego.name, frame.origin, junctions, cars, known.cars, lights)
