@@ -15,6 +15,8 @@ RADIUS = 0.25
 """Of a pedestrian's disc [m]."""
 STANDING = 0.1
 """Slower vehicles stand [m/s]."""
+BESIDE = 3.0
+"""Places this near to the middle of a body or to its tail are beside or behind it, and not on its way [m]."""
 SHORTEST = 1e-9
 """A shorter part of a walk is what rounding left of it [s]."""
 
@@ -40,14 +42,19 @@ class RoadUser:
     def sees(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return along and across of places (n, 2), from the front bumper [m].
 
+        Beside and right behind the body they are told from the body: it may stand askew on its way.
+
         >>> RoadUser("ego", 10.0, 0.0, 0.0, 5.0).sees(np.array([[30.0, 2.0]]))
         (array([20.]), array([2.]))
         """
-        if self.way is not None:
-            return self.way(points)
         east, north = math.cos(self.heading), math.sin(self.heading)
         dx, dy = points[:, 0] - self.x, points[:, 1] - self.y
-        return dx * east + dy * north, dy * east - dx * north
+        ahead, aside = dx * east + dy * north, dy * east - dx * north
+        if self.way is None:
+            return ahead, aside
+        along, across = self.way(points)
+        beside = (ahead < 0.0) & (ahead > -self.length - BESIDE) & (np.abs(aside) < BESIDE)
+        return np.where(beside, ahead, along), np.where(beside, aside, across)
 
     def ahead(self, x: float, y: float) -> tuple[float, float]:
         """Return along and across of one place, from the front bumper [m]."""

@@ -225,6 +225,31 @@ def test_a_watchful_pedestrian_who_waits_before_a_standing_vehicle_says_so(step:
     assert max(len(state.legs) for _, state in found) <= 5, "a long wait is one pause, not one for each step"
 
 
+def test_beside_a_car_that_stands_askew_its_body_counts_and_ahead_its_way() -> None:
+    """Its tail juts out by 4.5 m sin 0.2 to the left of its way, which leads straight on."""
+
+    def straight_on(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return points[:, 0] - 50.0, points[:, 1]
+
+    car = RoadUser("ego", 50.0, 0.0, -0.2, 0.3, way=straight_on)
+    places = np.array([[50.0 - 3.0 * math.cos(0.2), 3.0 * math.sin(0.2) + 1.0], [60.0, 1.0], [40.0, 1.0]])
+    along, across = car.sees(places)
+    assert along.tolist() == pytest.approx([-3.0 - math.sin(0.2), 10.0, -10.0])
+    assert across.tolist() == pytest.approx([math.cos(0.2), 1.0, 1.0])
+    line = Line(47.0, 5.0, 47.0, -5.0)
+    meeting = line.meeting(car)
+    assert meeting is not None
+    touches = 5.0 - 3.0 * math.tan(0.2) - (0.9 + RADIUS) / math.cos(0.2)
+    assert meeting.enters == pytest.approx(touches, abs=0.01)
+    # Past the tail, obliquely: whoever looked at the way from there on would see room where the flank is.
+    behind = Line(46.5, 3.0, 43.5, -3.0)
+    _, beside = replace(car, way=None).sees(np.array([behind.point(0.0), behind.point(1.0)]))
+    meeting = behind.meeting(car)
+    assert meeting is not None
+    touches = (beside[0] - 0.9 - RADIUS) / (beside[0] - beside[1])
+    assert meeting.enters == pytest.approx(touches, abs=0.01)
+
+
 def test_who_hesitates_stands_where_and_as_long_as_he_is_said_to() -> None:
     found = list(states(walker(Hesitating(3.0, 2.0), AtTime(1.0)), 0.1))
     standing = [
