@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
-from analysis.arrays import FloatArray
+from analysis.arrays import FloatArray, IntArray
 
 RESAMPLES = 1999
 SEED = 20250101
@@ -46,16 +47,18 @@ class Comparison:
     """``different``, ``indistinguishable`` or ``too few``."""
 
 
-def compare(real: FloatArray, simulated: FloatArray) -> Comparison:
+def compare(real: FloatArray, simulated: FloatArray, names: Sequence[str] | None = None) -> Comparison:
     """Compare the values of real and of simulated road users.
 
     The interval is the percentile bootstrap of the difference of means: both groups are resampled, each road
-    user as a whole. Its standard error is that of the resamples; ``detectable`` is 2.80 times that, for a
-    two-sided test at 5 % with a power of 80 %.
+    user as a whole, with all runs in which it drove: the same driver at the same time in another run is no
+    further evidence of its own. Its standard error is that of the resamples; ``detectable`` is 2.80 times
+    that, for a two-sided test at 5 % with a power of 80 %.
 
     Parameters
     ----------
-    real, simulated : one value for each road user, shapes (n,) and (m,)
+    real, simulated : one value for each road user (of each run), shapes (n,) and (m,)
+    names : who the simulated ones are, of length m; ``None``: no one occurs twice
 
     Examples
     --------
@@ -63,7 +66,9 @@ def compare(real: FloatArray, simulated: FloatArray) -> Comparison:
     >>> found.verdict, found.difference, found.distance
     ('different', 20.0, 1.0)
     """
-    real, simulated = real[np.isfinite(real)], simulated[np.isfinite(simulated)]
+    known = np.isfinite(simulated)
+    who = np.unique(np.arange(len(known)) if names is None else np.asarray(names), return_inverse=True)[1]
+    real, simulated, who = real[np.isfinite(real)], simulated[known], who[known]
     means = (_mean(real), _mean(simulated))
     sds = (_spread(real), _spread(simulated))
     difference = means[1] - means[0]
@@ -71,7 +76,8 @@ def compare(real: FloatArray, simulated: FloatArray) -> Comparison:
         nothing = (np.nan, np.nan, np.nan, np.nan, np.nan)
         return Comparison(len(real), len(simulated), *means, *sds, difference, *nothing, "too few")
     pooled = float(np.sqrt(0.5 * (sds[0] ** 2 + sds[1] ** 2)))
-    drawn = _resampled(real, simulated)
+    rng = np.random.default_rng(SEED)
+    drawn = _means(simulated, who, rng) - _means(real, np.arange(len(real)), rng)
     low, high = np.quantile(drawn, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
     same = low <= 0.0 <= high
     return Comparison(
@@ -97,16 +103,19 @@ def _spread(values: FloatArray) -> float:
     return float(values.std(ddof=1)) if len(values) > 1 else math.nan
 
 
-def _resampled(real: FloatArray, simulated: FloatArray) -> FloatArray:
-    """Return differences of means of resamples."""
+def _means(values: FloatArray, who: IntArray, rng: np.random.Generator) -> FloatArray:
+    """Return means of resamples of road users, each with all its values, shape (RESAMPLES,)."""
+    counts = np.bincount(who)
+    sums = np.bincount(who, weights=values)[counts > 0]
     result = stats.bootstrap(
-        (real, simulated),
-        lambda a, b, axis=-1: np.mean(b, axis=axis) - np.mean(a, axis=axis),
+        (sums, counts[counts > 0]),
+        lambda total, number, axis=-1: total.sum(axis=axis) / number.sum(axis=axis),
+        paired=True,
         n_resamples=RESAMPLES,
         vectorized=True,
         method="percentile",
         batch=200,
-        rng=np.random.default_rng(SEED),
+        rng=rng,
     )
     return np.asarray(result.bootstrap_distribution, dtype=np.float64)
 

@@ -42,8 +42,18 @@ VALIDATION = Table(
         number("real_sd", "1", "standard deviation of the real ones", source="found.real_sd"),
         number("simulated_sd", "1", "standard deviation of the simulated ones", source="found.simulated_sd"),
         number("difference", "1", "simulated minus real mean", source="found.difference"),
-        number("difference_lo", "1", "95 % interval, bootstrap over road users", source="found.low"),
-        number("difference_hi", "1", "95 % interval, bootstrap over road users", source="found.high"),
+        number(
+            "difference_lo",
+            "1",
+            "95 % interval, bootstrap over road users, each with all its runs",
+            source="found.low",
+        ),
+        number(
+            "difference_hi",
+            "1",
+            "95 % interval, bootstrap over road users, each with all its runs",
+            source="found.high",
+        ),
         number("effect", "1", "difference in pooled standard deviations", source="found.effect"),
         at_least_0("ks_distance", "1", "distance of the distributions, 0 to 1", source="found.distance"),
         at_least_0(
@@ -67,9 +77,10 @@ def compared(real: Observed, simulated: Sequence[Observed]) -> list[Compared]:
     """Compare every quantity of a recording with those of runs, whose road users count together."""
     found = []
     for quantity in QUANTITIES:
-        ours = [quantity.values(run).to_numpy(np.float64) for run in simulated]
+        ours = pd.concat([pd.Series(dtype=np.float64), *(quantity.values(run) for run in simulated)])
         theirs = quantity.values(real).to_numpy(np.float64)
-        found.append(Compared(quantity, compare(theirs, np.concatenate(ours) if ours else np.zeros(0))))
+        names = ours.index.astype(str).tolist()
+        found.append(Compared(quantity, compare(theirs, ours.to_numpy(np.float64), names)))
     return found
 
 

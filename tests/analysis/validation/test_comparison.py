@@ -47,3 +47,16 @@ def test_the_same_tracks_give_the_same_interval() -> None:
 def test_a_planted_difference_of_a_fifth_of_a_standard_deviation_is_found_with_the_stated_power() -> None:
     # 80 % of 200: 160, with a standard deviation of 5.7.
     assert 140 <= planted.power(200) <= 180
+
+
+def test_the_same_drivers_in_more_runs_are_no_more_drivers() -> None:
+    rng = np.random.default_rng(7)
+    real, once = rng.normal(0.0, 1.0, 40), rng.normal(0.3, 1.0, 40)
+    names = [f"car{number}" for number in range(40)]
+    one = compare(real, once, names)
+    three = compare(real, np.tile(once, 3), names * 3)
+    assert three.n_simulated == 120
+    assert three.difference == pytest.approx(one.difference)
+    assert (three.low, three.high, three.detectable) == pytest.approx((one.low, one.high, one.detectable))
+    independent = compare(real, np.tile(once, 3))
+    assert independent.high - independent.low < 0.9 * (three.high - three.low)
