@@ -19,7 +19,7 @@ SCHEMA_VERSION = "1"
 INTERVENTIONS = {
     "tight_bend": "the ego was in a bend tighter than it can turn, too far off for SUMO to have it there",
     "way_lost": "SUMO had another route for the ego, or had it on another way through a junction",
-    "off_lane": "the ego was too far beside or beyond its lane for SUMO to have it there",
+    "off_lane": "the ego was too far beside or beyond its lane for SUMO to have it there, or that was closed",
     "held": "SUMO drove slower than it was told",
     "position": "SUMO's own driving ended elsewhere",
     "speed": "SUMO drove faster than it was told",

@@ -40,9 +40,10 @@ def cause_of(
     away = math.dist(front, (executed.x, executed.y)) > POSITION_TOLERANCE
     faster = executed.speed - placement.asked_speed(name)
     astray = placement.astray(name)
-    if not (astray or away or abs(faster) > SPEED_TOLERANCE):
+    nowhere = not executed.lane  # other vehicles do not see it
+    if not (astray or away or nowhere or abs(faster) > SPEED_TOLERANCE):
         return None
-    off_lane = not executed.lane or (away and placement.strayed(name) > 0.0)
+    off_lane = nowhere or (away and placement.strayed(name) > 0.0)
     if in_bend and (astray or off_lane):
         return Cause.TIGHT_BEND
     if astray:

@@ -8,6 +8,9 @@ import pytest
 from analysis.recording.columns import INTERVENTIONS
 from cosim.sumo.intervention import Cause, cause_of
 from cosim.sumo.placement import Executed, Placement
+from sumo_scenarios.model import Egos
+
+from .conftest import OpenWorld, drive
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ def test_a_step_that_went_as_it_should_has_none() -> None:
         (Told(moved_by=1.0), {"away": 1.0, "in_bend": True}, Cause.TIGHT_BEND),
         (Told(moved_by=1.0), {"away": 1.0}, Cause.OFF_LANE),
         (Told(), {"away": 1.0, "lane": ""}, Cause.OFF_LANE),
+        (Told(), {"lane": ""}, Cause.OFF_LANE),
         (Told(), {"away": 0.5, "speed": 2.0}, Cause.HELD),
         (Told(), {"away": 0.5}, Cause.POSITION),
         (Told(), {"away": 0.5, "in_bend": True}, Cause.POSITION),
@@ -57,3 +61,19 @@ def test_every_other_step_has_one(told: Told, seen: dict[str, Any], expected: Ca
 
 def test_the_causes_are_those_that_the_analysis_counts() -> None:
     assert set(Cause) == set(INTERVENTIONS)
+
+
+@pytest.mark.sumo
+def test_an_ego_on_a_lane_that_was_closed_to_it_is_on_none(open_world: OpenWorld) -> None:
+    """SUMO puts it where it was told, on no lane: nobody sees it there."""
+    closed = (
+        '<rerouter id="works" edges="am"><interval begin="1" end="60">'
+        '<closingLaneReroute id="mj_1" disallow="all"/><closingLaneReroute id="mj_2" disallow="all"/>'
+        "</interval></rerouter>"
+    )
+    car = '<vehicle id="v" type="car" depart="0" departPos="120" departSpeed="8"><route edges="am mj jb"/></vehicle>'
+    world = open_world(car, Egos(vehicles=("v",)), duration_s=8.0, additional=closed)
+    egos = [one.egos[0] for one in drive(world) if one.egos]
+    nowhere = [one for one in egos if not one.lane]
+    assert nowhere
+    assert {one.intervention_cause for one in nowhere} == {Cause.OFF_LANE}
