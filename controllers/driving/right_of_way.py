@@ -144,22 +144,21 @@ class RightOfWay:
         inside = foe.foe_entry <= 0.0
         if gone or ego.body.front > foe.entry or not self._comes(foe):
             return False
-        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for bends.
-        fastest = max((float(value) for value in perception.road.limit), default=30.0)
-        enters = travel_time(
-            foe.entry - ego.body.front, max(ego.speed, 0.0), self._acceleration, max(fastest, SLOWEST)
-        )
-        clears = self._time_to(foe.exit + ego.body.rear_overhang, perception)
         if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
+        fastest = max((float(value) for value in perception.road.limit), default=30.0)
+        fastest = max(fastest, SLOWEST)
+        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for bends.
+        enters = travel_time(foe.entry - ego.body.front, max(ego.speed, 0.0), self._acceleration, fastest)
+        clears = self._time_to(foe.exit + ego.body.rear_overhang, perception, fastest)
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf
         return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
 
-    def _time_to(self, along: float, perception: Perception) -> float:
+    def _time_to(self, along: float, perception: Perception, fastest: float) -> float:
         """Return when the rear axle is at a place, if nothing but bends and limits slows the ego down [s]."""
-        ego, road = perception.ego, perception.road
-        places, highest = _speeds_until(along, road)
+        ego = perception.ego
+        places, highest = _speeds_until(along, perception.road, fastest)
         squares = highest**2
         # Slowing down for what comes, then speeding up from what was.
         ahead, behind = 2.0 * BRAKING_FOR_BENDS * places, 2.0 * self._acceleration * places
@@ -237,16 +236,12 @@ def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:
     return ego.speed**2 / (2.0 * deceleration) <= place - ego.body.front
 
 
-def _speeds_until(along: float, road: RoadAhead) -> tuple[FloatArray, FloatArray]:
-    """Return places from the rear axle to there, and how fast bends and limits let it be there [m, m/s]."""
-    fastest = max((float(value) for value in road.limit), default=30.0)
-    fastest = max(fastest, SLOWEST)
-    step = road.curvature_step
-    count = math.ceil(along / step) if step > 0.0 else 0
+def _speeds_until(along: float, road: RoadAhead, fastest: float) -> tuple[FloatArray, FloatArray]:
+    """Return places from the rear axle to there, and how fast bends let it be there [m, m/s]."""
+    count = math.ceil(along / road.curvature_step) if road.curvature_step > 0.0 else 0
     bends = np.abs(road.curvature[:count])
-    places = np.append(np.arange(len(bends)) * step, max(along, 0.0))
-    highest = np.full(len(places), fastest)
-    highest[:-1] = np.sqrt(BEND_ACCELERATION / np.maximum(bends, BEND_ACCELERATION / fastest**2))
-    if len(bends):
-        highest[-1] = highest[-2]
-    return places, np.maximum(highest, SLOWEST)
+    if not len(bends):
+        bends = np.zeros(1)
+    highest = np.sqrt(BEND_ACCELERATION / np.maximum(bends, BEND_ACCELERATION / fastest**2))
+    places = np.append(np.arange(len(bends)) * road.curvature_step, along)
+    return places, np.maximum(np.append(highest, highest[-1]), SLOWEST)

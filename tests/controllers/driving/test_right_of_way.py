@@ -214,3 +214,9 @@ def test_a_bend_ahead_slows_the_ego_down_in_the_bend_alone(distance: float, stop
         foes=(_foe(distance, 10.0),),
     )
     assert bool(_stops(replace(seen, road=road))) is stops
+
+
+def test_without_any_known_bend_the_way_to_the_conflict_still_takes_its_time() -> None:
+    seen = perception(ego(10.0), foes=[_foe(30.0, 10.0)])
+    seen = replace(seen, road=replace(seen.road, curvature=np.zeros(0)))
+    assert _stops(seen) == [StopPlace("foe", 20.0)]
