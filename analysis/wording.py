@@ -17,14 +17,24 @@ def some(names: Sequence[str], most: int) -> str:
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
-def decimals(value: float, least: int) -> int:
+def decimals(value: float, least: int | None = None) -> int:
     """Return the decimals with which a number is not rounded to 0: at least some, at most three more.
+
+    Parameters
+    ----------
+    value
+    least : decimals that are shown in any case; ``None``: those of three digits or so
 
     Examples
     --------
     >>> decimals(0.04, 1), decimals(12.3, 1), decimals(0.0, 1), decimals(1e-17, 1)
     (2, 1, 1, 4)
+    >>> decimals(0.5), decimals(12.3), decimals(1234.5)
+    (3, 1, 0)
     """
+    if least is None:
+        size = abs(value)
+        least = 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
     return min(max(least, -math.floor(math.log10(abs(value)))), least + 3) if value else least
 
 

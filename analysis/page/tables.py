@@ -249,6 +249,4 @@ def shown(value: float | None, measure: Measure, sign: str = "") -> str:
     sign = sign if value else ""
     if measure.kind in _SHARES:
         return f"{value:{sign}.{decimals(100.0 * value, 1)}%}".replace("%", " %")
-    size = abs(value)
-    least = 0 if size == 0.0 else 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
-    return f"{value:{sign}.{decimals(value, least)}f}"
+    return f"{value:{sign}.{decimals(value) if value else 0}f}"

@@ -67,8 +67,8 @@ def compare(real: FloatArray, simulated: FloatArray, names: Sequence[str] | None
     ('different', 20.0, 1.0)
     """
     known = np.isfinite(simulated)
-    who = np.unique(np.arange(len(known)) if names is None else np.asarray(names), return_inverse=True)[1]
-    real, simulated, who = real[np.isfinite(real)], simulated[known], who[known]
+    users = np.arange(len(known)) if names is None else np.asarray(names)
+    real, simulated, users = real[np.isfinite(real)], simulated[known], users[known]
     means = (_mean(real), _mean(simulated))
     sds = (_spread(real), _spread(simulated))
     difference = means[1] - means[0]
@@ -77,6 +77,7 @@ def compare(real: FloatArray, simulated: FloatArray, names: Sequence[str] | None
         return Comparison(len(real), len(simulated), *means, *sds, difference, *nothing, "too few")
     pooled = float(np.sqrt(0.5 * (sds[0] ** 2 + sds[1] ** 2)))
     rng = np.random.default_rng(SEED)
+    who = np.unique(users, return_inverse=True)[1]
     drawn = _means(simulated, who, rng) - _means(real, np.arange(len(real)), rng)
     low, high = np.quantile(drawn, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
     same = low <= 0.0 <= high
@@ -105,10 +106,8 @@ def _spread(values: FloatArray) -> float:
 
 def _means(values: FloatArray, who: IntArray, rng: np.random.Generator) -> FloatArray:
     """Return means of resamples of road users, each with all its values, shape (RESAMPLES,)."""
-    counts = np.bincount(who)
-    sums = np.bincount(who, weights=values)[counts > 0]
     result = stats.bootstrap(
-        (sums, counts[counts > 0]),
+        (np.bincount(who, weights=values), np.bincount(who)),
         lambda total, number, axis=-1: total.sum(axis=axis) / number.sum(axis=axis),
         paired=True,
         n_resamples=RESAMPLES,

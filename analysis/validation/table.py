@@ -28,6 +28,8 @@ class Compared:
         return in_words(self.found, self.quantity.unit)
 
 
+_INTERVAL = "95 % interval, bootstrap over road users, each with all its runs"
+
 VALIDATION = Table(
     "validation",
     "One row for each quantity: real road users beside simulated ones",
@@ -42,18 +44,8 @@ VALIDATION = Table(
         number("real_sd", "1", "standard deviation of the real ones", source="found.real_sd"),
         number("simulated_sd", "1", "standard deviation of the simulated ones", source="found.simulated_sd"),
         number("difference", "1", "simulated minus real mean", source="found.difference"),
-        number(
-            "difference_lo",
-            "1",
-            "95 % interval, bootstrap over road users, each with all its runs",
-            source="found.low",
-        ),
-        number(
-            "difference_hi",
-            "1",
-            "95 % interval, bootstrap over road users, each with all its runs",
-            source="found.high",
-        ),
+        number("difference_lo", "1", _INTERVAL, source="found.low"),
+        number("difference_hi", "1", _INTERVAL, source="found.high"),
         number("effect", "1", "difference in pooled standard deviations", source="found.effect"),
         at_least_0("ks_distance", "1", "distance of the distributions, 0 to 1", source="found.distance"),
         at_least_0(

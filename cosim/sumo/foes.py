@@ -23,6 +23,7 @@ from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
+from cosim.sumo.yielding import stopping_distance
 
 NEAR = 60.0
 """Junctions that begin further ahead of the front bumper are not looked at by a slow ego [m]."""
@@ -40,9 +41,9 @@ def looked_ahead(speed: float) -> float:
     """Return how far ahead of its front bumper an ego looks at junctions [m].
 
     >>> [round(looked_ahead(speed)) for speed in (8.0, 13.89, 27.78)]
-    [60, 60, 142]
+    [60, 60, 143]
     """
-    return max(NEAR, REACTION * speed + speed**2 / (2.0 * BRAKING))
+    return max(NEAR, stopping_distance(speed, BRAKING, REACTION))
 
 
 @dataclass(frozen=True, slots=True)

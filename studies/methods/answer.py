@@ -95,8 +95,7 @@ def _non_inferior(rows: Mapping[str, Row], others: Sequence[Against]) -> str:
         f"**Non-inferiority.** With {row.preventable} preventable contact{'s' * (row.preventable != 1)} in "
         f"{row.encounters:,} entered encounters, `{OURS}` is {told}; were {100 * ASSUMED:g} per 100 the "
         f"truth for both, a study of this size would show it with a power of {chance:.0%}, and of 80 % "
-        f"from {needed(ASSUMED):,} "
-        "encounters a method on."
+        f"from {needed(ASSUMED):,} encounters a method on."
     )
 
 
