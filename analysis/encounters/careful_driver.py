@@ -233,7 +233,7 @@ def _stop(
     --------
     >>> _, way, _ = _stop(20 / 3.6, 0.0, 7.59, 0.6)
     >>> round(float(way[-1]), 2)
-    3.58
+    3.59
     """
     needed = ramp_s + speed / max(largest, 1e-9) + _BRAKING_STEP_S
     time = np.arange(0.0, needed + _BRAKING_STEP_S, _BRAKING_STEP_S)

@@ -86,8 +86,8 @@ class WalkingModel:
     def push(self, x: float, y: float, vehicle: MiddleAxis) -> tuple[float, float]:
         """Return the acceleration away from a vehicle [m/s^2].
 
-        >>> WalkingModel().push(1.95, 0.0, MiddleAxis(0.0, 0.0, 0.0))
-        (4.5, 0.0)
+        >>> [round(one, 6) for one in WalkingModel().push(1.95, 0.0, MiddleAxis(0.0, 0.0, 0.0))]
+        [4.5, 0.0]
         """
         away_x, away_y = vehicle.to(x, y)
         distance = math.hypot(away_x, away_y)
