@@ -94,7 +94,6 @@ def find(
     perception: Perception,
     obstacles: Obstacles,
     farthest: float,
-    beyond: float = 0.0,
     off: Obstacles | None = None,
 ) -> FloatArray | None:
     """Return the steering angles of the cheapest way, one an arc, shape (k,); ``None`` for no way [rad].
@@ -107,13 +106,11 @@ def find(
         Who may not be touched.
     farthest
         The front bumper is to come no farther than this from where it is [m].
-    beyond
-        How much farther beside its lane the ego may get than SUMO has a place for it [m].
     off
         Where given, a shorter way will do that ends with the body clear of these.
     """
     ego = perception.ego
-    space = _space(perception, obstacles, beyond)
+    space = _space(perception, obstacles)
     angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
     arcs = int(min(REACH, farthest) / ARC)
     tree = [_start(ego)]
@@ -137,19 +134,17 @@ def find(
     return np.array(way[::-1])
 
 
-def leads_on(
-    perception: Perception, obstacles: Obstacles, way: FloatArray, done: float, beyond: float = 0.0
-) -> bool:
+def leads_on(perception: Perception, obstacles: Obstacles, way: FloatArray, done: float) -> bool:
     """Return whether what is left of a way is still free.
 
     Parameters
     ----------
-    perception, obstacles, beyond : as for :func:`find`
+    perception, obstacles : as for :func:`find`
     way : its steering angles, shape (k,) [rad]
     done : how much of it has been driven [m]
     """
     at = _start(perception.ego)
-    space = _space(perception, obstacles.nearer(DRIFT), beyond + DRIFT)
+    space = _space(perception, obstacles.nearer(DRIFT), DRIFT)
     for number in range(int(done / ARC), len(way)):
         length = min(ARC, (number + 1) * ARC - done)
         at = _driven(space, at, way[number : number + 1], length)
@@ -170,14 +165,14 @@ class _Space(NamedTuple):
     """The same of the front bumper [m]."""
 
 
-def _space(perception: Perception, obstacles: Obstacles, beyond: float) -> _Space:
+def _space(perception: Perception, obstacles: Obstacles, drift: float = 0.0) -> _Space:
     ego, line = perception.ego, _centre_line(perception.road)
     at = _start(ego)
     rear, front, _ = _aside(ego, line, at.x, at.y, at.heading)
     lane = perception.road.lane(perception.road.reference)
     reaches = 0.5 * (ego.body.width + (lane.width if lane else ego.body.width)) - IN_LANE
     # Who is farther beside the lane already may stay so.
-    limits = max(ASIDE, float(rear[0])) + beyond, max(reaches, float(front[0])) + beyond
+    limits = max(ASIDE, float(rear[0])) + drift, max(reaches, float(front[0])) + drift
     return _Space(ego, line, obstacles, *limits)
 
 

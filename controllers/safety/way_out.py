@@ -34,8 +34,6 @@ TO_PEOPLE = (0.1, 0.02)
 """Distance kept to people who stand, and where there is no way with it [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
-BEYOND = 1.5
-"""Where all else fails, a way may lead so much farther beside the lane, where SUMO has no place [m]."""
 INSTANTS = 10
 """Of the instants of a rollout every so many is looked at [-]."""
 NEARER = 0.002
@@ -66,8 +64,6 @@ class WayOut:
     """Steering angles of the arcs of the way, shape (k,) [rad]."""
     _driven: float = 0.0
     """How much of it has been driven [m]."""
-    _beyond: float = 0.0
-    """How much farther beside the lane it may lead [m]."""
     _sought: float = -np.inf
     _last: float = 0.0
     # When a way was sought, and when this was asked [s].
@@ -152,18 +148,18 @@ class WayOut:
         near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
         under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, near, way, done, self._beyond):
+        if way is not None and under_way and free_way.leads_on(perception, near, way, done):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
             far = _obstacles(people, wide, vehicles)
-            for obstacles, self._beyond in ((far, 0.0), (near, 0.0), (near, BEYOND)):
-                self._way = free_way.find(perception, obstacles, farthest, self._beyond)
+            for obstacles in (far, near):
+                self._way = free_way.find(perception, obstacles, farthest)
                 if self._way is not None:
                     return
             if leant_on:
                 apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
-                self._way = free_way.find(perception, near, farthest, self._beyond, apart)
+                self._way = free_way.find(perception, near, farthest, apart)
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
