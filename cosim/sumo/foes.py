@@ -23,27 +23,12 @@ from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
-from cosim.sumo.yielding import stopping_distance
+from cosim.sumo.sight import foe_range, sight
 
-NEAR = 60.0
-"""Junctions that begin further ahead of the front bumper are not looked at by a slow ego [m]."""
-REACTION, BRAKING = 0.5, 3.0
-"""A fast one looks as far as it needs to stop for a foe like this [s, m/s^2]."""
-FOE_RANGE = 120.0
-"""Vehicles further away from the conflict are no foes yet; at 50 km/h they need 8 s, a slow turn less [m]."""
 CLEARANCE = 2.0
 """Ways nearer to each other than this are in conflict: a car's width and 0.2 m [m]."""
 SAMPLE = 0.5
 """[m]"""
-
-
-def looked_ahead(speed: float) -> float:
-    """Return how far ahead of its front bumper an ego looks at junctions [m].
-
-    >>> [round(looked_ahead(speed)) for speed in (8.0, 13.89, 27.78)]
-    [60, 60, 143]
-    """
-    return max(NEAR, stopping_distance(speed, BRAKING, REACTION))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +41,8 @@ class Conflict:
     exit: float
     foe_entry: float
     foe_exit: float
+    foe_range: float
+    """Who is farther from where the conflict begins is no foe yet [m]."""
 
 
 class FoeFinder:
@@ -70,6 +57,7 @@ class FoeFinder:
     def __init__(self, sumo: Any, network: Network) -> None:
         self._sumo = sumo
         self._network = network
+        self._farthest = sight(network).vehicles
         self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
         self._ways: dict[str, tuple[tuple[str, str], tuple[tuple[str, float], ...]]] = {}
         """By vehicle: the lane and the route for which its next ways were found, and these."""
@@ -128,8 +116,10 @@ class FoeFinder:
                     before = offset - float(cars.lane_position[row])
                     foe_entry = before + conflict.foe_entry
                     foe_exit = before + conflict.foe_exit + float(cars.length[row])
-                    gone, before_line = foe_exit < 0.0, before > 0.0
-                    if gone or foe_entry > FOE_RANGE or (before_line and _stopped(conflict.foe, lights)):
+                    before_line = before > 0.0
+                    if foe_exit < 0.0 or foe_entry > conflict.foe_range:
+                        continue
+                    if before_line and _stopped(conflict.foe, lights):
                         continue
                     foe = cars.names[row]
                     first = before_line and own.in_order and self._approaches.goes_first(name, foe)
@@ -180,7 +170,7 @@ class FoeFinder:
         for following in route[index + 1 :]:
             gone += here.length
             onward = self._onward(here.edge, here.index, following)
-            if onward is None or gone > FOE_RANGE + here.length:
+            if onward is None or gone > self._farthest + here.length:
                 break
             if onward.via:
                 ways.append((onward.via[-1], gone))
@@ -224,6 +214,7 @@ class FoeFinder:
             SAMPLE * float(own_hits[-1]),
             SAMPLE * float(other_hits[0]),
             SAMPLE * float(other_hits[-1]),
+            foe_range(self._network.lanes[foe.source].speed),
         )
 
     def _sampled(self, connection: Connection) -> FloatArray:

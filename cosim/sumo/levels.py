@@ -17,7 +17,8 @@ from shapely.geometry import LineString, Point
 from cosim.arrays import IntArray
 from cosim.sumo.driven_ego import DrivenEgo
 from cosim.sumo.network import Network
-from cosim.sumo.surroundings import VEHICLE_RANGE, Surroundings
+from cosim.sumo.sight import sight
+from cosim.sumo.surroundings import Surroundings
 
 BEHIND = 30.0
 """The ego's way begins so far behind it [m]."""
@@ -39,6 +40,7 @@ class Levels:
 
     def __init__(self, network: Network) -> None:
         self._lanes = network.lanes
+        self._ahead = sight(network).vehicles
         self.crossed = other_levels(network)
         """By edge: those that lead over or under it."""
 
@@ -59,9 +61,8 @@ class Levels:
     def _edges(self, lanes: Sequence[str]) -> list[str]:
         return [self._lanes[lane].edge if lane in self._lanes else "" for lane in lanes]
 
-    @staticmethod
-    def _view(ego: DrivenEgo) -> tuple[float, float]:
-        return ego.track.along - BEHIND, ego.track.along + VEHICLE_RANGE
+    def _view(self, ego: DrivenEgo) -> tuple[float, float]:
+        return ego.track.along - BEHIND, ego.track.along + self._ahead
 
 
 def _on_others(rows: IntArray, edges: Sequence[str], apart: Collection[str]) -> IntArray:

@@ -18,7 +18,8 @@ from cosim.sumo.ground import Ground, Spot
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
 from cosim.sumo.road_users import Persons
-from cosim.sumo.surroundings import PERSON_RANGE, Surroundings
+from cosim.sumo.sight import sight
+from cosim.sumo.surroundings import Surroundings
 from cosim.sumo.track import Track
 from cosim.sumo.traffic_near import TrafficNear, way_along
 from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding
@@ -48,6 +49,7 @@ class ScriptedPersons:
         self, tables: Sequence[PedestrianTable], network: Network, seed: int, begin: float, end: float
     ) -> None:
         self._network = network
+        self._seen_from = sight(network).persons
         self._begin = begin
         self._any = bool(tables)
         self._ground = Ground(network) if tables else None
@@ -133,7 +135,7 @@ class ScriptedPersons:
         near: dict[str, NDArray[np.int64]] = {}
         any_near = np.zeros(len(table), dtype=bool)
         for ego, place in places.items():
-            within = np.hypot(table[:, 0] - place[0], table[:, 1] - place[1]) <= PERSON_RANGE
+            within = np.hypot(table[:, 0] - place[0], table[:, 1] - place[1]) <= self._seen_from
             any_near |= within
             near[ego] = np.flatnonzero(within)
         names = [name for name, found in zip(at, any_near.tolist(), strict=True) if found]

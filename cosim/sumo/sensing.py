@@ -8,13 +8,14 @@ from typing import Any
 from controllers.interface import Body, EgoState, Eyesight, JunctionFoe, Perception, RoadAhead
 from cosim.sumo.changed_limits import ChangedLimits
 from cosim.sumo.driven_ego import DrivenEgo
-from cosim.sumo.foes import FoeFinder, looked_ahead
+from cosim.sumo.foes import FoeFinder
 from cosim.sumo.gaps import LaneLine, extents, neighbour_gaps
 from cosim.sumo.lane_path import PathCrossing
 from cosim.sumo.lights import Lights
 from cosim.sumo.near_egos import NearEgos
 from cosim.sumo.network import Network
 from cosim.sumo.road import road_ahead
+from cosim.sumo.sight import looked_ahead
 from cosim.sumo.surroundings import Surroundings
 from cosim.sumo.view import Frame
 

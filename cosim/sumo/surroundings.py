@@ -12,11 +12,8 @@ from cosim.arrays import IntArray
 from cosim.sumo.network import Network
 from cosim.sumo.present import Present
 from cosim.sumo.road_users import CarReader, Cars, KnownState, PersonReader, Persons, sumo_constant
+from cosim.sumo.sight import sight
 
-PERSON_RANGE = 80.0
-"""[m]"""
-VEHICLE_RANGE = 120.0
-"""[m]"""
 PEDESTRIAN_RADIUS = 0.25
 """Assumed, see docs/conventions.md [m]."""
 
@@ -45,6 +42,7 @@ class Observer:
         self._sumo = sumo
         self._people = PersonReader(sumo, network, step)
         self._cars = CarReader(sumo, step)
+        self._sight = sight(network)
 
     def follow(self, ego: str) -> None:
         """Begin to look around a vehicle."""
@@ -52,15 +50,15 @@ class Observer:
         vehicle = sumo.vehicle
         persons = sumo_constant(sumo, "CMD_GET_PERSON_VARIABLE")
         cars = sumo_constant(sumo, "CMD_GET_VEHICLE_VARIABLE")
-        vehicle.subscribeContext(ego, persons, PERSON_RANGE, self._people.variables)
-        vehicle.subscribeContext(ego, cars, VEHICLE_RANGE, self._cars.variables)
+        vehicle.subscribeContext(ego, persons, self._sight.persons, self._people.variables)
+        vehicle.subscribeContext(ego, cars, self._sight.vehicles, self._cars.variables)
 
     def leave(self, ego: str) -> None:
         """Stop looking around a vehicle that is still on the road."""
         sumo = self._sumo
         for name, reach in (
-            ("CMD_GET_PERSON_VARIABLE", PERSON_RANGE),
-            ("CMD_GET_VEHICLE_VARIABLE", VEHICLE_RANGE),
+            ("CMD_GET_PERSON_VARIABLE", self._sight.persons),
+            ("CMD_GET_VEHICLE_VARIABLE", self._sight.vehicles),
         ):
             sumo.vehicle.unsubscribeContext(ego, sumo_constant(sumo, name), reach)
 

@@ -1,14 +1,12 @@
 """SUMO as a world: whole runs of a few seconds."""
 
 import math
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import libsumo
 import numpy as np
 import pytest
-import sumo
 
 from controllers.interface import Command, CrossingKind, Perception, SignalState
 from cosim.errors import InputError, SimulationError
@@ -131,35 +129,6 @@ def test_pedestrians_first_wait_and_then_cross(open_world: OpenWorld) -> None:
     assert {phase for s in snapshots for phase in s.persons.phase} == {"walking", "waiting", "crossing"}
     speeds = np.concatenate([np.hypot(s.persons.x_speed, s.persons.y_speed) for s in snapshots])
     assert 0.8 < np.median(speeds[speeds > 0.1]) < 1.7
-
-
-def test_a_fast_ego_is_told_of_those_it_has_to_let_pass_while_it_can_stop(
-    open_world: OpenWorld, tmp_path: Path
-) -> None:
-    """At 100 km/h the 60 m that do for a town are less than a stop with 6 m/s^2 takes."""
-    ends = {"w": (-400, 0), "e": (400, 0), "n": (0, 400), "s": (0, -400)}
-    nodes = "".join(f'<node id="{name}" x="{x}" y="{y}"/>' for name, (x, y) in ends.items())
-    edges = "".join(
-        f'<edge id="{one}{two}" from="{one}" to="{two}" speed="27.78" priority="{9 if name in "we" else 1}"/>'
-        for name in ends
-        for one, two in ((name, "c"), ("c", name))
-    )
-    (tmp_path / "cross.nod.xml").write_text(f'<nodes>{nodes}<node id="c" x="0" y="0"/></nodes>')
-    (tmp_path / "cross.edg.xml").write_text(f"<edges>{edges}</edges>")
-    target, program = tmp_path / "cross.net.xml", Path(sumo.SUMO_HOME) / "bin" / "netconvert"
-    inputs: list[str | Path] = ["-n", tmp_path / "cross.nod.xml", "-e", tmp_path / "cross.edg.xml"]
-    subprocess.run([program, *inputs, "-o", target], check=True, capture_output=True)
-    flow = '<flow id="f" type="car" from="wc" to="ce" begin="0" end="60" period="3" departSpeed="max"/>'
-    told: list[float] = []
-
-    def look(perception: Perception) -> None:
-        ahead = (foe.stop_line - perception.ego.body.front for foe in perception.road.foes if foe.must_yield)
-        told.extend(distance for distance in ahead if perception.ego.speed > 25.0)
-
-    egos = Egos(routes=(("sc", "cn"),), count=1)
-    world = open_world(flow, egos, network=target, warmup_s=20.0, duration_s=45.0)
-    drive(world, lambda p: keep_lane(p, wish=27.78), look)
-    assert max(told) > 27.78**2 / (2.0 * 6.0) + 10.0
 
 
 def test_where_lights_are_switched_off_pedestrians_have_the_priority_that_sumo_gives_them(

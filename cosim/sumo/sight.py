@@ -1,0 +1,70 @@
+"""How far egos look: as far as it takes to stop for whoever has to be let go first.
+
+In a town that is a constant; where roads are fast, it grows with their speed limit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cosim.sumo.network import Network
+from cosim.sumo.yielding import stopping_distance
+
+JUNCTIONS, PERSONS, VEHICLES = 60.0, 80.0, 120.0
+"""At least so far ahead of its front bumper to junctions, and so far around it to people and vehicles [m]."""
+REACTION, BRAKING = 0.5, 3.0
+"""A fast ego looks as far as it needs to stop like this [s, m/s^2]."""
+IN_TIME = 8.5
+"""So long before they reach its way it sees vehicles: most junctions are cleared sooner [s]."""
+
+
+CARS = "passenger"
+"""The limits of railways are far above the speed of the trams on them."""
+
+
+class Sight(NamedTuple):
+    """How far all egos on a network look around themselves [m]."""
+
+    persons: float
+    vehicles: float
+
+
+def sight(network: Network) -> Sight:
+    """Return how far egos look, from the fastest roads on which people cross and vehicles go first."""
+    crossed = (
+        network.lanes[lane].speed
+        for crossing in network.crossings.values()
+        for edge in crossing.edges & network.edges.keys()
+        for lane in network.edges[edge]
+    )
+    go_first = (
+        network.lanes[foe.source].speed
+        for group in network.connections.values()
+        for connection in group
+        for foe, yields in network.foes(connection)
+        if yields and network.lanes[foe.source].permissions.allows(CARS)
+    )
+    persons = max(PERSONS, _stop(max(crossed, default=0.0)))
+    return Sight(persons, foe_range(max(go_first, default=0.0)))
+
+
+def foe_range(speed: float) -> float:
+    """Return how far from a conflict vehicles that may drive as fast as this are looked for [m].
+
+    >>> [foe_range(speed) for speed in (8.0, 14.0, 28.0)]
+    [120.0, 120.0, 238.0]
+    """
+    return max(VEHICLES, IN_TIME * speed)
+
+
+def looked_ahead(speed: float) -> float:
+    """Return how far ahead of its front bumper an ego of that speed looks at junctions [m].
+
+    >>> [round(looked_ahead(speed)) for speed in (8.0, 13.89, 27.78)]
+    [60, 60, 143]
+    """
+    return max(JUNCTIONS, _stop(speed))
+
+
+def _stop(speed: float) -> float:
+    return stopping_distance(speed, BRAKING, REACTION)
