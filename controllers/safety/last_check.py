@@ -11,8 +11,8 @@ is a safety net: how seldom it is needed says how good the plans are.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,12 @@ from controllers.safety.rollout import (
     planned,
     poses,
 )
-from controllers.safety.vehicle_boxes import crossing_vehicles, oncoming_vehicles, standing_vehicles
+from controllers.safety.vehicle_boxes import (
+    beside_in_lane,
+    crossing_vehicles,
+    oncoming_vehicles,
+    standing_vehicles,
+)
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
@@ -60,18 +65,6 @@ TIGHT, BENDS_WITHIN = 1.0 / 15.0, 20.0
 MILD, SOON = 3.0, 0.7
 """Braking that the plan may see to itself [m/s^2], but for a contact nearer than this: a slow ego could stop
 until somebody is there, and would not [s]."""
-
-
-class _Cars(NamedTuple):
-    """Vehicles that the body may not touch."""
-
-    standing: Boxes
-    crossing: Boxes | None
-    """Those that drive across the way or towards the ego, at every instant; ``None`` where they do not
-    count."""
-
-    def any(self) -> bool:
-        return any(boxes is not None and boxes.x.size for boxes in self)
 
 
 @dataclass(slots=True)
@@ -117,8 +110,8 @@ class LastCheck:
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         # One that only creeps past somebody does not start: it would stop beside them, and stay there.
         starts = self._stood or self._out.taken
-        cars = _Cars(standing_vehicles(perception), _driving(perception, times, starts))
-        if not len(near) and not cars.any():
+        cars = [boxes for boxes in _vehicles(perception, times, starts) if boxes.x.size]
+        if not len(near) and not cars:
             self._out.reset()
             return plan
         people = _people(perception, near, may_enter, forecast, times, comes, starts)
@@ -209,17 +202,21 @@ def _near(perception: Perception) -> NDArray[np.intp]:
     return np.asarray((np.hypot(x, y) < reach).nonzero()[0])
 
 
-def _driving(perception: Perception, times: FloatArray, starts: bool) -> Boxes | None:
-    """Return the vehicles under way that count.
+def _vehicles(perception: Perception, times: FloatArray, starts: bool) -> Iterator[Boxes]:
+    """Yield the vehicles that the body may not touch: those that stand, and of those under way some.
 
-    In a tight bend the body leaves its lane, so that it comes near those that come towards it beside.
+    In a tight bend the body leaves its lane, so that it comes near those that come towards it, and it turns
+    across the way of whoever rides beside it in the lane.
     """
+    yield standing_vehicles(perception)
     if starts:
-        return crossing_vehicles(perception, times)
+        yield crossing_vehicles(perception, times)
     road = perception.road
     near = road.curvature[: int(BENDS_WITHIN / road.curvature_step)]
-    tight = np.abs(near).max(initial=0.0) > TIGHT
-    return oncoming_vehicles(perception, times) if tight else None
+    if np.abs(near).max(initial=0.0) > TIGHT:
+        yield beside_in_lane(perception, times)
+        if not starts:
+            yield oncoming_vehicles(perception, times)
 
 
 def _joined(some: Discs, others: Discs) -> Discs:
@@ -243,13 +240,13 @@ def _and_walking_on(
 
 
 def _clearances(
-    perception: Perception, people: Discs, cars: _Cars, path: Course, motion: Motion
+    perception: Perception, people: Discs, cars: Sequence[Boxes], path: Course, motion: Motion
 ) -> FloatArray:
     """Return the distances to the people, then to the vehicles, shape (K, m, n) [m]."""
     where, body = poses(perception, path, motion), perception.ego.body
     to_people = disc_clearances(*where, body, people.x, people.y, people.radius)
-    to_cars = [box_clearances(*where, body, boxes) for boxes in cars if boxes is not None and boxes.x.size]
-    return np.concatenate((to_people, *to_cars), axis=2) if to_cars else to_people
+    to_cars = (box_clearances(*where, body, boxes) for boxes in cars)
+    return np.concatenate((to_people, *to_cars), axis=2)
 
 
 def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArray[np.bool_]:

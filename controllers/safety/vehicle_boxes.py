@@ -43,11 +43,23 @@ def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
     Whoever drives the ego's way is followed, and does not count.
     """
     who = _near(perception, NEAR) & ~_stand(perception) & ~footprints(perception.vehicles).same_way
-    boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
-    if not shape[1]:
-        return boxes
-    sides = (values.reshape(shape)[0] for values in boxes[2:])
-    return Boxes(boxes.x.reshape(shape), boxes.y.reshape(shape), *sides)
+    return _straight_on(perception, who, times)
+
+
+def beside_in_lane(perception: Perception, times: FloatArray) -> Boxes:
+    """Return those that drive beside the ego in its own lane, straight on, at K instants [s].
+
+    Cyclists do, where lanes are wide. Which way they take at a junction is not known.
+    """
+    them, ego, road = perception.vehicles, perception.ego, perception.road
+    box, lane = footprints(them), road.lane(road.reference)
+    if lane is None:
+        return Boxes(*np.empty((5, 0)))
+    half = 0.5 * ego.body.width
+    aside = (box.left < ego.across - half) | (box.right > ego.across + half)
+    aside &= np.abs(them.across - lane.offset) < 0.5 * lane.width
+    who = _near(perception, NEAR) & ~_stand(perception) & box.same_way & aside
+    return _straight_on(perception, who, times)
 
 
 def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
@@ -87,6 +99,15 @@ def _near(perception: Perception, most: float) -> NDArray[np.bool_]:
 def _stand(perception: Perception) -> NDArray[np.bool_]:
     them = perception.vehicles
     return np.asarray(np.hypot(them.along_speed, them.across_speed) < STANDING)
+
+
+def _straight_on(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
+    """Return m vehicles at each of K instants, should they drive straight on: places of shape (K, m)."""
+    boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
+    if not shape[1]:
+        return boxes
+    sides = (values.reshape(shape)[0] for values in boxes[2:])
+    return Boxes(boxes.x.reshape(shape), boxes.y.reshape(shape), *sides)
 
 
 def _boxes(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:

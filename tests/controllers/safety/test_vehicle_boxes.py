@@ -110,6 +110,30 @@ def test_a_front_that_swings_out_in_a_turn_waits_for_a_vehicle_that_comes_beside
     assert LastCheck().checked(seen, keeps(4.0), NOBODY).status == status
 
 
+@pytest.mark.parametrize(
+    ("along", "across", "speed", "status"),
+    [
+        (1.0, -1.4, 4.0, SHIELDED),
+        (-3.0, -1.4, 7.0, SHIELDED),
+        (1.0, 1.4, 4.0, "ok"),
+        (-6.0, -1.4, 2.0, "ok"),
+        (1.0, -3.0, 4.0, "ok"),
+    ],
+)
+@pytest.mark.parametrize("stood", [False, True])
+def test_an_ego_that_turns_lets_a_cyclist_beside_it_in_its_lane_ride_on(
+    along: float, across: float, speed: float, status: str, stood: bool
+) -> None:
+    """Not one on the other side, one too slow to be met, nor one in a lane of their own, who is a foe."""
+    turn = bend(straight_road(), 4.0, -8.0, 4.0 * np.pi)
+    bicycle = Car(along, across, along_speed=speed, length=1.6, width=0.65)
+    check = LastCheck()
+    if stood:
+        check.checked(perception(ego(speed=0.0), turn), keeps(4.0), NOBODY)
+    seen = perception(ego(speed=0.45 if stood else 4.0), turn, cars=[bicycle])
+    assert check.checked(seen, keeps(4.0), NOBODY).status == status
+
+
 def test_on_a_straight_road_nothing_is_worked_out_for_vehicles_that_come_beside() -> None:
     seen = perception(ego(speed=4.0), cars=[Car(14.0, 1.5, along_speed=-4.0, heading_error=np.pi)])
     assert LastCheck().checked(seen, keeps(4.0), NOBODY).status == "ok"
