@@ -10,13 +10,13 @@ from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
 
 AT_THE_LINE = 6.0
-"""A vehicle this near to its line, and slow, has come to an all-way stop [m]."""
+"""A slow vehicle within this distance of its line has come to an all-way stop [m]."""
 SLOW = 2.0
-"""[m/s]"""
+"""Below this speed, a vehicle counts as slow [m/s]."""
 
 
 class Approaches:
-    """What is known of the vehicles before junctions; remembers since when they wait at an all-way stop."""
+    """What is known of the vehicles before junctions; remembers when each came to an all-way stop."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
@@ -28,10 +28,10 @@ class Approaches:
         self._cars: Cars | None = None
         self._paces: dict[int, float] = {}
         self._came: dict[str, tuple[str, float]] = {}
-        """By vehicle: the lane at whose end it has come to a stop, and when; −inf once it is inside."""
+        """By vehicle: the lane at whose end it stopped, and when [s]; −inf once it is in the junction."""
 
     def begin(self, cars: Cars, time: float) -> None:
-        """Begin an instant."""
+        """Begin an instant [s]: note which vehicles have come to an all-way stop."""
         self._cars, self._paces = cars, {}
         if not self._in_order:
             return
@@ -51,13 +51,13 @@ class Approaches:
                     self._came[name] = (lane, time)
 
     def pace(self, row: int) -> float:
-        """Return how fast a vehicle gets on: no faster than those before it in its lane [m/s]."""
+        """Return how fast a vehicle advances: no faster than the vehicles ahead of it in its lane [m/s]."""
         if not self._paces and self._cars is not None:
             self._paces = _paces(self._cars)
         return self._paces[row]
 
     def goes_first(self, one: str, other: str) -> bool:
-        """Return whether one of two vehicles has come to an all-way stop before the other, or is inside."""
+        """Return whether ``one`` came to an all-way stop before ``other``, or is already in the junction."""
         return one in self._came and self._order(one) < self._order(other)
 
     def _order(self, name: str) -> tuple[float, str]:
@@ -66,7 +66,7 @@ class Approaches:
 
 
 def _paces(cars: Cars) -> dict[int, float]:
-    """Return by row the least speed of a vehicle and of those before it in its lane [m/s]."""
+    """Return, by row, the lowest speed of a vehicle and of the vehicles ahead of it in its lane [m/s]."""
     rows: Sequence[int] = sorted(
         range(len(cars.names)), key=lambda row: (cars.lane[row], -float(cars.lane_position[row]))
     )

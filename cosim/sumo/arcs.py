@@ -1,4 +1,4 @@
-"""Ways from one pose to another that turn no tighter than a radius: arcs of it and straight lines.
+"""Ways from one pose to another that turn no tighter than a radius: arcs of that radius and straight lines.
 
 L. E. Dubins, On Curves of Minimal Length with a Constraint on Average Curvature, American Journal of
 Mathematics 79 (1957).
@@ -31,18 +31,18 @@ class Pose(NamedTuple):
 
 
 class Arcs(NamedTuple):
-    """Three parts that follow each other."""
+    """A way of three parts, driven one after the other."""
 
     radius: float
-    """Of those that turn [m]."""
+    """Radius of the parts that turn [m]."""
     turns: Turns
-    """``LEFT``, ``STRAIGHT`` or ``RIGHT``."""
+    """``LEFT``, ``STRAIGHT`` or ``RIGHT`` for each part."""
     lengths: Three
-    """[m]"""
+    """Length of each part [m]."""
 
     @property
     def length(self) -> float:
-        """Of all parts together [m]."""
+        """Length of all parts together [m]."""
         return sum(self.lengths)
 
     def places(self, start: Pose, spacing: float) -> tuple[FloatArray, FloatArray]:
@@ -50,8 +50,8 @@ class Arcs(NamedTuple):
 
         Parameters
         ----------
-        start : where it begins
-        spacing : of the points, at most [m]
+        start : where the way begins
+        spacing : largest distance between points [m]
         """
         points, headings = [np.array([[start.x, start.y]])], [np.array([start.heading])]
         x, y, heading = start
@@ -70,10 +70,10 @@ class Arcs(NamedTuple):
 
 
 def between(start: Pose, end: Pose, radius: float) -> Iterator[Arcs]:
-    """Yield the ways between two poses; there are always some.
+    """Yield the ways between two poses; there is always at least one.
 
-    Of those that turn three times also the ones whose middle turn is less than half a circle: they are never
-    the shortest, but swing out before a bend and behind it, and so keep nearer to it.
+    Ways of three turns are also given with a middle turn of less than half a circle. They are never the
+    shortest, but they swing out before and behind a bend and so stay nearer to it.
 
     Parameters
     ----------
@@ -99,8 +99,8 @@ def _from_the_left(apart: float, leaving: float, arriving: float) -> Iterator[tu
 
     Parameters
     ----------
-    apart : distance of the poses, in radii; so are the lengths of the parts
-    leaving, arriving : directions seen from the line between the poses [rad]
+    apart : distance between the poses, in radii; the lengths of the parts are in radii too
+    leaving, arriving : directions of the poses, relative to the line between them [rad]
     """
     sine, other_sine = math.sin(leaving), math.sin(arriving)
     cosine, other_cosine = math.cos(leaving), math.cos(arriving)
@@ -123,6 +123,6 @@ def _from_the_left(apart: float, leaving: float, arriving: float) -> Iterator[tu
 
 
 def _once_round(angle: float) -> float:
-    """Return the same turn, at least 0 and less than a full circle [rad]."""
+    """Return the same turn as an angle of at least 0 and less than a full circle [rad]."""
     turned = angle % _FULL
     return 0.0 if _FULL - turned < _ROUNDING else turned

@@ -1,8 +1,9 @@
-"""Bends tighter than a vehicle can drive, and the way that it takes through them instead.
+"""Bends that are tighter than a vehicle can drive, and the way that it takes through them instead.
 
-SUMO's lanes meet in junctions with any radius, down to a bare corner. A car cuts such a corner with its rear
-axle and swings out with its front; where there is no room for one arc, as in a hairpin, it swings out
-before. The way chosen is the one on which neither axle nor front bumper gets far from the lanes.
+SUMO's lanes meet in junctions with any radius, down to a sharp corner. A car cuts such a corner with its rear
+axle and swings out with its front. Where there is no room for a single arc, as in a hairpin, it swings out
+before the bend. The way chosen is the one on which neither the rear axle nor the front bumper gets far from
+the lanes.
 """
 
 from __future__ import annotations
@@ -22,55 +23,55 @@ from cosim.sumo.arcs import Arcs, Pose, between
 from cosim.sumo.path import SPACING, Path, evenly
 
 RESERVE = 1.1
-"""Bends are driven with a radius greater by this than the vehicle's smallest, which leaves room to steer."""
+"""Bends are driven with this many times the vehicle's smallest radius, which leaves room to steer."""
 APART = 3.0
-"""Bends nearer to each other than so many radii are one."""
+"""Bends nearer to each other than this many of the vehicle's smallest radii count as one."""
 REACH = 12.0
 """How far before and behind a bend the way may leave the lanes [m]."""
 CALM = 0.8
-"""Share of the rate at which the wheels can turn that following the way may ask for."""
+"""Following the way may use this share of the highest steering rate."""
 SLOWEST = 2.0
-"""No bend has to be driven slower for it [m/s]."""
+"""The steering rate never lowers the speed in a bend below this [m/s]."""
 BEFORE = 2.5
-"""Smooth as it is, a path begins to bend so far before a bend, and ends behind it [m]."""
+"""Because paths are smooth, they bend from this far before a bend to this far behind it [m]."""
 DETOUR = 2.0
-"""A way longer than the shortest by more radii than this goes round in circles."""
+"""A way longer than the shortest one by more than this many radii goes round in circles."""
 FINE = 0.2
-"""Distance of points on arcs [m]."""
+"""Spacing of the points on a way [m]."""
 SOME = 8
-"""One of so many points on arcs is looked at first."""
+"""A first, quick check of a way uses only one of this many points."""
 LATER = 0.02
-"""So much further off the lanes [m] a way may get that leaves them a metre later."""
+"""A way that leaves the lanes a metre later may get this much further away from them [m]."""
 EVENED = 0.02
-"""Share of stations that only follow the length of the way, so that none stays the same."""
+"""Weight of stations that grow evenly along the way, mixed in so that stations always increase."""
 
 
 class Turning(NamedTuple):
-    """The properties of a vehicle that decide how it gets round a bend."""
+    """The properties of a vehicle that determine how it gets round a bend."""
 
     radius: float
-    """Smallest that the middle of its rear axle can drive [m]."""
+    """Smallest radius that the middle of its rear axle can follow [m]."""
     front: float
-    """From there to the front bumper [m]."""
+    """Distance from the rear axle to the front bumper [m]."""
     wheelbase: float
     """[m]"""
     rate: float
-    """How fast its wheels are turned at most [rad/s]."""
+    """Highest rate at which its wheels are steered [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bend:
-    """A bend too tight, and the way through it."""
+    """A bend that is too tight, and the way through it."""
 
     start: float
-    """Stations where the way leaves the lanes and where it is back on them [m]."""
+    """Stations where the way leaves the lanes and where it returns to them [m]."""
     end: float
     off: float
-    """Distance from the lanes that the rear axle's middle or the front bumper's gets to [m]."""
+    """Largest distance from the lanes that the middle of the rear axle or front bumper reaches [m]."""
     points: FloatArray
     """(n, 2) [m]"""
     stations: FloatArray
-    """Of the points: those of the places on the lanes beside them, (n,) [m]."""
+    """Station of each point: that of the place on the lanes beside it, (n,) [m]."""
 
 
 def turning_of(body: Body, drive: Drive) -> Turning:
@@ -87,14 +88,14 @@ CAR = turning_of(Body(), CAR_DRIVE)
 
 
 def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
-    """Return a path that the vehicle can drive, and its bends that were drawn anew.
+    """Return a path that the vehicle can drive, and the bends that were redrawn for it.
 
-    A path that it can drive already is returned as it is.
+    A path that the vehicle can already drive is returned unchanged.
     """
     tight = _tight(path, turning)
     if not tight:
         return path, ()
-    # Between two bends each has half of the way.
+    # Two neighbouring bends share the stretch between them equally.
     halves = [0.5 * (one.last + other.first) for one, other in pairwise(tight)]
     lows = [float(path.stations[1]), *(half + 0.5 * SPACING for half in halves)]
     highs = [*(half - 0.5 * SPACING for half in halves), float(path.stations[-2])]
@@ -105,7 +106,7 @@ def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
     stations: list[FloatArray] = []
     done = 0
     for bend in bends:
-        # Where samples and points meet they are about as far apart as elsewhere.
+        # Where samples and points meet, they are about as far apart as elsewhere.
         begin, end = np.searchsorted(path.stations, [bend.start - 0.5 * SPACING, bend.end + 0.5 * SPACING])
         samples += [path.samples[done:begin], bend.points]
         stations += [path.stations[done:begin], bend.stations]
@@ -116,7 +117,7 @@ def widened(path: Path, turning: Turning) -> tuple[Path, tuple[Bend, ...]]:
 
 
 def highest_speed(path: Path, start: float, end: float, turning: Turning) -> float:
-    """Return how fast a part of a path [m] can be driven with wheels that take their time to turn [m/s]."""
+    """Return how fast a part of a path [m] can be driven, given how fast the wheels can be steered [m/s]."""
     part = (path.along > start) & (path.along < end)
     angles = np.arctan(turning.wheelbase * path.curvature)
     fastest = float(np.abs(np.gradient(angles, path.along)[part]).max(initial=0.0))
@@ -124,7 +125,7 @@ def highest_speed(path: Path, start: float, end: float, turning: Turning) -> flo
 
 
 class _Tight(NamedTuple):
-    """The stretch in which a path bends too much; stations [m]."""
+    """The stretch in which a path bends too tightly; stations [m]."""
 
     first: float
     middle: float
@@ -140,7 +141,7 @@ def _tight(path: Path, turning: Turning) -> list[_Tight]:
     found = []
     for bend in np.split(tight, gaps + 1):
         stations, weights = path.stations[bend], np.abs(path.curvature[bend]) * turning.radius - 1.0
-        # The mean, not the place of the largest curvature: it does not depend on where samples happen to be.
+        # Unlike the place of the largest curvature, the mean does not depend on where samples happen to be.
         middle = float(np.average(stations, weights=weights))
         found.append(_Tight(float(stations[0]), middle, float(stations[-1])))
     return found
@@ -167,7 +168,7 @@ def _drawn_anew(path: Path, tight: _Tight, room: tuple[float, float], turning: T
             points, headings = way.places(start, FINE)
             fronts = points + turning.front * np.column_stack([np.cos(headings), np.sin(headings)])
             swept = np.concatenate([points, fronts])
-            # Most ways are too far off at one of a few points already.
+            # Most ways are already too far from the lanes at one of a few points.
             if _on_lanes(path, swept[::SOME], near)[0].max() + LATER * reach >= least:
                 continue
             away, beside = _on_lanes(path, swept, near)
@@ -198,7 +199,7 @@ def _pose(path: Path, station: float) -> Pose:
 
 
 def _ways(start: Pose, end: Pose, turning: Turning) -> list[Arcs]:
-    """Return the ways worth a look: not those that go round in circles."""
+    """Return the ways worth considering: those that do not go round in circles."""
     ways = list(between(start, end, RESERVE * turning.radius))
     longest = min(way.length for way in ways) + DETOUR * turning.radius
     return [way for way in ways if way.length <= longest]
@@ -211,10 +212,10 @@ def _on_lanes(path: Path, points: FloatArray, near: slice) -> tuple[FloatArray, 
     ----------
     path
     points
-    near : samples of the path that are looked at
+    near : samples of the path to compare with
     """
     line, stations = path.samples[near], path.stations[near]
-    # Each axis by itself: sums over pairs take several times as long.
+    # Axes are treated separately: sums over pairs of coordinates take several times as long.
     x_steps, y_steps = np.diff(line, axis=0).T
     x_rest, y_rest = points.T[:, :, None] - line.T[:, None, :-1]
     share = np.clip((x_rest * x_steps + y_rest * y_steps) / (x_steps**2 + y_steps**2), 0.0, 1.0)
@@ -233,7 +234,7 @@ def _stations(gone: FloatArray, beside: FloatArray) -> FloatArray:
     gone : distances along the way (n,) [m]
     beside : stations of the nearest places on the lanes (n,) [m]
     """
-    # Where a way swings out of a hairpin, the places beside it jump or turn back; stations never do.
+    # Where a way swings out of a hairpin, the places beside it jump or go back; stations must not.
     onward = np.maximum.accumulate(beside)
     evened = onward[0] + (onward[-1] - onward[0]) * gone / gone[-1]
     return np.asarray((1.0 - EVENED) * onward + EVENED * evened)

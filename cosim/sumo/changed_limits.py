@@ -8,7 +8,7 @@ from typing import Any
 from cosim.sumo.network import Network
 
 ROUNDING = 0.005
-"""A network gives its limits to the hundredth [m/s]."""
+"""Differences up to this are rounding: a network gives its limits to the hundredth [m/s]."""
 
 
 class ChangedLimits:
@@ -25,10 +25,10 @@ class ChangedLimits:
         lanes = network.lanes
         self._given = {name: lanes[name].speed for name in _concerned(sumo, network) if name in lanes}
         self.now: Mapping[str, float] = {}
-        """Limits that differ from those of the network after the last step, by lane [m/s]."""
+        """Limits after the last step that differ from those of the network, by lane [m/s]."""
 
     def read(self) -> None:
-        """Take note of the limits after a step."""
+        """Read the limits after a step."""
         if self._given:
             limits = {name: self._limit(name) for name in self._given}
             self.now = {
@@ -37,7 +37,7 @@ class ChangedLimits:
 
 
 def _concerned(sumo: Any, network: Network) -> Iterator[str]:
-    """Yield the lanes on which something may change the limit."""
+    """Yield the lanes whose limit a sign or a calibrator may change."""
     signs, calibrators = sumo.variablespeedsign, sumo.calibrator
     for sign in signs.getIDList():
         yield from signs.getLanes(sign)

@@ -21,14 +21,14 @@ DEBIAN_PACKAGES = {
     "libXext": "libxext6",
     "libXrender": "libxrender1",
 }
-"""Which Debian package brings a system library that the libsumo wheel needs."""
+"""Debian packages of the system libraries that the libsumo wheel needs."""
 _REMEDIES = {
     "is not compatible with sublane simulation": (
         "hybrid actuation needs the sublane model; choose --actuation move, or remove laneChangeModel from "
         "the vehicle type"
     )
 }
-"""What to do about a message of SUMO's that names what the user never asked for."""
+"""What to do about messages of SUMO that name something the user never asked for."""
 
 
 class Connection:
@@ -38,7 +38,7 @@ class Connection:
         self.sumo: Any = sumo
         self.with_window = with_window
         self.pending = False
-        """Whether something was moved since the last step: it would leak into the next simulation."""
+        """Whether something was moved since the last step; the move would leak into the next simulation."""
         self._open = True
 
     def close(self) -> None:
@@ -46,7 +46,7 @@ class Connection:
         if not self._open:
             return
         self._open = False
-        # A simulation that is broken already has told the user so; here it only has to go.
+        # If the simulation is broken, the user has already been told; here it only has to end.
         with suppress(*self.errors):
             if self.pending:
                 self.sumo.simulationStep()
@@ -55,7 +55,7 @@ class Connection:
 
     @property
     def errors(self) -> tuple[type[Exception], ...]:
-        """The exceptions that its calls raise."""
+        """The exceptions that calls of ``sumo`` raise."""
         return _errors(self.sumo)
 
     @contextmanager
@@ -83,11 +83,11 @@ def start(options: Sequence[str], gui: bool = False) -> Connection:
     if not gui and sumo.isLoaded():
         raise SimulationError("this process runs a simulation already; close it first")
     binary = _sumo_gui() if gui else "sumo"
-    # A configuration written for remote control would make SUMO wait for somebody to connect.
+    # A configuration written for remote control would make SUMO wait for a client to connect.
     extra = ["--start", "true", "--quit-on-end", "true"] if gui else ["--remote-port", "0"]
     refusals: tuple[type[Exception], ...] = (*_errors(sumo), OSError)
     failure: Exception | None = None
-    # traci prints how often it tries to connect.
+    # traci prints each attempt to connect.
     with _heard() as heard, redirect_stdout(io.StringIO()):
         try:
             sumo.start([binary, *options, *extra])
@@ -122,7 +122,7 @@ def _load(module: str) -> Any:
 
 
 def _require_display() -> None:
-    """Refuse a window where there is no screen: traci would try to connect for a minute."""
+    """Refuse to open a window if there is no screen: traci would try to connect for a minute."""
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         raise InputError(
             "--gui needs a display, and the variable DISPLAY is not set; "
@@ -144,7 +144,7 @@ class _Heard:
 
 @contextmanager
 def _heard() -> Iterator[_Heard]:
-    """Keep what SUMO writes to the standard error stream: its exceptions do not say what was wrong."""
+    """Collect what SUMO writes to the standard error stream: its exceptions do not say what was wrong."""
     heard = _Heard()
     sys.stderr.flush()
     saved = os.dup(2)
@@ -169,7 +169,7 @@ def _reason(heard: _Heard, error: Exception) -> str:
 
 
 def _told(message: str) -> str:
-    """Return a message of SUMO's with what to do about it, where that is known."""
+    """Return a message of SUMO, followed by what to do about it if that is known."""
     return "; ".join([message, *(remedy for words, remedy in _REMEDIES.items() if words in message)])
 
 

@@ -1,7 +1,8 @@
-"""Another way to its destination for an ego that has missed its lane, taken as a driver would take it.
+"""Detours: another way to its destination for an ego that has missed its lane, as a driver would take it.
 
-At the end of a lane that leads off its route an ego waits for a gap beside it. SUMO's own vehicles wait there
-until they are teleported; an ego never is, and whoever is behind it would wait as long.
+At the end of a lane that leads off its route, an ego waits for a gap in the lane beside it. SUMO's own
+vehicles wait there until they are teleported. An ego is never teleported, and the vehicles behind it would
+have to wait as long as it does.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from cosim.sumo.quickest import quickest, route_to
 from cosim.sumo.track import Track
 
 SLOWEST = 0.1
-"""Lanes count as driven at least so fast: where a limit is 0 they are closed [m/s]."""
+"""Lowest speed assumed on a lane: a limit of 0 closes a lane [m/s]."""
 
 
 def on_a_lane_off_the_route(track: Track) -> bool:
@@ -26,11 +27,12 @@ def detour(network: Network, track: Track) -> tuple[str, ...]:
     Parameters
     ----------
     network
-    track : where the vehicle is on its route so far
+    track : where the vehicle is on its present route
 
     Returns
     -------
-    Edges, from the present one on; empty if the lane does not lead there, or the vehicle is in a junction.
+    Edges, starting with the present one; empty if the lane does not lead to the end of the route, or the
+    vehicle is in a junction.
     """
     here, kind = track.path.piece_at(track.along).lane, track.route.vehicle_class
     if here.internal:

@@ -1,4 +1,4 @@
-"""A vehicle of SUMO that is driven from here: its state, and what SUMO must leave to us."""
+"""A vehicle of SUMO that a controller drives: its state, and what SUMO must no longer decide for it."""
 
 from __future__ import annotations
 
@@ -21,53 +21,53 @@ COAST = constant_command(0.0, 0.0)
 
 @dataclass(slots=True)
 class DrivenEgo:
-    """A vehicle that is driven from here."""
+    """A vehicle of SUMO that a controller drives."""
 
     name: str
     plant: Plant
     track: Track
     executed: Executed
     own_limit: float
-    """What this kind of vehicle drives at most [m/s]."""
+    """Highest speed of this type of vehicle [m/s]."""
     front: tuple[float, float]
     """Centre of the front bumper after the last step [m]."""
     command: Command = COAST
     elapsed: float = 0.0
-    """Since the command was given [s]."""
+    """Time since the command was given [s]."""
     travelled: float = 0.0
     intervention: str = ""
     """Why SUMO's state differs from the plant's after the last step; empty if it does not."""
     handed_back: bool = False
     astray_for: float = 0.0
-    """How long SUMO has had another route than the ego's own [s]."""
+    """How long the vehicle's route in SUMO has differed from the ego's own [s]."""
     stood_for: float = 0.0
-    """How long it has stood [s]."""
+    """How long the ego has stood [s]."""
     stood_off_the_route_for: float = 0.0
-    """The same on a lane that leads off its route, since it last looked for a detour [s]."""
+    """How long it has stood on a lane that leads off its route, since it last looked for a detour [s]."""
     given_up: bool = False
-    """Handed back for good: it had left its way, or stood for too long."""
+    """Whether it was handed back for good because it had left its way or stood for too long."""
     frame: Frame | None = None
-    """As last sensed."""
+    """Its frame when it was last sensed."""
 
     def count_standing(self, step: float) -> None:
-        """Count after a step [s] for how long it has stood, in all and where its lane leads off the route."""
+        """After a step [s], update how long it has stood, in all and on a lane that leads off its route."""
         standing = self.executed.speed < VEHICLE_STANDING
         self.stood_for = self.stood_for + step if standing else 0.0
         off_the_route = standing and on_a_lane_off_the_route(self.track)
         self.stood_off_the_route_for = self.stood_off_the_route_for + step if off_the_route else 0.0
 
     def truth(self, step: float, changed_limits: Mapping[str, float]) -> EgoTruth:
-        """Return what the recording holds of it after a step.
+        """Return what is recorded of it after a step.
 
         Parameters
         ----------
         step : length of the step [s]
-        changed_limits : of lanes that have other limits now than in the network, by lane [m/s]
+        changed_limits : limits of lanes where they now differ from those of the network, by lane [m/s]
         """
         plant, track = self.plant, self.track
         entry = 0
         if len(self.command.times) > 1:
-            # The part of the command that was carried out in the last step.
+            # The entry of the command that was carried out in the last step.
             began = self.elapsed - step + 1e-9
             entry = max(0, bisect_right(self.command.times, began) - 1)
         x, y = self.front
@@ -96,10 +96,10 @@ class DrivenEgo:
 
 
 def own_limit(sumo: Any, name: str) -> float:
-    """Return the speed that a vehicle's type drives at most, on a road that allows any [m/s].
+    """Return the highest speed of a vehicle's type on a road without a limit [m/s].
 
-    SUMO tells ``maxSpeed``; its ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h, shows in the speed
-    that the vehicle allows itself where the lane allows more.
+    SUMO reports ``maxSpeed`` but not ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h. The latter shows
+    in the speed that SUMO allows the vehicle on a lane that allows more.
     """
     vehicle = sumo.vehicle
     possible: float = vehicle.getMaxSpeed(name)
@@ -117,7 +117,7 @@ def is_on_lane(sumo: Any, name: str) -> bool:
 
 
 def let_go(sumo: Any, name: str) -> None:
-    """Take away what SUMO would make a vehicle do apart from driving its route: stops and rerouting."""
+    """Remove what SUMO would make a vehicle do besides driving its route: stops and rerouting."""
     vehicle = sumo.vehicle
     for _ in vehicle.getStops(name):
         vehicle.replaceStop(name, 0, "")

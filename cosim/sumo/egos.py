@@ -1,4 +1,4 @@
-"""Origins of egos: trips of our own, vehicles of the demand by id, or a share of its cars."""
+"""Where egos come from: trips added for them, vehicles of the demand by id, or a share of its cars."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sumo_scenarios.model import Egos
 EGO_TYPE = "cosim_ego"
 PASSENGER = "passenger"
 INSERTION_PATIENCE = 60.0
-"""An ego that found no place for this long is an error [s]."""
+"""If an ego finds no place on its first edge for this long, that is an error [s]."""
 ROADLESS_CLASSES = frozenset(
     {"pedestrian", "tram", "rail_urban", "rail", "rail_electric", "rail_fast", "ship", "container"}
     | {"cable_car", "subway", "aircraft", "wheelchair", "drone"}
@@ -25,24 +25,24 @@ ROADLESS_CLASSES = frozenset(
 
 @dataclass(slots=True)
 class Trip:
-    """An ego of our own that has yet to appear."""
+    """A trip added for an ego that has yet to appear."""
 
     name: str
     route: Route
     depart: float
-    """Simulated time [s]."""
+    """Simulated time at which it is due [s]."""
     asked: bool = False
-    """Whether SUMO has been told."""
+    """Whether SUMO has been asked to insert it."""
 
 
 class EgoSources:
-    """Says which departing vehicles become egos, and inserts our own.
+    """Chooses which departing vehicles become egos, and inserts the trips added for egos.
 
     Parameters
     ----------
     egos : what the scenario says
     network
-    seed : draws the share
+    seed : seed of the draw for the share
     start : simulated time from which egos may appear [s]
     needed : whether there has to be an ego
 
@@ -76,16 +76,16 @@ class EgoSources:
 
     @property
     def ends(self) -> bool:
-        """Whether no further ego can appear: never said of a share while there may be demand."""
+        """Whether no further ego can appear; never true with a share, because demand may still come."""
         return not self._egos.share and not self.trips and not self._wanted
 
     def check(self, sumo: Any) -> None:
-        """Check against the running simulation, before its first step.
+        """Check the egos against the running simulation, before its first step.
 
         Raises
         ------
         InputError
-            If the vehicle type does not exist or is taken.
+            If the vehicle type does not exist, or the name of an ego is taken.
         """
         wanted = self._egos.vehicle_type
         known = sumo.vehicletype.getIDList()
@@ -97,12 +97,12 @@ class EgoSources:
             raise InputError(f'the demand already has a vehicle "{min(taken)}", the name of an ego')
 
     def insert(self, sumo: Any, time: float) -> None:
-        """Tell SUMO of the trips that are due.
+        """Ask SUMO to insert the trips that are due.
 
         Raises
         ------
         SimulationError
-            If one has found no place for too long.
+            If a trip has found no place for too long.
         """
         for trip in self.trips:
             if trip.asked and time > trip.depart + INSERTION_PATIENCE:
@@ -139,7 +139,7 @@ class EgoSources:
         Raises
         ------
         InputError
-            If a vehicle that was asked for cannot be driven on a road.
+            If a vehicle requested as an ego cannot be driven on a road.
         """
         chosen = []
         own = {trip.name for trip in self.trips}
@@ -162,7 +162,7 @@ class EgoSources:
         return chosen
 
     def is_of_share(self, name: str) -> bool:
-        """Return whether a vehicle became an ego by the share alone, so that another one would do as well."""
+        """Return whether a vehicle became an ego by the share only, so that another would do as well."""
         return name not in self._egos.vehicles and bool(self._egos.share)
 
     def check_seen(self, any_ego: bool, end: float) -> None:
@@ -171,8 +171,7 @@ class EgoSources:
         Raises
         ------
         SimulationError
-            If a vehicle never departed, or no car ever came of which a share could be taken though an ego is
-            needed.
+            If a requested vehicle never departed, or an ego is needed and the share produced none.
         """
         if self._wanted:
             some = ", ".join(f'"{name}"' for name in self._some_departed) or "none"
@@ -192,7 +191,7 @@ class EgoSources:
 
 
 def is_private_car(sumo: Any, name: str) -> bool:
-    """Return whether a vehicle is a car on a way of its own, not one that fetches or carries people."""
+    """Return whether a vehicle is a car on a trip of its own, not one that fetches or carries passengers."""
     vehicle = sumo.vehicle
     if vehicle.getVehicleClass(name) != PASSENGER or vehicle.getPersonNumber(name) > 0:
         return False
@@ -200,7 +199,7 @@ def is_private_car(sumo: Any, name: str) -> bool:
 
 
 def drawn(seed: int, name: str) -> float:
-    """Return a number in [0, 1) that depends on the seed and the vehicle alone, so on no controller."""
+    """Return a number in [0, 1) that depends only on the seed and the vehicle, not on the controller."""
     digest = hashlib.sha256(f"{seed}:{name}".encode()).digest()
     return int.from_bytes(digest[:8], "big") / 2.0**64
 
@@ -212,6 +211,6 @@ def _add_ego_type(sumo: Any) -> None:
     types.setLength(EGO_TYPE, 4.5)
     types.setWidth(EGO_TYPE, 1.8)
     types.setMinGap(EGO_TYPE, 2.5)
-    # The same wishes in every run: speed factors are drawn for everybody else.
+    # The ego desires the same speed in every run; for other vehicles, SUMO draws speed factors.
     types.setSpeedFactor(EGO_TYPE, 1.0)
     types.setSpeedDeviation(EGO_TYPE, 0.0)

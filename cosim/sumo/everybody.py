@@ -1,4 +1,4 @@
-"""Everybody near a crossing, egos or not: read by a subscription of each road user."""
+"""All road users near a crossing, egos or not, each read by a subscription."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cosim.sumo.truth import persons_truth, vehicles_truth, with_signals
 PERSON_RANGE, VEHICLE_RANGE = 20.0, 60.0
 """Pedestrians and vehicles farther from every crossing are left out [m]."""
 CELL = 4.0
-"""What is near a crossing is known to this [m]."""
+"""Size of the cells by which the ground near crossings is known [m]."""
 
 
 class Everybody:
@@ -44,23 +44,23 @@ class Everybody:
         self._vehicle_places = Places(axes, VEHICLE_RANGE)
 
     def follow(self, departed: Departed) -> None:
-        """Begin to read those who departed in the last step, after every step."""
+        """Begin to read the road users that departed in the last step; to be called after every step."""
         for name in departed.vehicles:
             self._sumo.vehicle.subscribe(name, (*self._cars.variables, self._allowed))
         for name in departed.persons:
             self._sumo.person.subscribe(name, self._people.variables)
 
     def leave(self, name: str) -> None:
-        """Stop reading a vehicle that is about to be removed: a step would fail otherwise."""
+        """Stop reading a vehicle that is about to be removed; otherwise the next step would fail."""
         self._sumo.vehicle.unsubscribe(name)
 
     def read(self, known: Mapping[str, KnownState], present: Present) -> Traffic:
-        """Return who is near a crossing after the last step.
+        """Return the road users near a crossing after the last step.
 
         Parameters
         ----------
-        known : states of egos, to be believed instead of SUMO's, by name
-        present : who is there; others that SUMO still names do not exist
+        known : states of egos, used instead of SUMO's, by name
+        present : road users that exist; SUMO may still name others
         """
         sumo = self._sumo
         people = {
@@ -99,7 +99,7 @@ class Everybody:
 
 
 class Places:
-    """The ground within a distance of some lines, known by cells.
+    """The ground within a distance of some lines, as a set of cells.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class Places:
         self._cells = np.unique(_codes((points[:, None] + disc).reshape(-1, 2)))
 
     def hold(self, positions: FloatArray) -> NDArray[np.bool_]:
-        """Return which positions are near, shape (n,); up to two cells farther ones may be as well."""
+        """Return which positions are near, shape (n,); positions up to two cells farther may count too."""
         codes = _codes(np.round(positions / CELL))
         at = np.minimum(np.searchsorted(self._cells, codes), max(len(self._cells) - 1, 0))
         return self._cells[at] == codes if len(self._cells) else np.zeros(len(codes), dtype=np.bool_)

@@ -1,8 +1,8 @@
 """Vehicles whose ways cross or join an ego's own inside a junction ahead.
 
 SUMO's own list (``vehicle.getJunctionFoes``) stayed empty for a left turn against oncoming traffic in
-1.28, so they are found from the network: which ways meet is in the junction's right-of-way table, where
-they meet is geometry, and who comes along a way follows from lanes and routes.
+1.28, so foes are found from the network. The junction's right-of-way table says which ways meet, their
+geometry says where they meet, and lanes and routes say which vehicles come along a way.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from cosim.sumo.road_users import Cars
 from cosim.sumo.sight import foe_range, sight
 
 CLEARANCE = 2.0
-"""Ways nearer to each other than this are in conflict: a car's width and 0.2 m [m]."""
+"""Ways nearer to each other than this are in conflict: a car's width plus 0.2 m [m]."""
 SAMPLE = 0.5
-"""[m]"""
+"""Spacing of the points at which the distance between ways is measured [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """The stretch in which two ways through a junction are too near; distances from where each begins."""
+    """Where two ways through a junction are too near; distances from the beginning of each way [m]."""
 
     foe: Connection
     must_yield: bool
@@ -42,11 +42,11 @@ class Conflict:
     foe_entry: float
     foe_exit: float
     foe_range: float
-    """Who is farther from where the conflict begins is no foe yet [m]."""
+    """Vehicles farther from the conflict are not considered yet [m]."""
 
 
 class FoeFinder:
-    """Finds junction foes; keeps geometry and the vehicles' next ways.
+    """Finds junction foes; keeps the geometry of conflicts and the vehicles' next ways.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ class FoeFinder:
         self._farthest = sight(network).vehicles
         self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
         self._ways: dict[str, tuple[tuple[str, str], tuple[tuple[str, float], ...]]] = {}
-        """By vehicle: the lane and the route for which its next ways were found, and these."""
+        """By vehicle: the lane and the route for which its next ways were found, and those ways."""
         self._approaches = Approaches(network)
 
     def begin(self, cars: Cars, time: float) -> None:
-        """Begin an instant [s]: forget vehicles that are not near any ego now."""
+        """Begin an instant [s]: forget vehicles that are no longer near any ego."""
         forget_absent(self._ways, cars.names)
         self._approaches.begin(cars, time)
 
@@ -81,12 +81,12 @@ class FoeFinder:
 
         Parameters
         ----------
-        name : of the ego
+        name : name of the ego
         origin : place of its rear axle on its path [m]
-        junctions : that the ego is in or comes to soon
-        near : rows of the vehicles near it
-        cars : everybody's
-        lights : of this instant
+        junctions : junctions that the ego is in or reaches soon
+        near : rows of the vehicles near the ego
+        cars : the vehicles near all egos
+        lights : traffic lights at this instant
         """
         found: list[JunctionFoe] = []
         for junction in junctions:
@@ -131,7 +131,7 @@ class FoeFinder:
                             start,
                             foe_entry,
                             foe_exit,
-                            # A vehicle that cannot pass the one before it in its lane comes no sooner.
+                            # A vehicle cannot arrive before slower vehicles ahead of it in its lane.
                             self._approaches.pace(row) if before_line else float(cars.speed[row]),
                             conflict.must_yield and not has_priority and not first,
                             waits,
@@ -142,8 +142,8 @@ class FoeFinder:
     def _ways_of(self, name: str, lane: str, route: str) -> tuple[tuple[str, float], ...]:
         """Return the ways through junctions that a vehicle on a lane takes next.
 
-        Each is named by its last internal lane, and has its distance from the beginning of the present lane;
-        negative when the vehicle is on the way's second part.
+        Each way is named by its last internal lane and given with its distance from the beginning of the
+        present lane, which is negative when the vehicle is on the way's second part.
         """
         known = self._ways.get(name)
         if known is None or known[0] != (lane, route):
@@ -166,7 +166,7 @@ class FoeFinder:
             ways.append((through.via[-1], -before))
             gone = sum(network.lanes[part].length for part in through.via) - before
             here = network.lanes[through.target]
-            index += 1  # inside a junction the route still stands at the edge before it
+            index += 1  # inside a junction, the route index is still that of the edge before it
         for following in route[index + 1 :]:
             gone += here.length
             onward = self._onward(here.edge, here.index, following)
@@ -190,7 +190,7 @@ class FoeFinder:
         return min(found, key=lambda c: abs(network.lanes[c.source].index - index), default=None)
 
     def _conflicts_of(self, connection: Connection) -> Mapping[str, Sequence[Conflict]]:
-        """Return where other ways meet this one, by the last internal lane of the other."""
+        """Return where other ways meet this one, by the last internal lane of the other way."""
         key = connection.via[-1]
         if key not in self._conflicts:
             by_way: dict[str, list[Conflict]] = {}
@@ -226,6 +226,6 @@ class FoeFinder:
 
 
 def _stopped(connection: Connection, lights: Lights) -> bool:
-    """Return whether a red light holds back the vehicles on that way."""
+    """Return whether a red light stops the vehicles on that way."""
     letter = lights.letter(connection.signal, connection.signal_index)
     return letter != "" and letter in "ru"

@@ -1,4 +1,4 @@
-"""Vehicles ahead and behind, in the ego's lane and beside it, by the shapes of the bodies."""
+"""Vehicles ahead and behind, in the ego's lane and beside it, determined from the outlines of bodies."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from controllers.interface import Neighbour, NeighbourGaps, Vehicles
 from cosim.arrays import FloatArray
 
 TOLERANCE = 0.1
-"""A body that reaches less than this into a lane is not in it [m]."""
+"""A body that reaches into a lane by less than this is not in it [m]."""
 ONCOMING = math.radians(135.0)
-"""Vehicles turned further than this come towards the ego; they are never neighbours."""
+"""Vehicles turned further than this come towards the ego; they are never neighbours [rad]."""
 CROSSWISE = math.radians(45.0)
-"""Vehicles turned further than this stand or drive across; they are ahead, but beside nobody."""
+"""Vehicles turned further than this are across the road; they are only ever ahead in the ego's lane [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,9 @@ class Extents:
     right: FloatArray
     left: FloatArray
     usable: NDArray[np.bool_]
-    """Not oncoming."""
+    """Whether the vehicle is not oncoming."""
     aligned: NDArray[np.bool_]
-    """Driving along the road."""
+    """Whether the vehicle points along the road."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,21 +40,21 @@ class LaneLine:
 
     width: float
     along: FloatArray | None = None
-    """Along coordinates [m]; ``None`` for the reference lane itself."""
+    """Along coordinates of the samples [m]; ``None`` for the reference lane itself."""
     centre: FloatArray | None = None
-    """Across coordinates of the lane's centre there; nan where the lane is not [m]."""
+    """Across coordinates of the lane's centre at these samples; nan where there is no lane [m]."""
     origin: float = 0.0
-    """What ``along`` counts from, in the route frame's opposite direction: subtracted from it [m]."""
+    """Subtracted from ``along`` to get coordinates of the route frame [m]."""
 
     def centre_at(self, along: FloatArray) -> FloatArray:
-        """Return the across coordinate of the lane's centre [m]; nan where the lane is not."""
+        """Return the across coordinate of the lane's centre [m]; nan where there is no lane."""
         if self.along is None or self.centre is None:
             return np.zeros_like(along)
         return np.interp(along, self.along - self.origin, self.centre, left=np.nan, right=np.nan)
 
 
 def extents(vehicles: Vehicles, back_along: FloatArray, back_across: FloatArray) -> Extents:
-    """Return what vehicles cover.
+    """Return what vehicles cover of the road.
 
     Parameters
     ----------
@@ -84,15 +84,15 @@ def neighbour_gaps(
 ) -> list[NeighbourGaps]:
     """Return the nearest vehicles ahead of and behind each ego, in its lane and beside it.
 
-    A vehicle counts where its body reaches into the lane, so one on a lane line counts in both lanes. It
-    is ahead if its middle is ahead of the ego's middle; the gap is between bumpers, and negative while
-    the two overlap. Vehicles that stand or drive across the path count as ahead, in the ego's lane only.
+    A vehicle counts in every lane that its body reaches into, so one on a lane line counts in both lanes. It
+    is ahead if its middle is ahead of the ego's middle. The gap is measured between bumpers and is negative
+    while the two overlap. Vehicles that stand or drive across the path only count as ahead in the ego's lane.
 
     Parameters
     ----------
-    vehicles, covered : those near the first ego, then those near the second one, and so on
-    starts : where those of each ego begin, and where the last ones end
-    lanes : of each ego: 0 for its lane, 1 for the one left of it, −1 for the one right of it
+    vehicles, covered : vehicles near the first ego, then those near the second one, and so on
+    starts : where the vehicles of each ego begin, and where the last ones end
+    lanes : lanes of each ego: 0 for its own lane, 1 for the one left of it, −1 for the one right of it
     egos : along coordinates of each ego's rear and front bumper [m]
     """
     found = [NeighbourGaps()] * len(egos)
@@ -133,7 +133,7 @@ _SIDES = (0, 1, -1)
 def _centres(
     side: int, middle: FloatArray, starts: Sequence[int], lanes: Sequence[Mapping[int, LaneLine]]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return at each vehicle the centre of its ego's lane on that side, nan for none, and half the width."""
+    """Return, at each vehicle, the centre (nan if none) and half the width of its ego's lane on that side."""
     centre, width = np.full_like(middle, np.nan), np.zeros_like(middle)
     for ego, lines in enumerate(lanes):
         part = slice(starts[ego], starts[ego + 1])
@@ -146,7 +146,7 @@ def _centres(
 def _neighbour(vehicles: Vehicles, row: int, gap: float) -> Neighbour:
     speed = float(vehicles.along_speed[row])
     if abs(float(vehicles.heading_error[row])) > CROSSWISE:
-        # Whoever crosses does not come nearer along the path, even if the path bends towards it.
+        # A crossing vehicle does not come nearer along the path, even if the path bends towards it.
         speed = max(0.0, speed)
     return Neighbour(
         vehicles.names[row],

@@ -1,4 +1,4 @@
-"""The ground at a place: lane, crossing, walking area or nothing; positions of described places."""
+"""The ground at a place: lane, crossing, walking area or nothing; positions of places named in scenarios."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from cosim.sumo.lane_shape import LaneShape
 from cosim.sumo.network import NetLane, Network
 
 OUTSIDE = 20.0
-"""Who is further than this from every lane, crossing and walking area has left the network [m]."""
+"""Places further than this from every lane, crossing and walking area are outside the network [m]."""
 CELL = 25.0
-"""[m]"""
+"""Size of the cells by which places are looked up [m]."""
 SEAM = 0.02
-"""Networks are written to the centimetre: lanes that touch may leave that much between them [m]."""
+"""Lanes that touch may be drawn this far apart, because networks are written to the centimetre [m]."""
 ON_FOOT = frozenset({"pedestrian", "bicycle", "wheelchair"})
-"""A lane that only these may use is no part of the carriageway."""
+"""A lane that only these classes may use is not part of the carriageway."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class _Strip:
     """A lane or a crossing."""
 
     rank: int
-    """Of several at one place the one with the lowest counts."""
+    """Where several strips overlap, the one with the lowest rank counts."""
     name: str
     shape: FloatArray
     half: float
@@ -51,10 +51,10 @@ class Spot:
     """The ground at a place."""
 
     edge: str
-    """Of the crossing, the lane or the walking area; empty beside all of them."""
+    """Edge of the crossing, lane or walking area; empty outside all of them."""
     crossing: str = ""
     on_road: bool = False
-    """Where vehicles drive: on a lane for them, in a junction or on a crossing."""
+    """Whether vehicles drive there: on a lane for them, in a junction or on a crossing."""
 
 
 class Ground:
@@ -82,7 +82,7 @@ class Ground:
             self._enter(area.outline, -len(self._areas))
 
     def at(self, x: float, y: float) -> Spot:
-        """Return what is at a place [m]: crossing, else lane, walking area, way through a junction."""
+        """Return what is at a place [m]: a crossing, else a lane, walking area or way through a junction."""
         best = (4, "", False)
         for index in self._near(x, y):
             if index < 0:
@@ -96,7 +96,7 @@ class Ground:
         return Spot(best[1], best[1] if best[0] == 0 else "", best[2])
 
     def first_crossing(self, points: FloatArray) -> str:
-        """Return the crossing that the first of the points (n, 2) on any is on; empty for none."""
+        """Return the crossing under the first of the points (n, 2) that is on one; empty if none is."""
         for x, y in points.tolist():
             cell = math.floor(x / CELL), math.floor(y / CELL)
             if cell not in self._crossings:
@@ -108,19 +108,19 @@ class Ground:
         return ""
 
     def check_inside(self, points: FloatArray) -> int | None:
-        """Return the first of the points (n, 2) that is more than 20 m outside the network."""
+        """Return the index of the first of the points (n, 2) more than 20 m outside; ``None`` if none is."""
         for number, (x, y) in enumerate(points.tolist()):
             if not any(self._distance(index, x, y) <= OUTSIDE for index in self._near(x, y)):
                 return number
         return None
 
     def on_lane(self, lane: str, along: float, across: float) -> tuple[float, float]:
-        """Return a place along a lane and to the left of its middle [m].
+        """Return the position [m] of a place given along a lane and to the left of its middle [m].
 
         Raises
         ------
         ValueError
-            If there is no such lane, or it is shorter.
+            If there is no such lane, or the place is not on it.
         """
         found = self._network.lanes.get(lane)
         if found is None:
@@ -138,7 +138,7 @@ class Ground:
         Raises
         ------
         ValueError
-            If there is no such edge, it has no lane for vehicles, or it is shorter.
+            If there is no such edge, it has no lane for vehicles, or the place is not on it.
         """
         first, *others = self._carriageway(edge)
         others += self._carriageway(opposite) if opposite else []
@@ -179,7 +179,7 @@ class Ground:
         return lanes
 
     def _across(self, seen_from: LaneShape, lane: NetLane, point: tuple[float, float]) -> float:
-        """Return how far to the left of another lane a lane is, where it is nearest to a point [m]."""
+        """Return how far a lane is to the left of another one, where it is nearest to a point [m]."""
         shape = self._shape(lane)
         return seen_from.place(*shape.point(shape.place(*point).along, 0.0)).across
 
@@ -224,7 +224,7 @@ def _is_for_vehicles(lane: NetLane) -> bool:
 
 
 def _from_line(shape: FloatArray, x: float, y: float, ends: bool = True) -> float:
-    """Return the distance from a polyline [m]; without ``ends``, inf beyond them."""
+    """Return the distance from a polyline [m]; if ``ends`` is false, inf beyond its ends."""
     start, step = shape[:-1], np.diff(shape, axis=0)
     square = np.maximum((step**2).sum(axis=1), 1e-12)
     share = ((x - start[:, 0]) * step[:, 0] + (y - start[:, 1]) * step[:, 1]) / square

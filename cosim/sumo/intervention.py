@@ -8,9 +8,9 @@ from enum import StrEnum
 from cosim.sumo.placement import Executed, Placement
 
 POSITION_TOLERANCE = 0.02
-"""SUMO differs from the plant by an intervention when it is further off than this [m]."""
+"""A step is an intervention if SUMO's position is further than this from the plant's [m]."""
 SPEED_TOLERANCE = 0.1
-"""The same for speeds [m/s]."""
+"""A step is an intervention if SUMO's speed differs by more than this from the one asked for [m/s]."""
 
 
 class Cause(StrEnum):
@@ -31,11 +31,11 @@ def cause_of(
 
     Parameters
     ----------
-    placement : that drives it
-    name : of the vehicle
+    placement : placement that moves the vehicle
+    name : name of the vehicle
     front : centre of the plant's front bumper [m]
-    executed : where SUMO has it
-    in_bend : whether it is in a bend tighter than it can turn
+    executed : where SUMO has the vehicle
+    in_bend : whether the vehicle is in a bend tighter than it can turn
     """
     away = math.dist(front, (executed.x, executed.y)) > POSITION_TOLERANCE
     faster = executed.speed - placement.asked_speed(name)

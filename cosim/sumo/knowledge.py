@@ -20,7 +20,7 @@ from cosim.sumo.road_users import Persons
 from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 
 BUILDING = "building"
-"""How the types of SUMO's polygons begin that stand in the way."""
+"""Polygons of SUMO block the view if their type begins like this."""
 _NO_SITE = Site({}, np.zeros((0, 4)), np.zeros((0, 4)))
 
 
@@ -36,7 +36,7 @@ class Knowledge:
     sumo : module or connection
     network
     seed : of the run
-    step : [s]
+    step : length of a step [s]
 
     Raises
     ------
@@ -52,7 +52,7 @@ class Knowledge:
         self._eyesight: dict[Body, Eyesight | None] = {}
 
     def begin(self) -> None:
-        """Begin an instant at which egos look."""
+        """Begin an instant at which the egos' sensors look."""
         if self._senses is not None:
             self._senses.begin()
 
@@ -67,13 +67,13 @@ class Knowledge:
         return None if self._senses is None else self._senses.now
 
     def eyesight(self, body: Body) -> Eyesight | None:
-        """Return where an ego of that size looks from; ``None`` where it knows the truth."""
+        """Return where an ego of that size looks from; ``None`` if it knows the truth."""
         if body not in self._eyesight:
             self._eyesight[body] = eyesight_of(self._sensing, self._site, body)
         return self._eyesight[body]
 
     def believed(self, egos: Mapping[str, Plant], time: float, surroundings: Surroundings) -> Surroundings:
-        """Return the surroundings as the egos know them: of each pedestrian, what each of them believes."""
+        """Return the surroundings as the egos know them: what each ego believes of each pedestrian."""
         if self._senses is None:
             return surroundings
         told = [self._believed(self._senses, name, plant, time, surroundings) for name, plant in egos.items()]
@@ -143,7 +143,7 @@ def _uncertainty(persons: Persons) -> FloatArray:
 
 
 def site_of(sumo: Any, network: Network) -> Site:
-    """Return what does not move: crossings, lanes, and the buildings that the configuration has."""
+    """Return what does not move: crossings, lanes, and the buildings of the configuration."""
     lanes = [np.hstack([lane.shape[:-1], lane.shape[1:]]) for lane in network.lanes.values()]
     crossings = {name: crossing.axis for name, crossing in network.crossings.items()}
     walls = [

@@ -1,4 +1,4 @@
-"""Lanes laid end to end: one polyline, where each lane lies on it, and no sudden side steps."""
+"""Lanes laid end to end: one polyline without sudden side steps, and where each lane lies on it."""
 
 from __future__ import annotations
 
@@ -13,24 +13,27 @@ from cosim.arrays import FloatArray
 from cosim.sumo.network import NetLane
 
 STRAIGHT_ON = 60.0
-"""How far a path goes straight on where its lanes end [m]."""
+"""How far a path continues straight where its lanes end [m]."""
 JOG_LENGTH = 10.0
-"""An internal lane longer than this is a bend and no side step [m]."""
+"""An internal lane longer than this is a bend, not a side step [m]."""
 JOG_REACH = 10.0
-"""How far before and behind it a side step is drawn out [m]."""
+"""A side step is drawn out to this far before and behind it [m]."""
 JOG_TURN = math.radians(25.0)
-"""Edges in line differ by less than this."""
+"""Edges are in line if their directions differ by less than this [rad]."""
 JOG_ANGLE = math.radians(8.0)
-"""A side step leaves the direction of its edge by more than this."""
+"""A side step deviates from the direction of its edge by more than this [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """The part of a path that one lane makes."""
+    """The part of a path that belongs to one lane."""
 
     lane: NetLane
     step: int
-    """Index of the route's edge that the lane belongs to, or that its junction follows; −1 before it."""
+    """Index of the route's edge that the lane belongs to, or that its junction follows.
+
+    All lanes before the path's own edge have the number of the edge before it.
+    """
     start: float
     end: float
 
@@ -40,8 +43,8 @@ def joined(
 ) -> tuple[FloatArray, float, list[Piece]]:
     """Return one polyline over all lanes, the station of its first point, and where each lane lies.
 
-    Station 0 is where the first lane of ``ahead`` begins; those before are shifted. Gaps between lanes are
-    bridged straight.
+    Station 0 is where the first lane of ``ahead`` begins. The lanes of ``before`` are moved by ``shift``.
+    Gaps between lanes are bridged by straight lines.
     """
     points: list[FloatArray] = []
     spans: list[tuple[NetLane, int, float, float]] = []
@@ -76,8 +79,9 @@ def without_jogs(
 ) -> tuple[FloatArray, float, FloatArray]:
     """Return points, origin and knots of a polyline whose sudden side steps are drawn out.
 
-    Where a network shifts lanes sideways between two edges in line, SUMO's cars slide over a few metres. No
-    car can, so the side step becomes a cubic that begins and ends `JOG_REACH` away. Stations stay.
+    Where a network shifts lanes sideways between two edges in line, SUMO's cars slide across within a few
+    metres. No real car can do so. Therefore the side step becomes a cubic that begins and ends `JOG_REACH`
+    away from it. Stations do not change.
     """
     knots = arc_lengths(polyline)
     end = knots[-1]

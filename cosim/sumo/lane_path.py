@@ -21,17 +21,17 @@ from cosim.sumo.path import Path, crossing_point
 STOP_MARGIN = 1.0
 """Distance from a stop line to the crossing behind it [m]."""
 SAME_APPROACH = 8.0
-"""A crossing that begins at most this far behind a lane's end is one that lane stops for [m].
+"""Vehicles stop at a lane's end for a crossing that begins at most this far behind it [m].
 
-In a small junction that is also the second crossing of a turn: a car that waits between the two stands on the
-first one, with people on all sides.
+In a small junction, this includes the second crossing of a turn: a car that waited between the two would
+stand on the first one, with people on all sides.
 """
 PASSED_AXIS = 6.0
-"""A crossing whose axis ends nearer to the path than this is on the path [m]."""
+"""A crossing is on the path if its axis ends nearer to the path than this [m]."""
 LEFT_BEHIND = 30.0
-"""Of a crossing that a path round a block meets twice, a meeting so far before its edge is behind [m]."""
+"""If a path meets a crossing twice, a meeting further than this before its edge counts as passed [m]."""
 DIVERGED = 12.0
-"""Lanes further apart than this are not beside each other [m]."""
+"""Lanes further apart than this do not count as beside each other [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class PathCrossing:
     origin: FloatArray
     """World position of the meeting point [m]."""
     heading: float
-    """Of the path there [rad]."""
+    """Heading of the path there [rad]."""
     right: float
     left: float
 
@@ -58,7 +58,7 @@ class PathCrossing:
 
 @dataclass(frozen=True, slots=True)
 class PathSignal:
-    """A traffic light over a path."""
+    """A traffic light on a path."""
 
     name: str
     index: int
@@ -67,7 +67,7 @@ class PathSignal:
 
 @dataclass(frozen=True, slots=True)
 class PathStopSign:
-    """A stop sign at a path, named like the lane that ends there."""
+    """A stop sign on a path, named after the lane that ends there."""
 
     name: str
     stop_line: float
@@ -82,17 +82,17 @@ class PathJunction:
     """End of the lane before it; also the stop line [m]."""
     end: float
     waiting_place: float | None = None
-    """Where SUMO's vehicles wait in the middle of it; ``None`` where they do not [m]."""
+    """Where SUMO's vehicles wait in the middle of the junction; ``None`` if they do not [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class PathBend:
-    """A bend that the lanes make tighter than the vehicle can turn, and the path therefore wider."""
+    """A bend in which the lanes turn more tightly than the vehicle can, so that the path is drawn wider."""
 
     lane: str
-    """That bends; of several the first one inside a junction."""
+    """Lane that bends; if several do, the first one inside a junction."""
     start: float
-    """Where the path leaves the lanes, and where it is back on them [m]."""
+    """Where the path leaves the lanes, and where it returns to them [m]."""
     end: float
     off: float
     """How far the vehicle gets from the middle of the lanes [m]."""
@@ -119,7 +119,7 @@ class LanePath:
         def along(station: float) -> float:
             if any(bend.start < station < bend.end for bend in drawn_anew):
                 return self.curve.station_along(station)
-            # Where the curve differs from the lanes, their ends are looked for from where they are drawn.
+            # The curve may differ from the lanes: search for their ends near the points where they are drawn.
             x, y = (float(np.interp(station, knots, polyline[:, axis])) for axis in (0, 1))
             return self.curve.place_near(x, y, self.curve.station_along(station))[0]
 
@@ -132,7 +132,7 @@ class LanePath:
         self.edge_end = self.own.end
         following = [piece for piece in ahead if piece.step > step and not piece.lane.internal]
         self.next_start = following[0].start if following else math.inf
-        """Where the next edge of the route begins [m]; inf when this lane does not lead there."""
+        """Where the next edge of the route begins [m]; inf if this lane does not lead there."""
         self.chain_end = ahead[-1].end
         """Where the lanes that were followed end [m]."""
         self.leads_to_end = leads_to_end
@@ -149,15 +149,15 @@ class LanePath:
 
     @property
     def limits(self) -> tuple[FloatArray, FloatArray]:
-        """Where speed limits begin [m], and the limits [m/s]; bends drawn anew have one for the vehicle."""
+        """Where speed limits begin [m], and the limits [m/s]; redrawn bends have one for the vehicle."""
         return self._limits
 
     def limits_with(self, changed: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        """Return the same where lanes have other limits than in the network.
+        """Return the `limits` while some lanes have other limits than in the network.
 
         Parameters
         ----------
-        changed : the limits of such lanes, by lane [m/s]
+        changed : present limits of those lanes, by lane [m/s]
         """
         if changed and any(piece.lane.name in changed for piece in self.pieces):
             return self._speed_limits(changed)
@@ -171,18 +171,18 @@ class LanePath:
         return np.array([piece.lane.width for piece in self.pieces])[index]
 
     def between(self, start: float, end: float) -> list[Piece]:
-        """Return the parts of the path between two places."""
+        """Return the parts of the path between two places [m]."""
         return [piece for piece in self.pieces if piece.start < end and piece.end > start]
 
     def piece_at(self, along: float) -> Piece:
-        """Return the piece there; the first or last one beyond the ends."""
+        """Return the piece at a place [m]; beyond the ends, the first or last one."""
         for piece in self.pieces:
             if along < piece.end:
                 return piece
         return self.pieces[-1]
 
     def bend_at(self, along: float, length: float = 0.0) -> PathBend | None:
-        """Return the bend drawn anew there, or on so much of the path before [m]; ``None`` for none."""
+        """Return the redrawn bend at a place or within ``length`` before it [m], or ``None``."""
         for bend in self.bends:
             if bend.start < along and along - length < bend.end:
                 return bend
@@ -196,10 +196,10 @@ class LanePath:
         return PathBend(lane, start, end, bend.off)
 
     def beside(self, other: LanePath) -> FloatArray:
-        """Return how far left of this path the other one lies, at each sample; nan where it is not beside."""
+        """Return how far left of this path another lies, at each sample [m]; nan where it is not beside."""
         key = id(other)
         if key not in self._offsets:
-            # Both begin where their edge does: of a way around a block, the same time around is meant.
+            # Both start where their edge begins, so that on a way round a block the same lap is compared.
             along, across, _ = other.curve.project(self.curve.points, near=self.curve.along)
             # `across` is this curve seen from the other one: the offset has the other sign.
             gone = (np.abs(across) > DIVERGED) | (along > other.chain_end + 5.0)
@@ -207,7 +207,7 @@ class LanePath:
         return self._offsets[key]
 
     def _slow_stretch(self, bend: PathBend, turning: Turning) -> tuple[float, float, float]:
-        """Return where a bend slows the vehicle down [m], and to what it can steer through [m/s]."""
+        """Return where a bend slows the vehicle down [m], and how fast it can steer through it [m/s]."""
         start, end = max(bend.start - BEFORE, self.pieces[0].start), bend.end + BEFORE
         return start, end, highest_speed(self.curve, start, end, turning)
 
@@ -230,14 +230,14 @@ class LanePath:
 
         Parameters
         ----------
-        crossings : that may be on it
-        connections : between its lanes, in driving order
+        crossings : crossings that may be on the path
+        connections : connections between its lanes, in driving order
         """
         sources = [number for number, piece in enumerate(self.pieces) if not piece.lane.internal]
         ends = [self.pieces[number].end for number in sources]
         found = [self._meeting(crossing, ends) for crossing in crossings]
         self.crossings = tuple(sorted((c for c in found if c is not None), key=lambda c: c.entry))
-        # By place and not by name: round a block the same lane comes again.
+        # Matched by place, not by name: on a way round a block, the same lane comes again.
         left = [
             (connection, end, self.pieces[number + 1 : number + 1 + len(connection.via)])
             for connection, end, number in zip(connections, ends, sources, strict=False)
@@ -257,14 +257,14 @@ class LanePath:
         )
 
     def leave_beside(self, way: Connection, length: float) -> None:
-        """Take note of the way beside the end of these lanes, by which a vehicle may still follow its route.
+        """Note a way beside the end of these lanes by which a vehicle may still follow its route.
 
-        Who changes over at the very end obeys the light of that way, and yields where it has to.
+        A vehicle that changes lanes at the very end obeys the light of that way, and yields where it has to.
 
         Parameters
         ----------
-        way : of a lane beside the last one
-        length : of the way through the junction [m]
+        way : connection of a lane beside the last one
+        length : length of the way through the junction [m]
         """
         if way.signal:
             self.signals_beside = (PathSignal(way.signal, way.signal_index, self.chain_end),)
@@ -305,7 +305,8 @@ class LanePath:
     def _passing(self, axis: FloatArray) -> tuple[float, FloatArray] | None:
         """Return where the path passes an axis that it does not meet [m], and the axis' direction there.
 
-        Where SUMO draws a crossing shorter than the road is wide, its people are in the way all the same.
+        Where SUMO draws a crossing shorter than the road is wide, pedestrians on it are in the way all the
+        same.
         """
         distance, nearest = float("inf"), None
         for start, end in pairwise(axis):
@@ -318,7 +319,7 @@ class LanePath:
             number = int(away.argmin())
             first = int(self.curve.along.searchsorted(-LEFT_BEHIND))
             again = first + int(away[first:].argmin())
-            # At the first place looked at it is that of a crossing still farther behind.
+            # If this is the first sample of the part searched, the crossing lies still farther behind.
             if again > first and away[again] <= PASSED_AXIS:
                 number = again
             if away[number] < distance:

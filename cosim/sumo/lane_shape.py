@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 SHORTEST_DIRECTION = 0.3
-"""Shorter shapes have no direction [m]."""
+"""Shapes shorter than this have no direction [m]."""
 ROUNDED = 0.005
-"""What lengths and coordinates in a network are rounded by at most [m]."""
+"""Largest rounding error of lengths and coordinates in a network [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +32,15 @@ class LaneShape:
     index: int
     width: float
     length: float
-    """Length that SUMO's lane positions count [m]; differs from the shape's where a network says so."""
+    """Length by which SUMO counts lane positions [m]; a network may give one other than the shape's."""
     points: tuple[tuple[float, float], ...]
     stations: tuple[float, ...]
     """Distance along the shape to each point [m]."""
     positions: tuple[float, ...] = ()
     """SUMO's lane position of each point [m]; empty where it is proportional to the distance.
 
-    It is not on a lane that goes up and down: SUMO counts along the road, and tells its shape from above.
+    It is not proportional on a lane with a slope: SUMO counts along the road, but gives the shape as seen
+    from above.
     """
 
     @property
@@ -63,7 +64,7 @@ class LaneShape:
 
     @property
     def no_direction(self) -> bool:
-        """Whether the shape is too short to point anywhere: its coordinates are rounded to centimetres."""
+        """Whether the shape is too short to have a direction: its coordinates are rounded to centimetres."""
         return self.stations[-1] < SHORTEST_DIRECTION
 
     @property
@@ -74,11 +75,11 @@ class LaneShape:
     def place(self, x: float, y: float) -> Place:
         """Return where a point [m] is along and across the lane.
 
-        The first and the last piece of the shape are prolonged, so that a point beyond an end has its
-        true distance beyond it.
+        The first and the last piece of the shape are extended, so that a point beyond an end has its true
+        distance beyond it.
         """
         if self.no_direction:
-            # Where two edges meet without a gap SUMO draws the lane between them as a point: it lies behind.
+            # Where two edges meet without a gap, SUMO draws the lane between them as a point: it is passed.
             away = math.dist(self.points[0], (x, y))
             return Place(away, away if self.shape_length == 0.0 else 0.0)
         best = math.inf
@@ -109,7 +110,7 @@ class LaneShape:
         return math.atan2(y1 - y0, x1 - x0)
 
     def point(self, along: float, across: float) -> tuple[float, float]:
-        """Return the point [m] that has this place; the inverse of `place` where the lane is straight."""
+        """Return the point [m] at this place; the inverse of `place` where the lane is straight."""
         number = min(max(bisect_right(self.stations, along) - 1, 0), len(self.points) - 2)
         (x0, y0), (x1, y1) = self.points[number], self.points[number + 1]
         piece = math.hypot(x1 - x0, y1 - y0) or 1.0
@@ -118,10 +119,10 @@ class LaneShape:
         return x0 + forward * east - across * north, y0 + forward * north + across * east
 
     def drawn_off(self, place: Place, x: float, y: float) -> float:
-        """Return how far from a point [m] SUMO may draw its place [m].
+        """Return how far from a point [m] SUMO may put a vehicle that is given the point's place [m].
 
-        In the wedge outside a corner of the shape no place is drawn, and next to the corner rounding decides
-        on which side of the wedge it is.
+        SUMO puts no vehicle in the wedge outside a corner of the shape, and next to the corner, rounding
+        decides on which side of the wedge the vehicle is.
         """
         around = (place.along - ROUNDED, place.along + ROUNDED)
         return max(math.dist(self.point(along, place.across), (x, y)) for along in around) - ROUNDED

@@ -1,4 +1,4 @@
-"""Lanes of the running simulation, asked for once and kept: neighbours, and where they lead."""
+"""Lanes of the running simulation, each queried once: their neighbours, and where they lead."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from typing import Any
 from cosim.sumo.lane_shape import LaneShape, Place
 
 PAST_END = 1.0
-"""So far before a lane's beginning SUMO takes a vehicle in the middle for one of that lane [m]."""
+"""Up to this far before a lane's beginning, SUMO has a vehicle near its centre line on that lane [m]."""
 MIDDLE = 0.5
-"""Offset from the lane's centre line up to which that holds [m]."""
+"""Largest offset from the centre line at which a vehicle is near it [m]."""
 AT_BEGINNING = 0.1
-"""Nearer to its beginning than this [m] it does not: other ways of the junction end or begin there, too."""
+"""Nearer to the beginning, SUMO may not: other ways of the junction end or begin there too [m]."""
 INSIDE_END = 0.01
-"""Vehicles that would be past a lane's ends are put so far inside them [m]."""
+"""Vehicles that would be beyond a lane's end are put this far inside it [m]."""
 TOUCH = 0.05
-"""A body has to reach so far into its lane [m]."""
+"""A body has to reach this far into its lane to be on it [m]."""
 FLAT = 0.01
-"""SUMO's positions on a lane are proportional to the plan's, where they differ by less than this [m]."""
+"""Differences up to this between lane positions and distances along the shape are ignored [m]."""
 NEXT_EDGES = 8
-"""A vehicle's lane is looked for among so many edges of the rest of its route."""
+"""A vehicle's lane is searched among this many edges of the rest of its route."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class LaneLink:
     lane: str
     """Next normal lane."""
     via: str
-    """Lane inside the junction on the way there; empty where there is none."""
+    """Lane inside the junction on the way there; empty if there is none."""
 
     @property
     def first(self) -> str:
@@ -89,7 +89,7 @@ class Lanes:
         return found
 
     def paved(self, lane: LaneShape, vehicle_class: str, width: float, across: float) -> bool:
-        """Return whether a body [m] is within this lane and the permitted ones beside it."""
+        """Return whether a body [m] stays within the lane and the permitted lanes next to it."""
         key = (lane.name, vehicle_class)
         sides = self._paved.get(key)
         if sides is None:
@@ -138,16 +138,16 @@ class Lanes:
     ) -> bool:
         """Return whether SUMO finds a vehicle by its place [m] if only the lanes of its route count.
 
-        In a junction and between two lanes others are often nearer than the one that it is told, where a
-        front bumper swings out of a bend. But another passage of the same junction, before or after this one,
-        might be nearer too.
+        In a junction and between two lanes, another lane is often nearer than the one given to SUMO, because
+        the front bumper swings out in a bend. But if the route passes the same junction before or after, a
+        lane of that passage might be nearer too.
 
         Parameters
         ----------
-        lane : that the vehicle is to be on
+        lane : lane that the vehicle should be on
         driven : edges of the route before the present one
         route : edges from the present one on
-        width : of the vehicle [m]
+        width : width of the vehicle [m]
         x, y : centre of the front bumper [m]
         """
         if lane.no_direction:
@@ -188,25 +188,25 @@ class Lanes:
     ) -> tuple[float, float, float]:
         """Return the pose nearest to the given one at which SUMO keeps a vehicle on a lane.
 
-        A vehicle whose body does not reach into its lane is on none for SUMO. One just before or beyond its
-        lane's ends, as in the wedge outside a bend, is taken for a vehicle of some lane that fits better and
-        loses its route: there SUMO disregards the lane that it is told. The same holds for one in a junction
-        that is nearer to the middle of another way. It always obeys on the lane's centre line.
+        For SUMO, a vehicle whose body does not reach into its lane is on no lane. Just before or beyond the
+        lane's ends, as in the wedge outside a bend, SUMO ignores the lane that it is told: it puts the
+        vehicle on a lane that fits better, and the vehicle loses its route. The same holds in a junction if
+        the vehicle is nearer to the middle of another way. On the lane's centre line, SUMO always obeys.
 
         Parameters
         ----------
-        lane : that the vehicle is to be on
-        width : of the vehicle [m]
+        lane : lane that the vehicle should be on
+        width : width of the vehicle [m]
         x, y : centre of the front bumper [m]
-        heading : of the vehicle [rad]
-        astray : SUMO has it on another way, from which it has to be brought back
+        heading : heading of the vehicle [rad]
+        astray : whether SUMO has it on another way, from which it has to be brought back
         """
         if lane.no_direction:
             return x, y, heading
         place = lane.place(x, y)
         aside = 0.5 * (lane.width + width) - TOUCH
         past = max(-place.along, place.along - lane.shape_length)
-        # Beyond the last lane of its route SUMO gives it a longer one, which stops of the demand may forbid.
+        # Beyond the last lane of a route SUMO makes the route longer, which stops of the demand may forbid.
         near_start = -PAST_END <= place.along < -AT_BEGINNING and abs(place.across) <= MIDDLE
         if not astray and (near_start or (past <= 0.0 and abs(place.across) <= aside)):
             return x, y, heading
@@ -225,15 +225,15 @@ class Lanes:
         SUMO counts lateral positions, like its lanes, to the left where traffic keeps right, and to the right
         where it keeps left.
 
-        Past its edge SUMO changes to the next lane and keeps the lane position, which on a bend is another
-        point of the road; so the point is then seen from the next lane. ``None`` if the two lanes disagree
-        on whether the edge is passed.
+        When a vehicle passes the side of its lane, SUMO changes to the next lane and keeps the lane position,
+        which in a bend is another point of the road. The point is then located from the next lane. ``None``
+        if the two lanes disagree on whether the vehicle has passed the side.
 
         Parameters
         ----------
-        lane : the vehicle's
-        place : of the point, seen from that lane
-        vehicle_class : SUMO's name of it
+        lane : lane of the vehicle
+        place : place of the point, seen from that lane
+        vehicle_class : SUMO's name of the vehicle's class
         x, y : the point [m]
         """
         if abs(place.across) <= 0.5 * lane.width:
@@ -249,7 +249,7 @@ class Lanes:
 
     @cached_property
     def _upwards(self) -> float:
-        """1 where the lanes of an edge are counted to the left, −1 where they are counted to the right."""
+        """1 if the lanes of an edge are counted from right to left, −1 if from left to right."""
         edges = self._connection.edge
         for edge in edges.getIDList():
             if not edge.startswith(":") and edges.getLaneNumber(edge) > 1:
@@ -264,8 +264,8 @@ class Lanes:
     ) -> tuple[LaneShape, float]:
         """Return the lane a point [m] is on, and its lane position [m] counted from the start's beginning.
 
-        Of lanes side by side it is the nearest one; beyond a lane's end, the one that leads along the
-        route (edges from the start's on), however many short lanes that takes.
+        Of lanes side by side, it is the nearest one. Beyond a lane's end, it is the one that leads along the
+        route (edges from the start's on), however many short lanes lie in between.
         """
         lane = self._nearest(start, vehicle_class, x, y)
         place = lane.place(x, y)
@@ -281,7 +281,7 @@ class Lanes:
 
     def _nearest(self, lane: LaneShape, vehicle_class: str, x: float, y: float) -> LaneShape:
         if abs(lane.place(x, y).across) <= 0.5 * lane.width:
-            return lane  # inside a junction lanes that spread from one overlap: stay on the one taken
+            return lane  # lanes in a junction that spread from one lane overlap: stay on the one taken
         candidates = self.beside(lane, vehicle_class) or (lane,)
         return min(candidates, key=lambda candidate: abs(candidate.place(x, y).across))
 
@@ -294,12 +294,12 @@ class Lanes:
             return None
         onward = route[route.index(lane.edge) + 1]
         beyond = route[route.index(lane.edge) + 2 :][:1]
-        # A lane that does not lead there: the controller is in the wrong one, its neighbour's way is nearest.
+        # If the lane does not lead there, the controller is in a wrong one: use the nearest one that does.
         ways = sorted(self.beside(lane, vehicle_class), key=lambda other: abs(other.index - lane.index))
         for way in ways:
             leading = [link for link in self.links(way.name) if _edge(link.lane) == onward]
             if leading:
-                # Where one lane spreads into several, the one that leads on to the edge after the next.
+                # Where one lane spreads into several, prefer one that leads on to the edge after the next.
                 good = [
                     link for link in leading if any(_edge(on.lane) in beyond for on in self.links(link.lane))
                 ]
@@ -324,7 +324,7 @@ class Lanes:
         return replace(found, positions=self._positions(found))
 
     def _positions(self, lane: LaneShape) -> tuple[float, ...]:
-        """Return SUMO's lane position [m] of each point of a shape; nothing where they are proportional."""
+        """Return SUMO's lane position [m] of each point of a shape; empty if they are proportional."""
         if len(lane.points) < 3 or abs(lane.length - lane.shape_length) <= FLAT:
             return ()
         convert = self._connection.simulation.convert2D

@@ -1,7 +1,7 @@
 """Roads that lead over or under each other.
 
-SUMO's ways meet in junctions only, and its coordinates are flat: where two edges cross without a junction in
-common, one is a bridge over the other. Nobody on the one is in the way of anybody on the other.
+SUMO's ways meet only in junctions, and its coordinates are flat. Where two edges cross without a common
+junction, one is a bridge over the other. Road users on one are not in the way of those on the other.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from cosim.sumo.sight import sight
 from cosim.sumo.surroundings import Surroundings
 
 BEHIND = 30.0
-"""The ego's way begins so far behind it [m]."""
+"""The ego's way begins this far behind it [m]."""
 
 AT_AN_END = 5.0
-"""Edges that cross nearer than this to the end of one are a junction that is drawn badly [m]."""
+"""Edges that cross nearer than this to an end of one of them are a badly drawn junction [m]."""
 LEAST_ANGLE = np.radians(20.0)
-"""Edges that cross at a smaller angle lie beside each other."""
+"""Edges that cross at a smaller angle lie beside each other [rad]."""
 NOBODY: frozenset[str] = frozenset()
 
 
 class Levels:
-    """Keeps from each ego whoever is above or below its way.
+    """Hides from each ego the road users above or below its way.
 
     Parameters
     ----------
@@ -42,10 +42,10 @@ class Levels:
         self._lanes = network.lanes
         self._ahead = sight(network).vehicles
         self.crossed = other_levels(network)
-        """By edge: those that lead over or under it."""
+        """By edge: the edges that lead over or under it."""
 
     def met(self, surroundings: Surroundings, egos: Collection[DrivenEgo]) -> Surroundings:
-        """Return the surroundings without those near an ego whom it cannot meet."""
+        """Return the surroundings without the road users near each ego that it cannot meet."""
         if not self.crossed:
             return surroundings
         persons, cars = dict(surroundings.persons_near), dict(surroundings.cars_near)
@@ -72,7 +72,7 @@ def _on_others(rows: IntArray, edges: Sequence[str], apart: Collection[str]) -> 
 def other_levels(network: Network) -> Mapping[str, frozenset[str]]:
     """Return for each edge those that lead over or under it; edges without any are left out.
 
-    What is inside junctions counts, crossings too.
+    Edges inside junctions are included, and so are crossings.
     """
     lines = [
         *((lane.edge, LineString(lane.shape)) for lane in network.lanes.values()),
@@ -99,7 +99,7 @@ def _is_a_bridge(place: Point, *lines: LineString) -> bool:
     if any(not AT_AN_END < at < line.length - AT_AN_END for at, line in zip(stations, lines, strict=True)):
         return False
     turns = [_direction(line, at) for at, line in zip(stations, lines, strict=True)]
-    # Lines have no sense: 170 degrees are 10.
+    # Lines have no direction: 170 degrees is the same as 10.
     angle = abs((turns[0] - turns[1] + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
     return bool(angle > LEAST_ANGLE)
 

@@ -42,7 +42,8 @@ class Lights:
     def kind(self, crossing: NetCrossing) -> CrossingKind:
         """Return who has to wait at a crossing now.
 
-        Where its light is switched off, pedestrians have the priority that SUMO gives them: they walk on.
+        If its light is switched off, SUMO's letter decides: with ``O`` its pedestrians walk on, with ``o``
+        they wait.
         """
         if not crossing.signal or self.pedestrians_have_green(crossing) is not None:
             return crossing.kind

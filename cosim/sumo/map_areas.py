@@ -12,18 +12,18 @@ from cosim.step.world import CrossingFacts, MapArea
 from cosim.sumo.network import NetCrossing, Network
 
 ToDegrees = Callable[[float, float], tuple[float, float]]
-"""From a place in the network to longitude and latitude."""
+"""Converts a place in the network to longitude and latitude."""
 
 CELL = 20.0
-"""Egos' places are remembered by cells of this size [m]."""
+"""Size of the cells by which the egos' places are remembered [m]."""
 _CAR = "passenger"
 _ON_FOOT = frozenset({"pedestrian", "wheelchair"})
 REACH = 80.0
-"""What is nearer to a cell than this belongs to the map [m]."""
+"""Lanes, crossings and walking areas nearer to a cell than this belong to the map [m]."""
 
 
 def cells_of_crossings(network: Network) -> set[tuple[int, int]]:
-    """Return the cells in which crossings are."""
+    """Return the cells that contain crossings."""
     cells = (np.round(crossing.axis / CELL).astype(np.int64) for crossing in network.crossings.values())
     return {(int(x), int(y)) for some in cells for x, y in some}
 
@@ -40,8 +40,8 @@ def areas_near(
     ----------
     network
     cells : world positions divided by `CELL`, rounded
-    to_degrees : asked only where the network has a projection
-    crossed : by edge, those that lead over or under it
+    to_degrees : called only if the network has a projection
+    crossed : by edge, the edges that lead over or under it
     """
     places = CELL * np.array(sorted(cells), dtype=np.float64).reshape(-1, 2)
 

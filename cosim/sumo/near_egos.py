@@ -1,7 +1,7 @@
 """The road users near each ego, in the ego's route frame, computed for all egos at once.
 
 An ego has a handful of road users near it, and a NumPy call costs more than the arithmetic on a handful of
-numbers. The arrays here therefore concatenate the road users of all egos; one who is near two egos appears
+numbers. The arrays here therefore concatenate the road users of all egos. A road user near two egos appears
 twice.
 """
 
@@ -22,16 +22,16 @@ from cosim.sumo.surroundings import PEDESTRIAN_RADIUS, Surroundings
 from cosim.sumo.view import Frame
 
 COMES_ALONG = 0.3
-"""Who walks along the road faster than this, and than across it, is not yet about to cross [m/s]."""
+"""Pedestrians who walk along the road faster than this, and than across it, are not about to cross [m/s]."""
 
 
 class NearEgos:
-    """Everybody near the egos at one instant.
+    """The road users near the egos at one instant.
 
     Parameters
     ----------
-    names, frames : the egos, in an order of their own
-    surroundings : everything near any of them
+    names, frames : the egos, both in the same order
+    surroundings : road users near any ego
     """
 
     def __init__(self, names: Sequence[str], frames: Sequence[Frame], surroundings: Surroundings) -> None:
@@ -40,7 +40,7 @@ class NearEgos:
         cars = [surroundings.cars_near[name] for name in names]
         persons = [surroundings.persons_near[name] for name in names]
         self.car_starts = [0, *accumulate(len(rows) for rows in cars)]
-        """Where the vehicles of each ego begin, and where the last ones end."""
+        """Row at which the vehicles of each ego begin, and the row at which the last ones end."""
         self._person_starts = [0, *accumulate(len(rows) for rows in persons)]
         self._car_rows: IntArray = _joined(cars)
         self._person_rows: IntArray = _joined(persons)
@@ -51,7 +51,7 @@ class NearEgos:
         self._pedestrians = self._all_pedestrians()
 
     def cars_of(self, ego: int) -> list[int]:
-        """Return the rows, among the surroundings' cars, of those near the ego of that number."""
+        """Return the rows, in the surroundings' cars, of the vehicles near the ego of that number."""
         return self._cars_of_all[self.car_starts[ego] : self.car_starts[ego + 1]]
 
     def vehicles_of(self, ego: int) -> Vehicles:
@@ -76,7 +76,7 @@ class NearEgos:
 
         Parameters
         ----------
-        crossings : that the ego is told of
+        crossings : crossings that the ego is told of
         """
         them, part = self._pedestrians, slice(self._person_starts[ego], self._person_starts[ego + 1])
         told = Pedestrians(
@@ -98,7 +98,7 @@ class NearEgos:
         return told
 
     def _project(self, cars: Sequence[IntArray], persons: Sequence[IntArray]) -> None:
-        """Locate front bumpers, rear bumpers and persons along the path of their ego."""
+        """Project front bumpers, rear bumpers and persons onto the path of their ego."""
         all_cars, all_persons = self._surroundings.cars, self._surroundings.persons
         places = np.concatenate([all_cars.front, _rear_bumpers(all_cars), all_persons.position])
         fronts = len(all_cars.names)
@@ -107,7 +107,7 @@ class NearEgos:
         kind = np.repeat(np.tile([0, 1, 2], len(cars)), sizes)
         rows = _joined(groups) + fronts * kind
         counts = [2 * len(near) + len(on_foot) for near, on_foot in zip(cars, persons, strict=True)]
-        # A route round a block comes to the same place again: who is near is not a whole block away.
+        # A route round a block passes a place again: road users nearby must not end up a whole block away.
         origins = [frame.origin for frame in self._frames]
         curves = [frame.path.curve for frame in self._frames]
         along, across, heading = project_all(curves, places[rows], counts, origins)
@@ -140,7 +140,7 @@ class NearEgos:
         return vehicles, back_along, back_across
 
     def _all_pedestrians(self) -> Pedestrians:
-        """Return the pedestrians of all egos as if no ego were told of a crossing."""
+        """Return the pedestrians of all egos as if no ego were told of any crossing."""
         rows, persons = self._person_rows, self._surroundings.persons
         along, across, heading = self._at_person
         velocity = persons.velocity[rows]
@@ -164,13 +164,13 @@ class NearEgos:
     def _express_at_crossings(
         self, told: Pedestrians, rows: IntArray, crossings: Sequence[PathCrossing], origin: float
     ) -> None:
-        """Put those on, or about to enter, a crossing into the straight frame where the path meets it.
+        """Express pedestrians on or about to enter a crossing in the straight frame where the path meets it.
 
-        Whoever walks up to it from along the road stays in the path's own frame: in a bend they meet its
-        inner side long before the straight one.
+        Pedestrians who walk up to it along the road stay in the path's own frame: in a bend, they reach the
+        inner side of the path long before that of the straight frame.
         """
         persons = self._surroundings.persons
-        # Of a crossing that the path passes again the first passage counts.
+        # If the path passes a crossing again, the first passage counts.
         index_of: dict[str, int] = {}
         for index, crossing in enumerate(crossings):
             index_of.setdefault(crossing.source.name, index)

@@ -33,17 +33,17 @@ class Permissions:
 
 @dataclass(frozen=True)
 class NetLane:
-    """One lane, internal ones, crossings and walking areas included."""
+    """One lane; internal lanes, crossings and walking areas are lanes too."""
 
     name: str
     edge: str
     index: int
     length: float
-    """As SUMO counts positions [m]; may differ from the length of the shape."""
+    """Length by which SUMO counts positions [m]; may differ from the length of the shape."""
     width: float
     speed: float
     shape: FloatArray
-    """(n, 2) centre line; of a walking area its outline [m]."""
+    """(n, 2) centre line, or the outline of a walking area [m]."""
     permissions: Permissions
 
     @property
@@ -67,12 +67,12 @@ class Connection:
     """Internal lanes between the two, in driving order."""
     direction: str
     signal: str
-    """Id of the traffic light that controls it; empty for none."""
+    """Id of the traffic light that controls it; empty if there is none."""
     signal_index: int
     in_order: bool
-    """Whether vehicles pass in the order in which they came to a stop: an all-way stop."""
+    """Whether vehicles pass in the order in which they stopped, as at an all-way stop."""
     stop_sign: bool
-    """Whether there is a stop sign, as all-way stops have at every approach."""
+    """Whether there is a stop sign; all-way stops have one at every approach."""
     permissions: Permissions
 
 
@@ -91,7 +91,7 @@ class NetCrossing:
     signal: str
     signal_indices: tuple[int, ...]
     refuge: bool = False
-    """Whether it ends on an island, from which only crossings lead on."""
+    """Whether it ends on an island from which only crossings lead on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +109,12 @@ class Requests:
     lanes: tuple[str, ...]
     """The last internal lane of each way through the junction."""
     response: tuple[str, ...]
-    """By way: a 1 for each other way that it yields to, the first one last."""
+    """By way: a digit for each way, 1 if it has to yield to it; the first way's digit is the last."""
     foes: tuple[str, ...]
 
 
 class Network:
-    """A network read once; everything in it is fixed."""
+    """A network as read from a file; nothing in it changes."""
 
     def __init__(
         self,
@@ -128,14 +128,14 @@ class Network:
         junctions: Mapping[str, frozenset[str]] | None = None,
     ) -> None:
         self.geographic = geographic
-        """Whether it has a projection, so that SUMO can tell longitude and latitude."""
+        """Whether it has a projection, so that SUMO can convert places to longitude and latitude."""
         self.junctions = junctions or {}
         """By edge: the junctions that it is in or between."""
         self.lanes = lanes
         self.edges = edges
         """Lane names by index; normal and internal edges."""
         self.connections = connections
-        """By source lane; only those that begin on a normal lane."""
+        """By source lane; only connections that begin on a normal lane."""
         self.crossings = crossings
         self.walking_areas = walking_areas
         incoming: defaultdict[str, list[Connection]] = defaultdict(list)
@@ -191,7 +191,7 @@ class Network:
             return []
         index, group = self._requests[connection.via[-1]]
         response, foes = group.response[index], group.foes[index]
-        # The rightmost character belongs to the first lane.
+        # The rightmost digit belongs to the first lane.
         return [
             (self.through[lane], response[-1 - other] == "1")
             for other, lane in enumerate(group.lanes)

@@ -29,7 +29,7 @@ from cosim.sumo.network import (
 DEFAULT_LANE_WIDTH = 3.2
 """SUMO's own default [m]."""
 STOP, ALLWAY_STOP = "s", "w"
-"""States of connections without a traffic light, at which vehicles have to stop."""
+"""States of connections without a traffic light at which vehicles have to stop."""
 
 
 def read_network(path: Path) -> Network:
@@ -59,7 +59,7 @@ def read_network(path: Path) -> Network:
 
 
 def opened(path: Path) -> BinaryIO:
-    """Return a file, packed or not, open for reading."""
+    """Return a file open for reading, whether it is compressed or not."""
     with path.open("rb") as source:
         magic = source.read(2)
     return cast(BinaryIO, gzip.open(path, "rb")) if magic == b"\x1f\x8b" else path.open("rb")
@@ -135,7 +135,7 @@ class _Reader:
         lanes = tuple(element.get("intLanes", "").split())
         rows = sorted(element.iter("request"), key=lambda row: int(row.attrib["index"]))
         if not rows:
-            # SUMO's drivers and pedestrians mind nobody in such a junction; whose ways meet there is left to
+            # In such a junction, SUMO's drivers and pedestrians yield to nobody. Which ways meet is left to
             # geometry.
             self.unregulated.add(element.attrib["id"])
             rows_of_everybody = ("1" * len(lanes),) * len(lanes)
@@ -194,7 +194,7 @@ class _Reader:
         return names[int(index)]
 
     def _via(self, element: ElementTree.Element) -> tuple[str, ...]:
-        """Return the chain of internal lanes: an internal lane may continue in a further one."""
+        """Return the chain of internal lanes: one internal lane may continue in another."""
         chain: list[str] = []
         target = (element.attrib["to"], element.attrib["toLane"])
         via = element.get("via")
@@ -229,7 +229,7 @@ class _Reader:
         return NetCrossing(name, lane.shape, lane.width, edges, kind, signal, numbers, name in islands)
 
     def _at_islands(self) -> set[str]:
-        """Return the crossings beside a walking area from which nothing but several crossings begins."""
+        """Return the crossings at a walking area from which several crossings, and nothing else, lead on."""
         crossings = self.crossing_edges.keys()
         islands = (beside for beside in self.beside_area.values() if len(beside) > 1 and beside <= crossings)
         return set().union(*islands)

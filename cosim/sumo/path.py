@@ -1,4 +1,4 @@
-"""A smooth curve along a lane, and the way between the world and its frame."""
+"""A smooth curve along a lane, and the conversion between world coordinates and its frame."""
 
 from __future__ import annotations
 
@@ -14,36 +14,38 @@ from analysis.polylines import arc_lengths
 from cosim.arrays import FloatArray, IntArray
 
 SPACING = 0.5
-"""Distance between samples [m]."""
+"""Largest distance between samples [m]."""
 SMOOTHING = 5
-"""Samples averaged, twice: a corner of SUMO's polyline becomes a bend of about 4 m; a bend of 6 m radius is
-cut by less than 0.1 m."""
+"""Number of samples averaged, twice: a corner of SUMO's polyline becomes a bend of about 4 m; a bend of 6 m
+radius is cut by less than 0.1 m."""
 SEGMENT_COLUMNS = 12
 _NOTHING = (np.zeros(0), np.zeros(0), np.zeros(0))
 SAME_PLACE, ANOTHER = 6.0, 15.0
-"""Samples this near to each other are two passages of one place where they are so far apart along the path: a
-vehicle's length, as one that waits across a lane is in the way with its rear [m]."""
+"""Samples no further apart than the first distance, but further than the second along the path, are two
+passages of one place. The first is a vehicle's length, because one that waits across a lane blocks it with
+its rear [m]."""
 COMES_BACK = 0.5 * math.pi
-"""A path that turns less comes to no place again [rad]."""
+"""A path that turns by less than this never comes to a place again [rad]."""
 BEHIND = 2.0
-"""So many times as far away counts a passage that an ego has driven as one that is to come."""
+"""A passage that an ego has already driven counts as this many times as far away as one to come."""
 WALK = 20
-"""Segments walked over before a point near a guess is searched for everywhere."""
+"""Number of segments searched near a guess before the whole path is searched."""
 ASKED_AGAIN = 64
-"""Sets of points whose projections are remembered."""
+"""Number of sets of points whose projections are remembered."""
 
 
 class Path:
     """A polyline made smooth, with arc length, heading and curvature.
 
     ``stations`` are arc lengths of the polyline as given; ``along`` is the arc length of the smooth curve.
-    The two differ by the corners that were cut.
+    The two differ because the curve cuts corners.
 
     Parameters
     ----------
     polyline : (n, 2), no two neighbouring points equal [m]
     origin : station of the first point [m]
-    knots : arc length at each point, where the polyline is a changed one and the stations are not [m]
+    knots : station of each point, counted from the first; by default its arc length. Given for a polyline
+        that was changed while its stations were kept [m]
     """
 
     def __init__(self, polyline: FloatArray, origin: float = 0.0, knots: FloatArray | None = None) -> None:
@@ -54,7 +56,7 @@ class Path:
 
     @classmethod
     def through(cls, samples: FloatArray, stations: FloatArray) -> Path:
-        """Return the path along points about `SPACING` apart, whose stations are given.
+        """Return the path along points about `SPACING` apart with the given stations.
 
         Parameters
         ----------
@@ -67,11 +69,11 @@ class Path:
 
     def _draw(self, samples: FloatArray, stations: FloatArray) -> None:
         self.samples = samples
-        """What the curve is made of: points on the polyline, (n, 2) [m]."""
+        """Points on the polyline from which the curve is made, (n, 2) [m]."""
         self.stations = stations
-        """Of the samples [m]."""
+        """Station of each sample [m]."""
         self.points = _smoothed(_smoothed(samples))
-        """Of the curve, one for each sample, (n, 2) [m]."""
+        """Points of the curve, one for each sample, (n, 2) [m]."""
         chords = np.diff(self.points, axis=0)
         lengths = np.hypot(*chords.T)
         origin = float(stations[0])
@@ -114,7 +116,7 @@ class Path:
         ----------
         points : (n, 2) [m]
         near : arc length for each point; where the curve comes to the same place again, the passage
-            nearest to that counts; ``None``: the one nearest to the point [m]
+            nearest to this arc length counts, or with ``None`` the passage nearest to the point [m]
         """
         if not len(points):
             return _NOTHING
@@ -125,7 +127,7 @@ class Path:
         return _projected(points, np.minimum(samples, last), last, self.segments)
 
     def project_again(self, points: FloatArray, near: float) -> tuple[FloatArray, FloatArray]:
-        """Return arc length and offset to the left [m] of points that are asked for at step after step.
+        """Return arc length and offset to the left [m] of points that are queried again at every step.
 
         Parameters
         ----------
@@ -159,21 +161,21 @@ class Path:
         return places
 
     def _place(self, along: float, across: float) -> tuple[float, float]:
-        """Return what `at` returns of one point, in less time."""
+        """Return what `at` returns for one point, but faster."""
         segment = int(self.along.searchsorted(along, side="right")) - 1
         row = self._segments[min(max(segment, 0), len(self.points) - 2)]
         px, py, cx, cy, tx, ty, turn_x, turn_y, start, length, _, _ = row.tolist()
         share = (along - start) / length
         inner = min(max(share, 0.0), 1.0)
         tangent_x, tangent_y = tx + inner * turn_x, ty + inner * turn_y
-        # NumPy's, as for many: Python's own may differ in the last digit.
+        # NumPy's function, as in `at`: Python's own may differ in the last digit.
         side = across / float(np.hypot(tangent_x, tangent_y))
         return px + share * cx - side * tangent_y, py + share * cy + side * tangent_x
 
     def place_near(self, x: float, y: float, guess: float) -> tuple[float, float]:
         """Return arc length and offset to the left [m] of one point not far from a guessed arc length.
 
-        The same as `project`, for one point and in less time.
+        The result is that of `project`, but found faster.
         """
         segment = int(self.along.searchsorted(guess)) - 1
         last = len(self.points) - 2
@@ -207,7 +209,7 @@ class Path:
         return interpolated(along, self.along, self.heading)
 
     def nearest_samples(self, points: FloatArray) -> IntArray:
-        """Return the number of the sample nearest to each point (n, 2)."""
+        """Return the index of the sample nearest to each point (n, 2)."""
         return np.asarray(self._tree.query(points)[1], dtype=np.int64)
 
     @cached_property
@@ -225,14 +227,14 @@ class Path:
     def passage_nearest(
         self, points: FloatArray, samples: IntArray, along: FloatArray, behind: float = 1.0
     ) -> IntArray:
-        """Return the samples nearest to points, of those passages that are nearest to arc lengths.
+        """Return the samples nearest to points, on the passages that are nearest to given arc lengths.
 
         Parameters
         ----------
         points : (n, 2) [m]
-        samples : nearest to them of all, shape (n,)
+        samples : samples nearest to the points on any passage, shape (n,)
         along : arc lengths, shape (n,) [m]
-        behind : how many times as far away a passage counts that lies before its arc length
+        behind : a passage before its arc length counts as this many times as far away
         """
         found = samples.copy()
         for i, (sample, wanted) in enumerate(zip(samples.tolist(), along.tolist(), strict=True)):
@@ -247,7 +249,7 @@ class Path:
         return found
 
     def segments(self, numbers: IntArray, out: FloatArray | None = None) -> FloatArray:
-        """Return one row for each of these segments: what `project` needs of it."""
+        """Return one row for each of these segments, with what `project` needs."""
         return self._segments.take(numbers, axis=0, out=out, mode="clip")
 
 
@@ -260,10 +262,10 @@ def project_all(
     ----------
     paths
     points : (n, 2), those of the first path first [m]
-    counts : how many of them belong to each path
-    near : arc length on each path; where it comes to the same place again, the passage nearest to that
-        counts, and one that is to come before one that has been driven; ``None``: the one nearest to the
-        point [m]
+    counts : how many points belong to each path
+    near : arc length on each path; where the path comes to the same place again, the passage nearest to this
+        arc length counts, and passages to come are preferred to driven ones; with ``None``, the passage
+        nearest to the point counts [m]
     """
     if not len(points):
         return _NOTHING
@@ -296,24 +298,24 @@ def _projected(
     last: int | IntArray,
     rows_of: Callable[[IntArray], FloatArray],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return arc length, offset and heading of points, each near a segment.
+    """Return arc length, offset and heading of points, each of which is near a known segment.
 
     Parameters
     ----------
     points : (n, 2) [m]
-    segment : number of the segment that begins at the sample nearest to each
-    last : number of the last segment of the path of each
-    rows_of : returns what is known of each one's segment
+    segment : index of the segment that begins at the sample nearest to each point
+    last : index of the last segment of each point's path
+    rows_of : returns the rows of segments, one for each point
     """
     x, y = points[:, 0], points[:, 1]
     rows = rows_of(segment)
-    # A point nearer to a sample may belong to the segment before it.
+    # A point may also belong to the segment that ends at its nearest sample.
     before = (x - rows[:, 0]) * rows[:, 4] + (y - rows[:, 1]) * rows[:, 5] < 0.0
     if before.any():
         segment = np.maximum(segment - before, 0)
         rows = rows_of(segment)
     px, py, cx, cy, tx, ty, turn_x, turn_y, along, length, heading, bend = rows.T
-    # The tangent turns evenly along a segment: where the rest is square to it, a quadratic is zero.
+    # The tangent turns evenly along a segment: a quadratic is zero where the offset is perpendicular to it.
     east, north = x - px, y - py
     constant = east * tx + north * ty
     linear = east * turn_x + north * turn_y - cx * tx - cy * ty
@@ -332,7 +334,7 @@ def _projected(
 
 
 def interpolated(at: float, places: FloatArray, values: FloatArray) -> float:
-    """Return what ``np.interp`` returns for one number, to the last bit and in less time.
+    """Return what ``np.interp`` returns for one number, to the last bit but faster.
 
     >>> interpolated(1.5, np.array([0.0, 1.0, 2.0]), np.array([0.0, 10.0, 30.0]))
     20.0
@@ -355,7 +357,7 @@ def evenly(length: float) -> FloatArray:
 
 
 def _smoothed(values: FloatArray) -> FloatArray:
-    """Return the running mean over the sample and its neighbours; the ends are continued straight."""
+    """Return the running mean over each sample and its neighbours; the ends are continued straight."""
     half = SMOOTHING // 2
     steps = np.arange(half, 0, -1)[:, None]
     before = values[:1] - steps * (values[1:2] - values[:1])
@@ -369,12 +371,12 @@ def crossing_point(
 ) -> tuple[float, FloatArray, FloatArray] | None:
     """Return where a polyline meets a line: station [m], and both directions; ``None`` if nowhere.
 
-    Where it meets the line more than once, the first meeting from a station on counts, or else the last.
+    If they meet more than once, the first meeting at or after ``from_station`` counts, or else the last one.
 
     Parameters
     ----------
     polyline, line : (n, 2) and (m, 2) [m]
-    from_station : [m]
+    from_station : distance along the polyline [m]
     """
     start, step = polyline[:-1, None, :], np.diff(polyline, axis=0)[:, None, :]
     other, other_step = line[None, :-1, :], np.diff(line, axis=0)[None, :, :]

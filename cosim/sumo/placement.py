@@ -1,8 +1,8 @@
-"""Make a vehicle in SUMO be where our plant is, such that SUMO's traffic reacts to it as to its own.
+"""Keeps a vehicle in SUMO where the plant is, so that SUMO's traffic reacts to it as to SUMO's own vehicles.
 
 ``hybrid`` lets SUMO drive the given speed and lateral shift on normal lanes and moves the vehicle to its
 position only where that cannot work: in junctions, at lane ends and off the paved lanes. ``move`` moves it
-every step. What each of them does to neighbours and pedestrians is measured in docs/coupling.md.
+at every step. docs/coupling.md gives measurements of what each does to neighbours and pedestrians.
 """
 
 from __future__ import annotations
@@ -20,25 +20,26 @@ from cosim.sumo.lanes import Lanes
 from cosim.sumo.own_route import OwnRoute, RouteKeeper
 
 OBEY_SPEED = 32
-"""Speed mode: no check of SUMO's own; bit 5 is inverted, set it means to ignore foes in the junction."""
+"""Speed mode: SUMO checks nothing by itself. Bit 5 is inverted: set, it ignores foes in the junction."""
 OBEY_LANE = 0
-"""Lane-change mode: SUMO neither decides nor corrects a lateral movement."""
+"""Lane-change mode: SUMO neither decides nor corrects lateral movements."""
 EXACT_POSITION = 2
 """``keepRoute`` of moveToXY: take the position as it is. 6 (with 4, ignore permissions) can crash SUMO."""
 ON_ROUTE = 3
-"""The same, but of lanes near the position only those of the route count, whichever lane is told."""
+"""As `EXACT_POSITION`, but only lanes of the route count near the position, whichever lane is given."""
 
 POSITION_TOLERANCE = 0.02
-"""Further from the plant [m] than this after a native step, the ego is moved until its lane changes."""
+"""If the ego is further from the plant after a native step, it is moved until its lane changes [m]."""
 DITHER = 0.002
 """Extra lateral shift [m] in the first native step after a move.
 
-A move does not register the vehicle in the second lane that it reaches into, nor does a shift of nothing.
+Neither a move nor a shift of zero registers the vehicle in the second lane that it reaches into.
 """
 SIDEWAYS = 0.01
-"""SUMO's vehicles go no further sideways in a step than ahead, or so far [m].
+"""A native step shifts the ego sideways by no more than the distance ahead plus this [m].
 
-No car does; but where traffic keeps left, SUMO takes a moved vehicle for one on the other side of its lane.
+No car needs more. A larger shift means that SUMO has a moved vehicle on the other side of its lane, which
+happens where traffic keeps left.
 """
 _BLIND_PARAMETERS = (("laneChangeModel.lcAccelLat", "1000"), ("laneChangeModel.lcSigma", "0"))
 _LATERAL_SPEED = 10.0
@@ -59,12 +60,12 @@ class Executed(NamedTuple):
     y: float
     speed: float
     lane: str
-    """Lane id; empty where SUMO lost it."""
+    """Lane id; empty if SUMO has it on no lane."""
 
 
 @dataclass(slots=True)
 class _Ego:
-    """Memory of one driven vehicle."""
+    """What is remembered of one driven vehicle."""
 
     vehicle_class: str
     width: float
@@ -73,36 +74,36 @@ class _Ego:
     lateral_speed: float
     parameters: tuple[tuple[str, str], ...]
     lane: str
-    """Where we believe it to be."""
+    """Lane on which it is believed to be."""
     speed: float
-    """At the beginning of the step [m/s]."""
+    """Speed at the beginning of the step [m/s]."""
     route: OwnRoute
     moved: bool = False
-    """The last step was a move."""
+    """Whether the last step was a move."""
     moves_on: str = ""
-    """Lane on which native driving failed: move until the ego is on another."""
+    """Lane on which native driving failed; the ego is moved until it is on another lane."""
     aim: tuple[float, float] | None = None
-    """Where the front bumper has to be after the step under way."""
+    """Where the front bumper has to be after the present step [m]."""
     asked_speed: float = 0.0
     moves: int = 0
     strayed: float = 0.0
-    """From where the front bumper is to where it was put, in the last move [m]."""
+    """Distance from the plant's front bumper to where SUMO's was put in the last move [m]."""
 
 
 class Placement:
-    """Drives any number of vehicles.
+    """Drives any number of vehicles in SUMO.
 
     Parameters
     ----------
     connection : the ``libsumo`` module, or a ``traci`` connection
     step : length of a simulation step [s]
-    method : `Method`
+    method : how the vehicles follow their plants
     dither : see `DITHER`; only the conformance suite has a reason to change it [m]
 
     Raises
     ------
     SimulationError
-        If hybrid actuation is asked for without SUMO's sublane model.
+        If hybrid actuation is requested without SUMO's sublane model.
     """
 
     def __init__(
@@ -157,14 +158,14 @@ class Placement:
     def drive(
         self, name: str, front_x: float, front_y: float, heading: float, speed: float, lane: str = ""
     ) -> None:
-        """Say where the vehicle has to be after the next step; call it once before every step.
+        """Set where the vehicle has to be after the next step; call it once before every step.
 
         Parameters
         ----------
         front_x, front_y : centre of the front bumper after the step [m]
-        heading : after the step [rad]
-        speed : after the step [m/s]
-        lane : that it will be on, where its way cuts a corner and lanes' ends do not tell
+        heading : heading after the step [rad]
+        speed : speed after the step [m/s]
+        lane : lane that it will be on; needed where its way cuts a corner and passes no lane's end
         """
         ego = self._ego(name)
         ego.aim = (front_x, front_y)
@@ -172,7 +173,7 @@ class Placement:
         if found and found != ego.moves_on:
             ego.moves_on = ""
         believed = self._lanes.shape(ego.lane)
-        # After a move SUMO may have taken a crossing lane for ours; a lane beside ours is a matter of taste.
+        # After a move, SUMO may have the vehicle on a crossing lane; a lane beside its own is acceptable.
         trusted = bool(found) and not ego.route.astray
         trusted = trusted and (not ego.moved or self._lanes.shape(found).edge == believed.edge)
         here = self._lanes.shape(found) if trusted else believed
@@ -183,10 +184,10 @@ class Placement:
         ego.speed = speed
 
     def executed(self, name: str) -> Executed:
-        """Return where SUMO put the vehicle, after the step; repairs what the step broke.
+        """Return where SUMO has the vehicle after the step, and repair what the step broke.
 
-        A route that is no longer the ego's own is set again, and a position more than `POSITION_TOLERANCE`
-        off makes the next steps moves.
+        A route that is no longer the ego's own is set again. If the position is off by more than
+        `POSITION_TOLERANCE`, the next steps are moves.
         """
         ego = self._ego(name)
         vehicle = self._connection.vehicle
@@ -205,13 +206,13 @@ class Placement:
     def asked_speed(self, name: str) -> float:
         """Return the speed [m/s] that SUMO was told to drive in the last step.
 
-        It is the way of the step over its duration, which differs from the speed at its end by half the
-        acceleration times the step; so this is the one that `Executed.speed` has to be compared with.
+        It is the distance of the step divided by its duration, which differs from the speed at the end by
+        half the acceleration times the step. `Executed.speed` therefore has to be compared with this speed.
         """
         return self._ego(name).asked_speed
 
     def moves(self, name: str) -> int:
-        """Return how many steps so far moved the vehicle instead of driving it natively."""
+        """Return in how many steps so far the vehicle was moved instead of driven natively."""
         return self._ego(name).moves
 
     def routes_restored(self, name: str) -> int:
@@ -220,28 +221,28 @@ class Placement:
 
     @property
     def routes_restored_of_all(self) -> int:
-        """How often a route had to be set again, of all vehicles so far."""
+        """How often a route of any vehicle had to be set again so far."""
         return self._routes.restored_of_all
 
     def astray(self, name: str) -> bool:
-        """Return whether after the last step SUMO had another route or a lane that is none of the ego's way.
+        """Return whether, after the last step, SUMO had another route or had the ego on a lane off its way.
 
-        What could be mended at once has been; else the next step is a move that mends it.
+        If this could be corrected at once, it has been; otherwise the next step is a move that corrects it.
         """
         return self._ego(name).route.astray
 
     def strayed(self, name: str) -> float:
-        """Return how far from the plant [m] the vehicle was put, because SUMO cannot place it there."""
+        """Return how far from the plant the vehicle was put because SUMO cannot place it there [m]."""
         return self._ego(name).strayed
 
     def drives(self, name: str) -> bool:
-        """Return whether the vehicle is ours at the moment."""
+        """Return whether the placement drives the vehicle at the moment."""
         return name in self._egos
 
     def reroute(self, name: str, edges: Sequence[str]) -> bool:
         """Give a vehicle another route from the edge it is on, and return whether SUMO takes it.
 
-        It may be one that has been handed back.
+        The vehicle may be one that has been handed back.
         """
         ego = self._egos.get(name)
         return self._routes.reroute(name, edges, None if ego is None else ego.route)
@@ -271,7 +272,7 @@ class Placement:
         return found
 
     def _native(self, name: str, ego: _Ego, here: LaneShape, aim: tuple[float, float], speed: float) -> bool:
-        """Let SUMO drive there, if it can."""
+        """Let SUMO drive the vehicle there if it can, and return whether it does."""
         if here.internal or here.name == ego.moves_on:
             return False
         place = here.place(*aim)
@@ -313,7 +314,7 @@ class Placement:
         heading: float,
         speed: float,
     ) -> None:
-        """Put the vehicle there, with the lane that the route says as the hint."""
+        """Move the vehicle there, with the lane of its route as the hint."""
         vehicle, route = self._connection.vehicle, ego.route
         if not ego.moved and not route.astray:
             self._routes.take(name, route)

@@ -1,4 +1,4 @@
-"""Road users in the simulation at one instant; SUMO may be queried about these only."""
+"""Road users in the simulation at one instant; SUMO may be queried only about these."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ class Present(NamedTuple):
     """All road users after a step.
 
     SUMO's lists of a step (who departed, who is near an ego) also name vehicles and persons that the same
-    step has taken away again: arrived, removed, vaporised, teleporting. SUMO refuses every question about
-    them.
+    step has taken away again because they arrived, were removed or vaporised, or are teleporting. SUMO
+    refuses every query about them.
     """
 
     vehicles: frozenset[str] = frozenset()
-    """On the road or parked; not those that are being teleported."""
+    """Vehicles on the road or parked; not those that are being teleported."""
     persons: frozenset[str] = frozenset()
-    """On foot, waiting or riding."""
+    """Persons on foot, waiting or riding."""
 
 
 class Departed(NamedTuple):
-    """Who is there for the first time after a step, in the order of SUMO's lists."""
+    """Road users that are present for the first time after a step, in the order of SUMO's lists."""
 
     vehicles: tuple[str, ...] = ()
     persons: tuple[str, ...] = ()
 
 
 class Departures:
-    """Tells who has departed; those of a loaded state of SUMO's have done so before its first step.
+    """Finds who has departed; the first step includes the road users of a state that SUMO has loaded.
 
     Parameters
     ----------

@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable, Mapping
 def quickest(
     origin: str, onward: Callable[[str], Iterable[str]], seconds: Callable[[str], float]
 ) -> dict[str, str]:
-    """Return, for every edge that can be reached from one, the edge before it on the quickest route.
+    """Return, for every edge that can be reached from ``origin``, the edge before it on the quickest route.
 
-    SUMO's own ``findRoute`` is not asked: called while egos are driven it makes libsumo 1.28 crash later on.
+    SUMO's own ``findRoute`` is not used: if it is called while egos are driven, libsumo 1.28 crashes later.
 
     Parameters
     ----------
-    origin : edge
-    onward : gives the edges that an edge leads to
-    seconds : gives how long an edge takes [s]
+    origin : edge at which routes begin
+    onward : returns the edges that an edge leads to
+    seconds : returns how long an edge takes [s]
     """
     best = {origin: 0.0}
     before: dict[str, str] = {}
@@ -37,7 +37,7 @@ def quickest(
 
 
 def route_to(target: str, before: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the route that ends at an edge; the edge alone if none leads to it.
+    """Return the route that ends at an edge, or only the edge if no route leads to it.
 
     >>> route_to("c", {"b": "a", "c": "b"})
     ('a', 'b', 'c')

@@ -1,4 +1,4 @@
-"""Vehicles that SUMO has where they were recorded, step by step; they react to nobody."""
+"""Recorded vehicles: at each step, SUMO has them where they were recorded; they react to nobody."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from sumo_scenarios.recorded_vehicles import RecordedVehicle
 
 ON_A_LANE, ANYWHERE = 0, 2
-"""``keepRoute`` of moveToXY. The second takes the position as it is. With the sublane model the first does so
-too, and has the vehicle on the nearest lane. There the second may match a lane that the vehicle is beside,
-for instance where lanes end in a bend, and takes it off that lane: SUMO 1.28 then crashes if somebody drives
-on the same edge. It is safe where there is no lane at all."""
+"""Values of ``keepRoute`` of moveToXY. ``ANYWHERE`` takes the position as it is. With the sublane model,
+``ON_A_LANE`` does so too, and puts the vehicle on the nearest lane. There, ``ANYWHERE`` may match a lane
+beside the vehicle, for instance where lanes end in a bend, and take the vehicle off that lane: SUMO 1.28 then
+crashes if another vehicle drives on the same edge. ``ANYWHERE`` is safe where there is no lane at all."""
 DEFAULT_TYPE = "DEFAULT_VEHTYPE"
 IGNORES_EVERYTHING = 0
-"""Speed mode and lane-change mode."""
+"""Speed mode and lane-change mode in which a vehicle reacts to nothing."""
 
 
 class RecordedVehicles:
@@ -38,11 +38,11 @@ class RecordedVehicles:
 
     @property
     def names(self) -> frozenset[str]:
-        """Those who are on the road."""
+        """Names of the vehicles that are on the road."""
         return frozenset(self._there)
 
     def move(self, sumo: Any, until: float, remove: Callable[[str], None]) -> None:
-        """Tell SUMO where everybody is after the step.
+        """Tell SUMO where each recorded vehicle is after the step.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ def _place(sumo: Any, name: str, x: float, y: float, angle: float) -> None:
 
 
 def _state(one: RecordedVehicle, time: float) -> tuple[float, float, float, float]:
-    """Return x, y, heading and speed at a time, on straight lines between samples."""
+    """Return x, y, heading and speed at a time: interpolated, but the heading is of the nearest sample."""
     times = one.motion[:, 0]
     x, y, speed = (float(np.interp(time, times, one.motion[:, column])) for column in (1, 2, 4))
     at = int(np.argmin(np.abs(times - time)))

@@ -17,7 +17,7 @@ from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
 
 CURVATURE_STEP = 1.0
-"""[m]"""
+"""Distance between values of the curvature [m]."""
 _CURVATURE_GRID = CURVATURE_STEP * np.arange(151)
 
 _STATES = {
@@ -26,7 +26,7 @@ _STATES = {
     "y": SignalState.AMBER,
     "Y": SignalState.AMBER,
 }
-"""SUMO's letters; all others let pass, if need be after yielding."""
+"""States that SUMO's letters stand for; all other letters let vehicles pass, perhaps after yielding."""
 
 
 def road_ahead(
@@ -39,16 +39,16 @@ def road_ahead(
     own_limit: float,
     changed_limits: Mapping[str, float],
 ) -> tuple[RoadAhead, dict[int, LaneLine]]:
-    """Return the road, and the lines of its lanes: 0 for the ego's, 1 for the one left of it, −1 right.
+    """Return the road and the lines of its lanes: 0 for the ego's, 1 for the one to its left, −1 right.
 
     Parameters
     ----------
-    frame, track : the ego
-    crossings, signals : that it is told of
-    lights : of this instant
-    foes : vehicles whose ways cross its own
-    own_limit : what its kind of vehicle drives at most, told as a speed limit [m/s]
-    changed_limits : of lanes that have other limits now than in the network, by lane [m/s]
+    frame, track : frame and track of the ego
+    crossings, signals : crossings and signals that the ego is told of
+    lights : traffic lights at this instant
+    foes : vehicles whose ways cross the ego's
+    own_limit : highest speed of the ego's type of vehicle, told as a speed limit [m/s]
+    changed_limits : limits of lanes where they now differ from those of the network, by lane [m/s]
     """
     path, origin = frame.path, frame.origin
     route, step = track.route, track.step

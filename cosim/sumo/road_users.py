@@ -1,4 +1,4 @@
-"""Road users as SUMO has them, from the results of subscriptions to arrays."""
+"""Road users as SUMO has them: converts the results of subscriptions to arrays."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from cosim.sumo.network import Network
 from cosim.sumo.present import Present, forget_absent
 
 INVALID = 1e8
-"""SUMO's coordinates of somebody who is nowhere are about −1e9 [m]."""
+"""Coordinates this large are invalid: SUMO gives about −1e9 for absent road users [m]."""
 MAX_WALKING_SPEED = 3.0
-"""Faster persons were put elsewhere by SUMO [m/s]."""
+"""Persons who seem to walk faster than this were put elsewhere by SUMO [m/s]."""
 MAX_SIDEWAYS_SPEED = 3.0
-"""A position that changed by this much more than speed and heading explain was a jump [m/s]."""
+"""A vehicle jumped if its position changed by this much more than speed and heading explain [m/s]."""
 
 _PERSON_VARIABLES = ("VAR_POSITION", "VAR_ROAD_ID", "VAR_NEXT_EDGE", "VAR_VEHICLE")
 _CAR_VARIABLES = (
@@ -45,12 +45,12 @@ class Persons:
     velocity: FloatArray
     edge: tuple[str, ...]
     crossing: tuple[str, ...]
-    """Crossing walked on or next; empty for none."""
+    """Crossing that each walks on or will use next; empty for none."""
     on_crossing: NDArray[np.bool_]
     phase: tuple[str, ...]
     kind: tuple[str, ...]
     uncertainty: FloatArray | None = None
-    """Standard deviation of the positions, where they are what an ego believes [m]."""
+    """Standard deviation of the positions, if they are an ego's beliefs [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +69,11 @@ class Cars:
     lane_position: FloatArray
     kind: tuple[str, ...]
     route: tuple[str, ...]
-    """Id of the route; SUMO gives another one to a vehicle whose route changes."""
+    """Id of the route; SUMO gives a vehicle another id if its route changes."""
 
 
 class KnownState(NamedTuple):
-    """State of a vehicle that our plant knows better than SUMO."""
+    """State of a vehicle that its plant knows better than SUMO."""
 
     x: float
     """Front bumper [m]."""
@@ -90,7 +90,7 @@ class PersonReader:
     ----------
     sumo : module or connection
     network
-    step : between two readings [s]
+    step : time between two readings [s]
     """
 
     def __init__(self, sumo: Any, network: Network, step: float) -> None:
@@ -100,11 +100,11 @@ class PersonReader:
         self._kinds: dict[str, str] = {}
         self._last: Mapping[str, Sequence[float]] = {}
         self.variables = tuple(sumo_constant(sumo, name) for name in _PERSON_VARIABLES)
-        """To be subscribed to."""
+        """Variables to subscribe to."""
         self._at, self._on, self._following, self._rider = self.variables
 
     def is_there(self, values: Mapping[int, Any]) -> bool:
-        """Return whether results are those of somebody who is somewhere, and in no vehicle."""
+        """Return whether results belong to a person who has a position and is in no vehicle."""
         place = values.get(self._at)
         return place is not None and is_valid(place) and not values[self._rider]
 
@@ -128,8 +128,9 @@ class PersonReader:
         for name in names:
             if name not in kinds:
                 kinds[name] = sumo.person.getTypeID(name)
-        # It is what the person really moved: SUMO's speed leaves out the lateral part, and its angle is that
-        # of the lane. Whoever is new, or was put elsewhere between two lanes, has speed and angle only.
+        # This velocity is how the person really moved: SUMO's speed leaves out the lateral part, and its
+        # angle is that of the lane. Persons who are new, or were put elsewhere between two lanes, only have
+        # speed and angle.
         unknown = ~(np.hypot(velocity[:, 0], velocity[:, 1]) <= MAX_WALKING_SPEED)
         for row in np.flatnonzero(unknown).tolist():
             speed = sumo.person.getSpeed(names[row])
@@ -148,7 +149,7 @@ class PersonReader:
         )
 
     def forget_absent(self, present: Present) -> None:
-        """Forget what was read once of persons who are not there any more."""
+        """Forget the types of persons who are no longer there."""
         forget_absent(self._kinds, present.persons)
 
 
@@ -158,7 +159,7 @@ class CarReader:
     Parameters
     ----------
     sumo : module or connection
-    step : between two readings [s]
+    step : time between two readings [s]
     """
 
     def __init__(self, sumo: Any, step: float) -> None:
@@ -167,10 +168,10 @@ class CarReader:
         self._types: dict[str, tuple[float, float, str]] = {}
         self._last: Mapping[str, Sequence[float]] = {}
         self.variables = tuple(sumo_constant(sumo, name) for name in _CAR_VARIABLES)
-        """To be subscribed to."""
+        """Variables to subscribe to."""
 
     def is_there(self, values: Mapping[int, Any]) -> bool:
-        """Return whether results are those of a vehicle that is somewhere."""
+        """Return whether results belong to a vehicle that has a position."""
         place = values.get(self.variables[0])
         return place is not None and is_valid(place)
 
@@ -198,7 +199,7 @@ class CarReader:
         cosine, sine = np.cos(heading), np.sin(heading)
         velocity = _moved(front, names, self._last, self._step)
         ahead = np.column_stack([pace * cosine, pace * sine])
-        # A plain lane change of SUMO's is a jump, and no speed; whoever is new has none of the last step.
+        # A plain lane change in SUMO is a jump, not a speed; a new vehicle has no position a step ago.
         jumped = ~(np.abs(velocity - ahead).sum(axis=1) <= MAX_SIDEWAYS_SPEED)
         velocity[jumped] = ahead[jumped]
         self._last = dict(zip(names, front.tolist(), strict=True))
@@ -219,24 +220,24 @@ class CarReader:
         )
 
     def forget_absent(self, present: Present) -> None:
-        """Forget what was read once of vehicles that are not there any more."""
+        """Forget the types and sizes of vehicles that are no longer there."""
         forget_absent(self._types, present.vehicles)
 
 
 def _moved(
     position: FloatArray, names: Sequence[str], last: Mapping[str, Sequence[float]], step: float
 ) -> FloatArray:
-    """Return velocities from positions now and one step ago [m/s]; nan for the new ones."""
+    """Return velocities from positions now and one step ago [m/s]; nan for new road users."""
     before = np.array([last.get(name, _NOWHERE) for name in names], dtype=np.float64).reshape(-1, 2)
     return (position - before) / step
 
 
 def is_valid(place: Sequence[float]) -> bool:
-    """Return whether a position is valid; SUMO gives absent road users a far one, or no number."""
+    """Return whether a position is valid; SUMO gives absent road users a far-away one, or nan."""
     return abs(place[0]) < INVALID and abs(place[1]) < INVALID
 
 
 def sumo_constant(sumo: Any, name: str) -> int:
-    """Return one of SUMO's numbers; libsumo has them at its top, traci in a module."""
+    """Return one of SUMO's constants; libsumo has them at its top level, traci in a module."""
     value: int = getattr(sumo, name, None) or getattr(sumo.constants, name)
     return value

@@ -17,9 +17,9 @@ from cosim.sumo.lane_path import LanePath
 from cosim.sumo.network import Connection, NetLane, Network
 
 VIEW = 250.0
-"""How far a path reaches beyond the end of its edge [m]."""
+"""A path reaches this far beyond the end of its edge [m]."""
 BEHIND = 80.0
-"""How far a path reaches back before its edge [m]."""
+"""A path reaches back this far before its edge [m]."""
 
 
 class Route:
@@ -29,7 +29,7 @@ class Route:
     ----------
     network
     edges : names, in driving order
-    vehicle_class : SUMO's name of it
+    vehicle_class : SUMO's name of the class
     turning : how tightly the vehicle turns
 
     Raises
@@ -60,7 +60,7 @@ class Route:
         return 0 <= index < len(names) and self.lane(step, index).permissions.allows(self.vehicle_class)
 
     def reach(self, step: int, index: int) -> float:
-        """Return how far a lane leads along the route from its beginning [m]; inf to the route's end."""
+        """Return how far a lane leads along the route from its beginning [m]; inf if to the route's end."""
         return self._reach[step].get(index, 0.0)
 
     def path(self, step: int, index: int) -> LanePath:
@@ -73,7 +73,7 @@ class Route:
     def beside(self, step: int, index: int) -> tuple[tuple[tuple[int, LanePath], ...], ...]:
         """Return the usable lanes to the right of a lane, then those to its left, nearest first; with paths.
 
-        Found on first use: neither the network nor the route changes.
+        They are found on first use, because neither the network nor the route changes.
         """
         key = (step, index)
         if key not in self._beside:
@@ -114,7 +114,7 @@ class Route:
         return self.network.follow(name, self.edges[step + 1], self.vehicle_class)
 
     def _onward(self, step: int, index: int) -> Connection | None:
-        """Return the connection that leads furthest; of equal ones the one that keeps the lane."""
+        """Return the connection that leads furthest; among equal ones, the one that best keeps the lane."""
         return max(
             self._connections(step, index),
             key=lambda connection: (
@@ -125,7 +125,7 @@ class Route:
         )
 
     def _onward_beside(self, step: int, index: int) -> Connection | None:
-        """Return the connection of the nearest lane that leads along the route, ``None`` for none."""
+        """Return the connection of the nearest lane that leads along the route; ``None`` if there is none."""
         others = self.network.allowed_lanes(self.edges[step], self.vehicle_class)
         found = (self._onward(step, other) for other in sorted(others, key=lambda one: abs(one - index)))
         return next((connection for connection in found if connection is not None), None)
@@ -176,8 +176,8 @@ class Route:
     def _before(self, step: int, index: int) -> tuple[list[NetLane], list[Connection], FloatArray]:
         """Return the lanes that lead to a lane, in driving order, and the connections between them.
 
-        A lane that begins on this edge has none: then they are those of the nearest lane beside it that
-        has, and the third value says how far they have to be shifted.
+        If no lane leads to it because it begins on this edge, the lanes are those of the nearest lane beside
+        it that has some, and the third value is the shift that they need [m].
         """
         lanes: list[NetLane] = []
         connections: list[Connection] = []

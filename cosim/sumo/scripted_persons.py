@@ -26,7 +26,7 @@ from cosim.sumo.yielding import STEPPING_OUT, Seen, Yielding
 from sumo_scenarios.pedestrian_tables import PedestrianTable
 
 WALKING = 0.05
-"""Slower is standing [m/s]."""
+"""Below this speed, a pedestrian counts as standing [m/s]."""
 
 
 class ScriptedPersons:
@@ -34,15 +34,15 @@ class ScriptedPersons:
 
     Parameters
     ----------
-    tables : what the scenario says of them
+    tables : the scenario's tables of pedestrians
     network
-    seed : of the run
-    begin, end : simulated time of the end of the warm-up and of the run [s]
+    seed : seed of the run
+    begin, end : simulated time of the end of the warm-up and of the end of the run [s]
 
     Raises
     ------
     InputError
-        For a place that does not exist, and a trajectory that leaves the network.
+        If a place does not exist, or a trajectory leaves the network.
     """
 
     def __init__(
@@ -60,17 +60,17 @@ class ScriptedPersons:
         self._to_come: list[Scripted] = list(self._population.fixed) if self._population else []
         self._there: dict[str, tuple[Scripted, State]] = {}
         self._spots: dict[str, tuple[State, Spot, PedestrianPhase]] = {}
-        """As last looked up: every step asks twice."""
+        """Spots as last looked up; every step needs them twice."""
         self._egos_seen: set[str] = set()
         self._sumo: Any = None
 
     def join(self, sumo: Any, step: float) -> None:
-        """Enter a simulation that has been started.
+        """Join a simulation that has been started.
 
         Parameters
         ----------
         sumo : module or connection
-        step : [s]
+        step : length of a step [s]
         """
         self._sumo = sumo
         self._step = step
@@ -78,13 +78,13 @@ class ScriptedPersons:
         self._yielding = Yielding(sumo, self._traffic, step)
 
     def walk(self, time: float, egos: Sequence[RoadUser], driven: Collection[str]) -> None:
-        """Say where everybody is after the coming step, and make SUMO's drivers look at them.
+        """Move the pedestrians to where they are after the coming step, and make SUMO's drivers yield.
 
         Parameters
         ----------
         time : now [s]
-        egos : as they are now
-        driven : those of them, or others, that SUMO does not drive
+        egos : the egos as they are now
+        driven : vehicles, among the egos or not, that SUMO does not drive
         """
         if not self._any or time < self._begin - 1e-9:
             return
@@ -123,7 +123,7 @@ class ScriptedPersons:
 
         Parameters
         ----------
-        surroundings : as SUMO knows them
+        surroundings : the surroundings as SUMO knows them
         places : front bumpers of the egos [m]
         time : now [s]
         """

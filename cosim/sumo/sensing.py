@@ -1,4 +1,4 @@
-"""From the surroundings to what the egos are told, each in its route frame."""
+"""Converts the surroundings into what each ego is told, in its route frame."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Perceiver:
     ----------
     sumo : module or connection
     network
-    interval : time until the next plan is asked for [s]
-    eyesight : where an ego of that size looks from
-    limits : that differ from those of the network
+    interval : time until the next plan is requested [s]
+    eyesight : returns where an ego of a given size looks from
+    limits : speed limits that differ from those of the network
     """
 
     def __init__(
@@ -47,13 +47,13 @@ class Perceiver:
         self._limits = limits
 
     def perceive(self, egos: Sequence[DrivenEgo], time: float, known: Surroundings) -> list[Perception]:
-        """Return what each ego is told; its frame is kept with it.
+        """Return what each ego is told, and store its frame with the ego.
 
         Parameters
         ----------
         egos
         time : now [s]
-        known : everything near any ego, as the egos know it
+        known : the road users near any ego, as the egos know them
         """
         if not egos:
             return []

@@ -1,7 +1,7 @@
-"""Routes that egos share, for as long as one is on them.
+"""Routes that egos share, kept for as long as an ego is on them.
 
-What a route knows of its lanes takes some megabytes. In a run of hours, with detours and routes that SUMO
-chooses by traffic, there are ever new ones.
+The data of a route and its lanes take some megabytes. A run of hours, with detours and routes that SUMO
+chooses by traffic, needs new routes all the time.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from cosim.sumo.network import Network
 from cosim.sumo.route import Route
 
 KEPT = 16
-"""So many are kept, for the next ego of a flow, though none is on them."""
+"""This many of the latest routes are kept for the next ego of a flow, even if no ego is on them."""
 
 
 class SharedRoutes:
@@ -31,12 +31,12 @@ class SharedRoutes:
         self._latest: deque[Route] = deque(maxlen=KEPT)
 
     def route(self, edges: tuple[str, ...], vehicle_class: str, turning: Turning) -> Route:
-        """Return a route for a vehicle class that turns so tightly.
+        """Return a route for vehicles of a class that turn this tightly.
 
         Raises
         ------
         InputError
-            If it cannot be driven.
+            If the route cannot be driven.
         """
         key = (edges, vehicle_class, turning)
         found = self._routes.get(key)

@@ -1,6 +1,6 @@
-"""How far egos look: as far as it takes to stop for whoever has to be let go first.
+"""How far egos look: far enough to stop for road users who have to be let go first.
 
-In a town that is a constant; where roads are fast, it grows with their speed limit.
+In a town this is a constant; where roads are fast, it grows with their speed limit.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from cosim.sumo.network import Network
 from cosim.sumo.yielding import stopping_distance
 
 JUNCTIONS, PERSONS, VEHICLES = 60.0, 80.0, 120.0
-"""At least so far ahead of its front bumper to junctions, and so far around it to people and vehicles [m]."""
+"""Least distances: to junctions ahead of the front bumper, to people and vehicles around the ego [m]."""
 REACTION, BRAKING = 0.5, 3.0
-"""A fast ego looks as far as it needs to stop like this [s, m/s^2]."""
+"""A fast ego looks as far as it needs to stop with this reaction time and braking [s, m/s^2]."""
 IN_TIME = 8.5
-"""So long before they reach its way it sees vehicles: most junctions are cleared sooner [s]."""
+"""The ego sees vehicles this long before they reach its way: most junctions are cleared sooner [s]."""
 
 
 CARS = "passenger"
-"""The limits of railways are far above the speed of the trams on them."""
+"""Only lanes for this class count: limits of railways are far above the speed of the trams on them."""
 
 
 class Sight(NamedTuple):
@@ -30,7 +30,7 @@ class Sight(NamedTuple):
 
 
 def sight(network: Network) -> Sight:
-    """Return how far egos look, from the fastest roads on which people cross and vehicles go first."""
+    """Return how far egos look, given the fastest roads that people cross and on which vehicles go first."""
     crossed = (
         network.lanes[lane].speed
         for crossing in network.crossings.values()
@@ -49,7 +49,7 @@ def sight(network: Network) -> Sight:
 
 
 def foe_range(speed: float) -> float:
-    """Return how far from a conflict vehicles that may drive as fast as this are looked for [m].
+    """Return the distance from a conflict within which vehicles with this speed limit are considered [m].
 
     >>> [foe_range(speed) for speed in (8.0, 14.0, 28.0)]
     [120.0, 120.0, 238.0]

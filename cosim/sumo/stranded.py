@@ -1,4 +1,4 @@
-"""Egos that get nowhere or have left their way: they take a detour, or are handed back to SUMO's driver."""
+"""Egos that are stuck or have left their way: they take a detour, or are handed back to SUMO's driver."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from cosim.sumo.placement import Placement
 from cosim.sumo.takeover import Takeover
 
 MISSED = 30.0
-"""An ego that has stood for so long, first on a lane that leads off its route, takes another way [s]."""
+"""An ego that has stood this long, as the first on a lane that leads off its route, takes another way [s]."""
 PATIENCE = 5.0
-"""An ego whose route SUMO refuses to set anew for longer than this is handed back [s]."""
+"""An ego whose route SUMO refuses to set again for longer than this is handed back [s]."""
 FARTHEST = 15.0
-"""An ego further than this from where SUMO can have it on its way is handed back [m]."""
+"""An ego further than this from the nearest place where SUMO accepts it on its way is handed back [m]."""
 STOOD = 240.0
-"""An ego that has stood for longer is handed back: it might wait for who waits for it [s]."""
+"""An ego that has stood longer is handed back: it and another vehicle might wait for each other [s]."""
 
 
 class Stranded:
-    """Helps egos on, and remembers which.
+    """Helps stranded egos, and remembers which.
 
     Parameters
     ----------
     sumo : the ``libsumo`` module, or a ``traci`` connection
     network
-    placement, takeover : of the world
+    placement, takeover : those of the world
     """
 
     def __init__(self, sumo: Any, network: Network, placement: Placement, takeover: Takeover) -> None:
@@ -36,17 +36,17 @@ class Stranded:
         self._placement = placement
         self._takeover = takeover
         self.given_up: list[str] = []
-        """Who was handed back for good."""
+        """Egos that were handed back for good."""
         self.on_detours: list[str] = []
-        """Who took a detour, once for each time."""
+        """Egos that took a detour, once for each detour."""
 
     def look_where_put(self, ego: DrivenEgo) -> None:
-        """Hand back an ego that SUMO cannot have near its place."""
+        """Hand back an ego that SUMO cannot put near its place."""
         if not self._placement.strayed(ego.name) <= FARTHEST:
             self._give_up(ego)
 
     def help_on(self, ego: DrivenEgo, step: float) -> None:
-        """After a step [s], hand back an ego that gets nowhere; one that missed its lane takes a detour."""
+        """After a step [s], hand back an ego that is stuck, or reroute one that has missed its lane."""
         ego.count_standing(step)
         if not ego.given_up and (ego.astray_for > PATIENCE or ego.stood_for > STOOD):
             self._give_up(ego)
@@ -56,9 +56,9 @@ class Stranded:
                 self._take_detour(ego)
 
     def _is_first_on_its_lane(self, ego: DrivenEgo) -> bool:
-        """Return whether an ego waits for no vehicle between it and the end of its lane.
+        """Return whether there is no vehicle between an ego and the end of its lane.
 
-        How far before the end it waits is its controller's to say: for a gap it needs room to turn into.
+        Its controller decides how far before the end it waits, because it needs room to turn into a gap.
         """
         vehicle = self._sumo.vehicle
         own = vehicle.getLanePosition(ego.name)
@@ -75,7 +75,7 @@ class Stranded:
             self.on_detours.append(ego.name)
 
     def _give_up(self, ego: DrivenEgo) -> None:
-        """Let SUMO drive an ego from where it was last on its way."""
+        """Let SUMO drive an ego for good, from where it was last on its way."""
         self._placement.release(ego.name)
         ego.handed_back = ego.given_up = True
         self.given_up.append(ego.name)

@@ -15,7 +15,7 @@ from cosim.sumo.road_users import CarReader, Cars, KnownState, PersonReader, Per
 from cosim.sumo.sight import sight
 
 PEDESTRIAN_RADIUS = 0.25
-"""Assumed, see docs/conventions.md [m]."""
+"""Assumed radius of a pedestrian, see docs/conventions.md [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +33,9 @@ class Surroundings:
 class Observer:
     """Reads the surroundings of egos by context subscriptions.
 
-    SUMO merges the results for persons and vehicles of one context by their ids. So the two ask for
-    different variables: who has a two-dimensional position is a person, who has a three-dimensional one
-    is a vehicle, and one id may be both.
+    SUMO merges the results for persons and vehicles of one context by their ids. Therefore the two ask for
+    different variables: a two-dimensional position belongs to a person and a three-dimensional one to a
+    vehicle. One id may be both.
     """
 
     def __init__(self, sumo: Any, network: Network, step: float) -> None:
@@ -63,13 +63,13 @@ class Observer:
             sumo.vehicle.unsubscribeContext(ego, sumo_constant(sumo, name), reach)
 
     def read(self, egos: Sequence[str], known: Mapping[str, KnownState], present: Present) -> Surroundings:
-        """Return what is near these egos after the last step.
+        """Return the road users near these egos after the last step.
 
         Parameters
         ----------
-        egos : names
-        known : states to be believed instead of SUMO's, by name
-        present : who is there; others that SUMO still names do not exist
+        egos : names of the egos
+        known : states of vehicles, used instead of SUMO's, by name
+        present : road users that exist; SUMO may still name others
         """
         sumo = self._sumo
         person_rows: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""How a vehicle of SUMO becomes one that is driven from here."""
+"""Turns vehicles of SUMO into egos."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.sumo.track import Track
 
 
 class Takeover:
-    """Makes egos of vehicles as SUMO has them; egos of one route share it.
+    """Turns vehicles of SUMO into egos; egos with the same route share it.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Takeover:
         self._routes = SharedRoutes(network)
 
     def ego_of(self, sumo: Any, name: str) -> DrivenEgo:
-        """Return the ego that a vehicle is from now on: where it is, as fast, on its route.
+        """Return the ego that a vehicle becomes: at the same place and speed, and on the same route.
 
         Raises
         ------
@@ -51,8 +51,8 @@ class Takeover:
         Parameters
         ----------
         sumo, name : the vehicle in SUMO
-        now : where SUMO has it
-        turning : how tightly it turns
+        now : where SUMO has the vehicle
+        turning : how tightly the vehicle turns
         number : ``Lane.number`` of the lane
 
         Raises

@@ -1,4 +1,4 @@
-"""Which lane of its route a vehicle follows, told from where its front bumper is."""
+"""Which lane of its route a vehicle follows, given the place of its front bumper."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cosim.sumo.route import Route
 HYSTERESIS = 0.15
 """The front bumper's centre has to be this far beyond a lane line to count as in the other lane [m]."""
 REMOVAL = 2.0
-"""A vehicle this near its route's end has arrived [m]."""
+"""A vehicle this near the end of its route has arrived [m]."""
 
 
 class Track:
@@ -28,7 +28,7 @@ class Track:
         self.number = 0
         """``Lane.number`` of the lane."""
         self.along = 0.0
-        """Of the front bumper, on `path` [m]."""
+        """Place of the front bumper on `path` [m]."""
         self.across = 0.0
 
     @property
@@ -37,16 +37,16 @@ class Track:
         return self.route.path(self.step, self.index)
 
     def bend(self, length: float = 0.0) -> PathBend | None:
-        """Return the bend, too tight for the vehicle, that it is in; ``None`` elsewhere.
+        """Return the bend that the vehicle is in, if it is too tight for the vehicle; otherwise ``None``.
 
         Parameters
         ----------
-        length : of the vehicle's part behind the front bumper that counts [m]
+        length : how far behind the front bumper the vehicle still counts as in the bend [m]
         """
         return self.path.bend_at(self.along, length)
 
     def lane_in_bend(self) -> str:
-        """Return the lane that the front bumper is beside in such a bend; empty elsewhere."""
+        """Return the lane that the front bumper is beside in such a bend; empty if it is in none."""
         return "" if self.bend() is None else self.path.piece_at(self.along).lane.name
 
     @property
@@ -61,7 +61,7 @@ class Track:
         return self.step == len(self.route.edges) - 1
 
     def update(self, front_x: float, front_y: float) -> None:
-        """Find the front bumper [m] again after it has moved a little."""
+        """Update the place on the route after the front bumper [m] has moved a little."""
         path = self._locate(front_x, front_y, self.along)
         while self.along >= path.next_start:
             onward = self.route.next_lane(self.step, self.index)
@@ -78,7 +78,7 @@ class Track:
             self._rejoin(front_x, front_y)
 
     def beside(self) -> list[tuple[int, LanePath]]:
-        """Return the neighbouring lanes and their indices; at most two, those of its edge that it may use."""
+        """Return the neighbouring lanes of its edge that it may use, at most two, with their indices."""
         return [
             (index, self.route.path(self.step, index))
             for index in (self.index - 1, self.index + 1)
@@ -96,8 +96,8 @@ class Track:
 
         Parameters
         ----------
-        path : the present one
-        x, y : of the front bumper [m]
+        path : the present path
+        x, y : position of the front bumper [m]
         """
         if abs(self.across) <= 0.5 * path.piece_at(self.along).lane.width + HYSTERESIS:
             return False
@@ -111,7 +111,7 @@ class Track:
         return False
 
     def _rejoin(self, x: float, y: float) -> None:
-        """Take the nearest lane that leads on: the one so far ended without a way along the route."""
+        """Take the nearest lane that leads on: the present one ended without a way along the route."""
         best = None
         for index in self.route.network.allowed_lanes(self.route.edges[self.step], self.route.vehicle_class):
             path = self.route.path(self.step, index)

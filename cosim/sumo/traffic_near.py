@@ -1,7 +1,7 @@
 """The vehicles near scripted pedestrians, with the path that each will drive.
 
-SUMO reports what is near a point of interest, as it does for a vehicle. Every scripted pedestrian is
-therefore a point of interest, which also shows them in SUMO's window.
+SUMO can report what is near a point of interest, as it can for a vehicle. Therefore every scripted pedestrian
+is a point of interest, which also shows them in SUMO's window.
 """
 
 from __future__ import annotations
@@ -21,27 +21,27 @@ from cosim.sumo.path import Path, project_all
 from cosim.sumo.road_users import INVALID, sumo_constant
 
 NEAR = 100.0
-"""[m]"""
+"""Vehicles are read within this distance of a pedestrian [m]."""
 REACH = 120.0
-"""How far ahead a vehicle's way is known [m]."""
+"""A vehicle's way is known this far ahead [m]."""
 _COLOUR = (255, 120, 0, 255)
 _LAYER = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Properties of SUMO's type of a vehicle."""
+    """Properties of a vehicle that its SUMO type gives."""
 
     length: float
     width: float
     min_gap: float
-    """Kept in front of whatever it stops for [m]."""
+    """Distance that it keeps to whatever it stops for [m]."""
     comfortable: float
-    """Deceleration [m/s^2]."""
+    """Comfortable deceleration [m/s^2]."""
     hardest: float
     """Emergency deceleration [m/s^2]."""
     rails: bool
-    """Cannot be stopped as a road vehicle can."""
+    """Whether it cannot be stopped as a road vehicle can."""
 
 
 class TrafficNear:
@@ -69,16 +69,16 @@ class TrafficNear:
         poi.subscribeContext(name, self._domain, NEAR, list(self._keys))
 
     def move(self, name: str, x: float, y: float) -> None:
-        """Look from another place."""
+        """Move the place around which to look."""
         self._sumo.poi.setPosition(name, x, y)
 
     def leave(self, name: str) -> None:
-        """Look no longer."""
+        """Stop looking around a pedestrian."""
         self._sumo.poi.unsubscribeContext(name, self._domain, NEAR)
         self._sumo.poi.remove(name)
 
     def body(self, vehicle: str) -> Body:
-        """Return what the vehicle's type says."""
+        """Return the properties of a vehicle."""
         found = self._bodies.get(vehicle)
         if found is None:
             of = self._sumo.vehicle
@@ -97,7 +97,7 @@ class TrafficNear:
         known: dict[str, RoadUser | None] = {}
         found: dict[str, list[RoadUser]] = {}
         at, speed, angle, lane = self._keys
-        # What was taken off the road after the step is among the results still.
+        # The results still contain vehicles that were taken off the road after the step.
         there = set(self._sumo.vehicle.getIDList()) if pedestrians else set()
         for pedestrian in pedestrians:
             near: list[RoadUser] = []
@@ -131,7 +131,7 @@ class TrafficNear:
         return way_along(self._ways[lanes], x, y)
 
     def _lanes_ahead(self, name: str, lane: str) -> tuple[str, ...]:
-        """Return the vehicle's lane and those that it will drive on, as far as it is known."""
+        """Return the vehicle's lane and the lanes that it will drive on, as far as they are known."""
         network = self._network
         if lane not in network.lanes:
             return ()
@@ -155,13 +155,13 @@ class TrafficNear:
 
 
 def way_along(path: Path, x: float, y: float, near: float = 0.0) -> Way:
-    """Return places relative to the path of a vehicle with its front bumper at (x, y).
+    """Return a function that locates points relative to a vehicle on its path, with its front at (x, y).
 
     Parameters
     ----------
     path
-    x, y : [m]
-    near : about where on the path that is; it decides where the path comes to the same place again [m]
+    x, y : position of the front bumper [m]
+    near : about where on the path that is; it decides if the path comes to the same place again [m]
     """
     alongs, acrosses, _ = project_all([path], np.array([[x, y]]), [1], [near])
     front, beside = float(alongs[0]), float(acrosses[0])

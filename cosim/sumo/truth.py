@@ -1,4 +1,4 @@
-"""From what was read of SUMO to what the judge is told: road users as they really are."""
+"""Converts what was read from SUMO into what the judge is told: road users as they really are."""
 
 from __future__ import annotations
 

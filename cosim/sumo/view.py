@@ -1,4 +1,4 @@
-"""One ego's route frame, and what of its path can be seen from there."""
+"""One ego's route frame, and the objects on its path that the ego can see."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.sumo.track import Track
 PASSED_LINE = 2.0
 """A stop line further behind the front bumper than this is forgotten [m]."""
 LANE_END = 12.0
-"""So near to the end of a lane that leads off the route the way beside it matters [m]."""
+"""This near to the end of a lane that leads off the route, the way beside it counts [m]."""
 
 
 class Frame:
@@ -33,7 +33,7 @@ class Frame:
         self.path: LanePath = track.path
         curve, body, x, y = self.path.curve, plant.body, plant.x, plant.y
         east, north = math.cos(plant.heading), math.sin(plant.heading)
-        # Found near the front bumper's last place: a path that crosses itself has two nearest points.
+        # Searched near the front bumper's place, because a path that crosses itself has two nearest points.
         self.origin, self.across = curve.place_near(x, y, track.along - body.front)
         """Along coordinate of the rear axle on the path, and its offset to the left [m]."""
         self.heading_error = wrapped(plant.heading - curve.heading_at(self.origin))

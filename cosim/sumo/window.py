@@ -11,29 +11,29 @@ Colour = tuple[int, int, int, int]
 
 EGO: Colour = (0, 114, 178, 255)
 HANDED_BACK: Colour = (153, 153, 153, 255)
-"""Of an ego that SUMO drives for the moment."""
+"""Colour of an ego that SUMO drives for the moment."""
 PLAN: Colour = (86, 180, 233, 255)
 FALLBACK: Colour = (213, 94, 0, 255)
-"""Of a plan that is the declared fallback."""
+"""Colour of a plan that is the declared fallback."""
 LAYER = 250.0
-"""Above roads and vehicles."""
+"""SUMO's layer of plans, above roads and vehicles."""
 LINE_WIDTH = 0.4
-"""[m]"""
+"""Width of the lines that show plans [m]."""
 VIEW = "View #0"
 ZOOM = 900.0
 
 
 class Window:
-    """Colours egos, draws their plans anew each step, and follows the first ego.
+    """Colours egos, redraws their plans, and follows the first ego.
 
-    Nothing of this has an influence on what is simulated.
+    None of this influences the simulation.
     """
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._colours: dict[str, Colour] = {}
         self._lines: dict[str, Colour] = {}
-        """Colours of the plans that are drawn, by ego."""
+        """Colours of the plans shown, by ego."""
         self._followed = ""
 
     def planned(
@@ -49,7 +49,7 @@ class Window:
             self._draw(name, points, PLAN if plan.solved else FALLBACK)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Colour the egos that are new, and forget those that have left."""
+        """Colour new egos, and forget those that have left."""
         present = {ego.name for ego in snapshot.egos}
         with self._connection.reporting(f"drawing at {snapshot.time:.2f} s"):
             for name in [name for name in self._lines if name not in present]:

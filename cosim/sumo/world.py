@@ -43,7 +43,7 @@ from sumo_scenarios.preparation import Prepared
 from sumo_scenarios.recorded_vehicles import read_recorded_vehicles, vehicles_file
 
 PLAN_INTERVAL = 0.1
-"""Controllers are asked at most this often [s]."""
+"""Shortest time between two plans of a controller [s]."""
 
 
 class SumoWorld:
@@ -51,17 +51,17 @@ class SumoWorld:
 
     Parameters
     ----------
-    scenario, prepared : what runs
-    seed : draws the egos of a share; SUMO's own seed is among the prepared options
+    scenario, prepared : the scenario to run
+    seed : seed by which a share of egos is drawn; SUMO's own seed is among the prepared options
     drive : actuators of every ego
-    gui : show SUMO's window
-    sensing : how egos come to know of pedestrians; not given: they know the truth
-    everybody : whether everybody near a crossing is looked at, so that no ego is needed
+    gui : whether to show SUMO's window
+    sensing : how egos get to know of pedestrians; by default they know the truth
+    everybody : whether all road users near crossings are observed, so that no ego is needed
 
     Raises
     ------
     InputError
-        If SUMO cannot start, or an ego's route or type, or what senses for it, is not possible.
+        If SUMO cannot start, or an ego's route, type or sensing is not possible.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class SumoWorld:
         self._tight_bends: dict[str, float] = {}
         self._not_taken: list[str] = []
         self._to_take: list[str] = []
-        """Chosen as egos, but not on a lane yet."""
+        """Vehicles that were chosen as egos but are not on a lane yet."""
         self._present = Present()
         self._departed = Departed()
         self._traffic: Traffic | None = None
@@ -138,7 +138,7 @@ class SumoWorld:
     # The world's protocol -----------------------------------------------------------------------------
 
     def sense(self) -> Sequence[Perception] | None:
-        """Return one perception for each ego that is to plan now; ``None`` when the run is over."""
+        """Return one perception for each ego that has to plan now; ``None`` when the run is over."""
         if not self._warm:
             self._warm_up()
         if self._over():
@@ -226,7 +226,7 @@ class SumoWorld:
         return frame.to_world(along, across)
 
     def map_areas(self) -> Sequence[MapArea]:
-        """Return lanes, crossings and walking areas near where the egos, or everybody, have been."""
+        """Return lanes, crossings and walking areas near the places of egos, or of everybody observed."""
         seen = (
             self._visited if self._everybody is None else {*self._visited, *cells_of_crossings(self._network)}
         )
@@ -242,13 +242,13 @@ class SumoWorld:
         return self._network
 
     def window(self) -> Window | None:
-        """Return what shows egos and plans in SUMO's window; ``None`` without a window."""
+        """Return the display of egos and plans in SUMO's window; ``None`` without a window."""
         return Window(self._connection) if self._connection.with_window else None
 
     # Steps --------------------------------------------------------------------------------------------
 
     def _warm_up(self) -> None:
-        """Let the demand fill the road before the first ego comes."""
+        """Let the demand fill the road before the first ego appears."""
         self._warm = True
         with self._connection.reporting("warming up"):
             while self._time < self._first - 1e-9:
@@ -259,7 +259,7 @@ class SumoWorld:
                     break
 
     def _walk(self) -> None:
-        """Say where scripted pedestrians are after the step; they see the egos as they are before it."""
+        """Move scripted pedestrians to where they are after the step; they see the egos as before it."""
         if self._scripted.any:
             egos = [road_user(ego.name, ego.plant, ego.track) for ego in self._egos.values()]
             driven = [ego.name for ego in self._egos.values() if not ego.handed_back]
@@ -283,17 +283,17 @@ class SumoWorld:
         if self._egos or self._sources.trips:
             return False
         ends = self._sources.ends and self._everybody is None
-        # SUMO expects nobody from calibrators before they have inserted them.
+        # SUMO does not count vehicles that calibrators have yet to insert as expected.
         return ends or not (self._calibrated or self._sumo.simulation.getMinExpectedNumber())
 
     def _drop_gone(self) -> None:
-        """Forget egos that SUMO has taken off the road: arrived, teleported, or removed in any other way."""
+        """Forget egos that SUMO has taken off the road because they arrived, teleported or were removed."""
         teleporting = set(self._sumo.simulation.getStartingTeleportIDList())
         self._others_teleported += len(teleporting - self._egos.keys())
         there = self._present.vehicles
         for name in [name for name in self._egos if name not in there or name in teleporting]:
             ego = self._egos[name]
-            # One that SUMO drives arrives as SUMO's own: also in a step in which it passed the last edges.
+            # An ego that SUMO drives may have passed its last edges and arrived in the same step.
             arrived = ego.handed_back or ego.track.on_last_edge
             if not ego.given_up and (name in teleporting or not arrived):
                 self._teleports += 1
@@ -307,7 +307,7 @@ class SumoWorld:
         del self._egos[name]
 
     def _follow_up(self, ego: DrivenEgo) -> None:
-        """Compare what SUMO made of the step with the plant, and find the ego's place on its route."""
+        """Compare where SUMO has the ego after the step with the plant, and update its place on its route."""
         plant = ego.plant
         before = plant.front
         if ego.handed_back:
@@ -338,13 +338,13 @@ class SumoWorld:
         self._visited.add((round(plant.x / CELL), round(plant.y / CELL)))
 
     def _remove_arrived(self) -> None:
-        """Take egos off the road at the end of their routes: a moved vehicle never arrives."""
+        """Take egos off the road at the end of their routes, because a moved vehicle never arrives."""
         for name in [name for name, ego in self._egos.items() if ego.track.arrived]:
             self._remove(name)
             self._forget(name)
 
     def _remove(self, name: str) -> None:
-        # A step with a subscription around a vehicle that has been removed fails.
+        # A step fails if there is a subscription around a vehicle that has been removed.
         self._observer.leave(name)
         if self._everybody is not None:
             self._everybody.leave(name)
@@ -354,7 +354,7 @@ class SumoWorld:
 
     def _take_over_departed(self) -> None:
         there, departed = self._present.vehicles, self._departed.vehicles
-        # In a long step a vehicle may depart and be gone again.
+        # In a long step, a vehicle may depart and leave again.
         chosen = [name for name in self._to_take if name in there]
         if departed:
             chosen += self._sources.choose(self._sumo, departed, self._time)

@@ -1,8 +1,8 @@
-"""Makes SUMO's own drivers brake for scripted pedestrians, which SUMO does not know.
+"""Makes SUMO's own drivers brake for scripted pedestrians, of whom SUMO does not know.
 
 SUMO's drivers can see a person that ``moveToXY`` puts on a lane, but not reliably and not safely: see
-docs/pedestrians.md. The speed of each vehicle that would meet one is therefore limited from here, like that
-of a driver who expects the pedestrian to keep walking for a short time. Following vehicles react as usual.
+docs/pedestrians.md. This module therefore limits the speed of each vehicle that would meet a pedestrian, as
+if its driver expected the pedestrian to keep walking for a short time. Following vehicles react as usual.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from cosim.sumo.traffic_near import Body, TrafficNear
 LOOK_AHEAD = 2.5
 """A driver expects a pedestrian to keep their velocity for this time [s]."""
 LOOK_AHEAD_PRIORITY = 4.0
-"""The same for a pedestrian with the right of way on a crossing [s]."""
+"""A driver expects a pedestrian with the right of way on a crossing to do so for this time [s]."""
 STEPPING_OUT = 1.3
 """Speed at which a waiting pedestrian with the right of way is expected to step out [m/s]."""
 STOP_LINE = 1.5
 """Distance from the crossing at which a yielding vehicle stops [m]."""
 SIDE_MARGIN = 0.3
-"""Between the vehicle's side and the pedestrian's [m]."""
+"""A pedestrian is in a vehicle's path if the gap beside the vehicle would be smaller than this [m]."""
 NEXT_LANE = 3.5
-"""No vehicle changes lanes with a pedestrian this near to the side of its path [m]."""
+"""No vehicle changes lanes if a pedestrian is this near to the side of its path [m]."""
 KEEPS_ITS_LANE = 512
-"""Lane-change mode: no change that SUMO wishes."""
+"""Lane-change mode: SUMO makes no lane changes of its own."""
 INTERVAL = 0.25
-"""[s]"""
+"""Interval between the times at which a pedestrian's expected positions are checked [s]."""
 OBEYS_BRAKES_BEYOND_COMFORT = ~4
-"""Bit of the speed mode that keeps a commanded speed within comfortable braking."""
+"""Mask that clears the bit of the speed mode by which SUMO brakes no harder than comfortably."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Seen:
     x_speed: float
     y_speed: float
     has_priority: bool = False
-    """On a crossing, or about to step on it, where vehicles have to wait."""
+    """Whether they are on, or about to step on, a crossing where vehicles have to wait."""
     half_crossing: float = 0.0
     """Half the crossing's width: a vehicle stops before it [m]."""
 
@@ -58,7 +58,7 @@ class Yielding:
     ----------
     sumo : module or connection
     traffic : the vehicles near pedestrians
-    step : [s]
+    step : length of a step [s]
     """
 
     def __init__(self, sumo: Any, traffic: TrafficNear, step: float) -> None:
@@ -66,9 +66,9 @@ class Yielding:
         self._traffic = traffic
         self._step = step
         self._held: dict[str, int] = {}
-        """Speed mode that each held vehicle had."""
+        """Original speed mode of each vehicle whose speed is bounded."""
         self._kept: dict[str, int] = {}
-        """Lane-change mode that each vehicle had that must not change lanes."""
+        """Original lane-change mode of each vehicle that must not change lanes."""
 
     def hold(
         self, seen: Mapping[str, Seen], near: Mapping[str, Sequence[RoadUser]], driven: Collection[str]
@@ -79,7 +79,7 @@ class Yielding:
         ----------
         seen : pedestrians on the road, moving or about to be, by name
         near : the vehicles near each of them
-        driven : vehicles that controllers drive: they have to brake themselves
+        driven : vehicles that controllers drive; the controllers have to brake
         """
         caps: dict[str, tuple[float, float]] = {}
         keeps: set[str] = set()
@@ -108,7 +108,7 @@ class Yielding:
             vehicle_domain.setSpeed(name, max(cap, hardest, 0.0))
 
     def _release(self, held: Collection[str], kept: Collection[str]) -> None:
-        """Hand vehicles back to their drivers, those that are still there."""
+        """Hand vehicles that are still there back to their drivers."""
         if not held and not kept:
             return
         there = set(self._sumo.vehicle.getIDList())
@@ -123,13 +123,14 @@ class Yielding:
                 self._sumo.vehicle.setLaneChangeMode(name, mode)
 
     def forget(self, name: str) -> None:
-        """Give a vehicle back to its driver, and leave it alone from now on: another driver takes it over."""
+        """Give a vehicle back to its driver and leave it alone from now on: another driver takes it over."""
         self._release([name] if name in self._held else [], [name] if name in self._kept else [])
 
     def _look(self, vehicle: RoadUser, pedestrian: Seen, body: Body) -> float | None:
-        """Return the highest speed of the coming step, inf for any; ``None`` without any concern."""
+        """Return the highest speed of the coming step [m/s]: inf for any; ``None`` for no concern at all."""
         before = max(RADIUS + body.min_gap, pedestrian.half_crossing + STOP_LINE)
-        # Who is further away than a comfortable stop needs is no concern yet; ways are no shorter than that.
+        # Pedestrians farther away than a comfortable stop takes do not matter yet; no way is shorter than a
+        # straight line.
         far = stopping_distance(vehicle.speed + body.comfortable * self._step, body.comfortable, self._step)
         walked = LOOK_AHEAD_PRIORITY * math.hypot(pedestrian.x_speed, pedestrian.y_speed)
         if math.dist((vehicle.x, vehicle.y), (pedestrian.x, pedestrian.y)) > far + before + walked:
@@ -162,7 +163,7 @@ def stopping_speed(gap: float, deceleration: float, step: float) -> float:
 
 
 def stopping_distance(speed: float, deceleration: float, step: float) -> float:
-    """Return the way of a step at a speed and a stop from it [m]; the inverse of `stopping_speed`.
+    """Return the distance of a step at a speed and a stop from it [m]; the inverse of `stopping_speed`.
 
     >>> stopping_distance(stopping_speed(17.0, 4.0, 0.1), 4.0, 0.1)
     17.0
@@ -173,7 +174,7 @@ def stopping_distance(speed: float, deceleration: float, step: float) -> float:
 def _sight(vehicle: RoadUser, pedestrian: Seen) -> float | None:
     """Return the distance from the front bumper to a pedestrian who is or soon will be in the path [m].
 
-    It is inf for a pedestrian beside the path, and ``None`` for one far from it or behind the vehicle.
+    It is inf for a pedestrian beside the path, and ``None`` if they are far from it or behind the vehicle.
     """
     half = 0.5 * vehicle.width + RADIUS + SIDE_MARGIN
     until = LOOK_AHEAD_PRIORITY if pedestrian.has_priority else LOOK_AHEAD
@@ -185,7 +186,7 @@ def _sight(vehicle: RoadUser, pedestrian: Seen) -> float | None:
     # By then the vehicle is past, if it does not brake.
     past = (along + vehicle.length + RADIUS) / max(vehicle.speed, STANDING) < times
     in_the_way = (np.abs(across) <= half) & (along >= 0.0) & ~past
-    # Who is beside the vehicle now cannot be hit by its front.
+    # A pedestrian beside the vehicle now cannot be hit by its front.
     if along[0] < 0.0 or not in_the_way.any():
         return math.inf
     return float(along[in_the_way].min())
