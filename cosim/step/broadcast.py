@@ -1,4 +1,4 @@
-"""A record that passes the step on to several records."""
+"""A record that forwards the events of the step to several records."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cosim.step.world import Snapshot
 
 
 class Broadcast:
-    """Tells each of several records the same, in their order."""
+    """Forwards each event to several records, in the order given."""
 
     def __init__(self, *records: Record) -> None:
         self._records = records
@@ -16,11 +16,11 @@ class Broadcast:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Tell all of one ego's plan."""
+        """Forward one ego's plan."""
         for record in self._records:
             record.planned(perception, decision, plan, compute_s, to_world)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Tell all of the world after the step."""
+        """Forward the world after the step."""
         for record in self._records:
             record.stepped(snapshot)

@@ -11,10 +11,10 @@ from cosim.step.world import Snapshot
 
 
 class Drivers(Mapping[str, Controller]):
-    """A controller for every ego that is asked for; one controller drives one ego until that leaves.
+    """A controller for every ego that is looked up; it drives that ego until the ego leaves.
 
-    An ego's seed follows from the run's seed and from its name alone, so that one more ego in the
-    traffic does not change what the others draw.
+    An ego's seed depends only on the run's seed and on the ego's name, so that one more ego in the traffic
+    does not change what the others draw.
     """
 
     def __init__(self, build: Callable[[int], Controller], seed: int) -> None:
@@ -34,17 +34,17 @@ class Drivers(Mapping[str, Controller]):
         return len(self._built)
 
     def keep(self, names: Collection[str]) -> None:
-        """Let the controllers of all other egos go: with its programs one may hold some 200 kB."""
+        """Release all other egos' controllers: with its optimisation programs, one may hold some 200 kB."""
         for name in self._built.keys() - set(names):
             release(self._built.pop(name))
 
     def close(self) -> None:
-        """Let all controllers go."""
+        """Release all controllers."""
         self.keep(())
 
 
 class Departures:
-    """A record that lets the controllers of egos go that have left the road; none comes back.
+    """A record that releases the controllers of egos that have left the road; no ego comes back.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Departures:
 
 
 def release(controller: Controller) -> None:
-    """Let a controller go: one that holds more than memory, such as a process, has a method ``close``."""
+    """Release a controller; if it holds more than memory, such as a process, it has a method ``close``."""
     close = getattr(controller, "close", None)
     if callable(close):
         close()

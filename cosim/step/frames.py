@@ -1,4 +1,4 @@
-"""Between SUMO's way of saying where a vehicle is and ours.
+"""Conversion between SUMO's way of giving the pose of a vehicle and ours.
 
 SUMO: angle in degrees clockwise from north, position of the front bumper's centre. Here: heading in
 radians counter-clockwise from east, position of the rear axle's centre.
@@ -10,7 +10,7 @@ import math
 
 
 def wrapped(angle: float) -> float:
-    """Return the same direction within (−pi, pi] [rad].
+    """Return an angle of the same direction within (−pi, pi] [rad].
 
     >>> round(wrapped(3 * math.pi / 2), 6) == round(-math.pi / 2, 6)
     True
@@ -43,7 +43,7 @@ def front_of(x: float, y: float, heading: float, front: float) -> tuple[float, f
     Parameters
     ----------
     x, y : rear axle [m]
-    heading : [rad]
+    heading : heading of the vehicle [rad]
     front : distance from the rear axle to the front bumper, ``Body.front`` [m]
 
     >>> front_of(1.0, 2.0, 0.0, 3.5)

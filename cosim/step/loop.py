@@ -1,4 +1,4 @@
-"""The step: sense, decide, plan, act, advance, record. Knows no simulator and no controller by name."""
+"""The step: sense, decide, plan, act, advance, record. It knows no simulator and no controller by name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cosim.step.world import Snapshot, World
 ToWorld = Callable[[str, FloatArray, FloatArray], FloatArray]
 
 _NEW_OBJECTS = 20_000
-"""Garbage is looked for after so many new objects; Python's own 700 are less than one ego's in a step."""
+"""Garbage is collected after this many new objects; one ego makes more than Python's own 700 in a step."""
 
 
 class Record(Protocol):
@@ -29,11 +29,11 @@ class Record(Protocol):
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Take note of one ego's plan, made at the beginning of a step."""
+        """Record one ego's plan, made at the beginning of a step."""
         ...
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Take note of the world after the step."""
+        """Record the world after the step."""
         ...
 
 
@@ -58,13 +58,13 @@ def run(
     Parameters
     ----------
     world : World
-        What is driven in; senses one perception for each ego that is to plan now, perhaps none.
+        The world to drive in; it senses one perception for each ego that has to plan now, perhaps none.
     drivers : Mapping
         Ego name to controller; may build controllers at the first look-up.
     record : Record
         Receives every plan and every snapshot.
     times : LoopTimes
-        Added to in place, so that the caller keeps it when the run fails.
+        Updated in place, so that the caller has the times even if the run fails.
     after_step : Callable
         Called with the simulated time [s] after every step.
 
@@ -86,7 +86,7 @@ def _drive(
     times: LoopTimes,
     after_step: Callable[[float], None],
 ) -> None:
-    # The first sensing is not counted: a world may warm up in it.
+    # The first sensing is not counted, because a world may warm up in it.
     started: float | None = None
     while (perceptions := world.sense()) is not None:
         if started is not None:
@@ -120,7 +120,7 @@ def _driver(drivers: Mapping[str, Controller], perception: Perception) -> Contro
 
 
 def _answer(driver: Controller, perception: Perception) -> tuple[Decision, Plan]:
-    """Return the controller's decision and plan; whatever goes wrong inside it ends the run by name."""
+    """Return the controller's decision and plan; any failure ends the run with an error naming the ego."""
     ego = perception.ego
     try:
         decision = driver.decide(perception)
@@ -147,9 +147,9 @@ def _is_finite(command: Command) -> bool:
 
 @contextmanager
 def rarely_collected() -> Iterator[None]:
-    """Let Python look for garbage seldom: a step makes thousands of objects, hardly any of which is garbage.
+    """Make Python collect garbage rarely: a step makes thousands of objects, but hardly any garbage.
 
-    The world and its network, a hundred thousand objects that stay, are then looked through hardly ever.
+    The world and its network, a hundred thousand objects that stay, are then hardly ever searched.
     """
     before = gc.get_threshold()
     gc.set_threshold(_NEW_OBJECTS, *before[1:])

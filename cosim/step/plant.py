@@ -35,11 +35,11 @@ def body_of(length: float, width: float) -> Body:
     """Return the body of a vehicle of which only length and width are known.
 
     Wheelbase and rear overhang are those of the default car, scaled with the length. SUMO knows no
-    wheelbase, so this is assumed; for a long truck or a bus with a long overhang it is a rough guess.
+    wheelbase, so this is assumed. For a long truck or a bus with a long overhang, it is a rough guess.
 
     Parameters
     ----------
-    length, width : [m]
+    length, width : dimensions of the vehicle [m]
 
     Raises
     ------
@@ -62,15 +62,15 @@ class Plant:
 
     The rear axle moves along the heading; the heading turns by speed · tan(steering) / wheelbase.
     Acceleration follows its command with lag ``drive_lag``, the front-wheel angle with lag
-    ``steering_lag`` and at most ``max_steering_rate``; both commands are cut to the drive's limits.
-    The speed never goes below zero: a braking vehicle stops, and then its acceleration is zero.
+    ``steering_lag`` and at a rate of at most ``max_steering_rate``; both commands are clipped to the drive's
+    limits. The speed never goes below zero: a braking vehicle stops, and then its acceleration is zero.
 
     Parameters
     ----------
     body, drive : dimensions and actuators
-    x, y : rear axle [m]
-    heading : [rad]
-    speed : [m/s]
+    x, y : centre of the rear axle [m]
+    heading : initial heading [rad]
+    speed : initial speed [m/s]
     """
 
     def __init__(self, body: Body, drive: Drive, x: float, y: float, heading: float, speed: float) -> None:
@@ -84,7 +84,7 @@ class Plant:
         self.steering = 0.0
         self._command: Command | None = None
         self._entries: tuple[list[float], list[float], list[float]] = ([], [], [])
-        """Of the command followed last: times, accelerations, angles; read and checked when it is given."""
+        """Times, accelerations and angles of the last command, read and checked when it was given."""
 
     @property
     def front(self) -> tuple[float, float]:
@@ -94,14 +94,14 @@ class Plant:
     def adopt(
         self, front_x: float, front_y: float, heading: float, speed: float, acceleration: float
     ) -> None:
-        """Take the state over from another driver; the wheels point straight ahead then.
+        """Take over the state from another driver, with the wheels straight ahead.
 
         Parameters
         ----------
         front_x, front_y : centre of the front bumper [m]
-        heading : [rad]
-        speed : [m/s]
-        acceleration : [m/s^2]
+        heading : heading of the vehicle [rad]
+        speed : speed of the vehicle [m/s]
+        acceleration : acceleration of the vehicle [m/s^2]
         """
         self.x, self.y = rear_axle_of(front_x, front_y, heading, self.body.front)
         self.heading = wrapped(heading)
@@ -110,7 +110,7 @@ class Plant:
         self.steering = 0.0
 
     def follow(self, command: Command, elapsed: float, duration: float) -> None:
-        """Move on for ``duration``, which begins ``elapsed`` after the command was given.
+        """Follow a command for ``duration``, which begins ``elapsed`` after the command was given.
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ class Plant:
         Raises
         ------
         SimulationError
-            If the command has no entries, entries of different number or a value that is not finite.
+            If the command has no entries, unequal numbers of entries or a value that is not finite.
         """
         if command is not self._command or elapsed == 0.0:
             self._entries = _entries(command)
@@ -129,7 +129,7 @@ class Plant:
         end = elapsed + duration
         now = elapsed
         while now < end - 1e-12:
-            # 1e-9: a breakpoint that rounding put a hair later than the step's beginning is reached.
+            # 1e-9: a breakpoint counts as reached if rounding put it slightly after the step's beginning.
             entry = max(0, bisect_right(times, now + 1e-9) - 1)
             until = end if entry + 1 >= len(times) else min(end, times[entry + 1])
             self._hold(accelerations[entry], angles[entry], until - now)
@@ -144,7 +144,7 @@ class Plant:
             self._substep(target, angle, duration / count)
 
     def _substep(self, target: float, angle: float, duration: float) -> None:
-        """Hold both targets for a short time; where the vehicle stops within it, stop exactly there."""
+        """Hold both targets for a short time; if the vehicle stops within it, stop exactly there."""
         slowest = self._slowest_time(target, duration)
         motion = _longitudinal(self.speed, self.acceleration, target, self.drive.drive_lag, slowest)
         speed, acceleration, _ = motion
@@ -169,9 +169,9 @@ class Plant:
     def _roll(
         self, target: float, angle: float, duration: float, motion: tuple[float, float, float] | None = None
     ) -> None:
-        """Advance by the closed forms; the speed stays non-negative for that long.
+        """Advance by the closed forms, for a time in which the speed stays non-negative.
 
-        ``motion`` is what `_longitudinal` returns for it, where that is known.
+        ``motion`` is what `_longitudinal` returns for this time, if that is known already.
         """
         lag = self.drive.drive_lag
         middle_speed, _, _ = _longitudinal(self.speed, self.acceleration, target, lag, 0.5 * duration)
@@ -209,14 +209,14 @@ class Plant:
         return angle - rest * (math.exp(-(duration - fast) / lag) if lag > 0.0 else 0.0)
 
     def _slowest_time(self, target: float, duration: float) -> float:
-        """Return when within ``duration`` the speed is lowest, unless that is at its beginning [s]."""
+        """Return the time within ``duration``, after its beginning, at which the speed is lowest [s]."""
         lag = self.drive.drive_lag
         if self.acceleration < 0.0 < target and lag > 0.0:
             return min(duration, lag * math.log1p(-self.acceleration / target))
         return duration
 
     def _stopping_time(self, target: float, duration: float) -> float:
-        """Return when within ``duration`` the speed reaches zero [s]."""
+        """Return the time within ``duration`` at which the speed reaches zero [s]."""
         if self.speed <= 0.0 and self.acceleration <= 0.0:
             return 0.0
         # The speed at the end is negative, at the beginning it is not: bisection cannot fail.
@@ -251,7 +251,7 @@ def _longitudinal(
 
 
 def _entries(command: Command) -> tuple[list[float], list[float], list[float]]:
-    """Return the times, accelerations and angles of a command; `SimulationError` if it has no sense."""
+    """Return the times, accelerations and angles of a command; raise `SimulationError` if it is invalid."""
     count = len(command.times)
     if count == 0 or len(command.acceleration) != count or len(command.steering) != count:
         raise SimulationError(

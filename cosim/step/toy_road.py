@@ -1,6 +1,6 @@
 """A straight road with scripted road users.
 
-The road runs east from x = 0, lanes count from the right (south) and lane 0's centre line is y = 0.
+The road runs east from x = 0. Lanes are counted from the right (south), and lane 0's centre line is y = 0.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ class ReactingMotion(Protocol):
     """The motion of a pedestrian who sees the ego. It has a memory: use one per pedestrian and run."""
 
     def __call__(self, time: float) -> tuple[float, float, float, float]:
-        """Return place and velocity at the time last told, or at the start."""
+        """Return position and velocity at the time of the last `react`, or at the start."""
         ...
 
     def react(self, time: float, ego: Plant) -> None:
-        """Move on to that time; the ego is seen as it is then."""
+        """Move on to a time, seeing the ego as it is then."""
         ...
 
 
@@ -90,7 +90,7 @@ class ToyRoad:
     crossings: tuple[ToyCrossing, ...] = ()
 
     def centre(self, lane: int) -> float:
-        """Return where the centre line of a lane is, from that of lane 0 [m]."""
+        """Return the distance of a lane's centre line from that of lane 0 [m]."""
         return lane * self.lane_width
 
     def edges(self) -> tuple[float, float]:
@@ -99,7 +99,7 @@ class ToyRoad:
         return -half, self.centre(self.lanes - 1) + half
 
     def crossing_at(self, x: float, y: float) -> int:
-        """Return the number of the crossing that a point is on; −1 for none."""
+        """Return the index of the crossing that a point is on; −1 if there is none."""
         right, left = self.edges()
         for i, c in enumerate(self.crossings):
             if c.x <= x <= c.x + c.width and right <= y <= left:
@@ -107,7 +107,7 @@ class ToyRoad:
         return -1
 
     def map_areas(self, far: float) -> list[MapArea]:
-        """Return the lanes, up to that distance [m], and the crossings."""
+        """Return the lanes, up to a distance [m], and the crossings."""
         width = self.lane_width
         lanes = [
             MapArea(f"toy_{i}", "lane", width, np.array([[0.0, i * width], [far, i * width]]))
@@ -120,7 +120,7 @@ class ToyRoad:
         return [*lanes, *crossings]
 
     def site(self) -> Site:
-        """Return what sensors have to know of the road."""
+        """Return what sensors need to know of the road."""
         crossings = {f"toy_c{i}": self._middle_of(c) for i, c in enumerate(self.crossings)}
         return Site(crossings, np.zeros((0, 4)), np.zeros((0, 4)))
 
@@ -132,7 +132,7 @@ class ToyRoad:
 
 
 def gaps_among(vehicles: Vehicles, body: Body, lane_width: float) -> NeighbourGaps:
-    """Return the next vehicles ahead and behind, in the lane of an ego of that size and those beside it."""
+    """Return the nearest vehicles ahead of and behind an ego of that size, in its lane and beside it."""
     found: dict[str, Neighbour | None] = {}
     for side, prefix in ((0, ""), (1, "left_"), (-1, "right_")):
         centre = side * lane_width

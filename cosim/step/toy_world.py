@@ -43,17 +43,17 @@ class ToyWorld:
     road, pedestrians, vehicles
         The scene.
     speed
-        Of the ego at the start [m/s].
+        Speed of the ego at the start [m/s].
     lane
-        Lane index it starts in.
+        Index of the lane in which it starts.
     duration
-        [s]
+        Duration of the run [s].
     step
-        [s]
+        Length of a step [s].
     sensing
-        How the ego comes to know of pedestrians.
+        How the ego gets to know of pedestrians.
     seed
-        Of what sensing draws.
+        Seed of the draws for sensing.
     """
 
     road: ToyRoad = field(default_factory=ToyRoad)
@@ -115,7 +115,7 @@ class ToyWorld:
                 pedestrian.motion.react(self.time, self.plant)
 
     def snapshot(self) -> Snapshot:
-        """Return the truth."""
+        """Return the truth after the last step."""
         plant = self.plant
         x, y = plant.front
         lane = f"toy_{self._reference}"
@@ -321,5 +321,5 @@ def _columns(rows: Sequence[tuple[float, float, float, float]]) -> FloatArray:
 
 
 def _heading(motion: FloatArray) -> FloatArray:
-    """Return where vehicles point; one that stands points east."""
+    """Return the headings of vehicles [rad]; a standing vehicle heads east."""
     return np.asarray(np.arctan2(motion[3], np.where(np.hypot(motion[2], motion[3]) > 1e-9, motion[2], 1.0)))

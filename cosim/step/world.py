@@ -1,4 +1,4 @@
-"""The seam between the step and what it drives: SUMO, or a road without SUMO."""
+"""The interface between the step and the world that it drives: SUMO, or a road without SUMO."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cosim.sensing.interface import Sensed
 class EgoTruth:
     """One ego after a step, as it really is: the plant's state, and what SUMO made of it.
 
-    What of it is recorded, and under which name, ``analysis/recording/columns.py`` says.
+    ``analysis/recording/columns.py`` says what of it is recorded, and under which names.
     """
 
     name: str
@@ -32,24 +32,24 @@ class EgoTruth:
     steering: float
     edge: str
     lane: str
-    """SUMO's lane id; empty where SUMO lost it."""
+    """SUMO's lane id; empty if SUMO has it on no lane."""
     route_position: float
     """Distance travelled since the ego was taken over [m]."""
     speed_limit: float
     commanded_acceleration: float
     commanded_steering: float
     executed_x: float
-    """Front bumper where SUMO says it is after the step [m]."""
+    """Centre of the front bumper where SUMO has it after the step [m]."""
     executed_y: float
     executed_speed: float
     intervention_cause: str | None = None
     """Why SUMO's position or speed differs from the plant's by more than 0.02 m or 0.1 m/s, one of
-    ``INTERVENTIONS`` in ``analysis/recording/columns.py``; ``None``: it does not."""
+    ``INTERVENTIONS`` in ``analysis/recording/columns.py``; ``None`` if it does not."""
     handed_back: bool = False
 
     @property
     def intervention(self) -> bool:
-        """Whether SUMO did something else than the plant."""
+        """Whether SUMO's vehicle did something other than the plant."""
         return self.intervention_cause is not None
 
 
@@ -67,16 +67,16 @@ class PersonsTruth:
     y_speed: FloatArray
     radius: FloatArray
     place: tuple[str, ...]
-    """Edge walked on."""
+    """Edge that each walks on."""
     crossing: tuple[str | None, ...]
-    """Crossing walked on, or next edge when that is a crossing."""
+    """Crossing that each walks on, or the next edge if that is a crossing."""
     phase: tuple[str, ...]
     """``PedestrianPhase`` values."""
     kind: tuple[str, ...]
     """SUMO type id."""
     signal: tuple[str | None, ...] | None = None
-    """``green`` or ``red``: that crossing's light for pedestrians; ``None`` where there is none, or where
-    nobody asked for it."""
+    """``green`` or ``red``, the light for pedestrians at that crossing; ``None`` where there is no light, or
+    instead of all values if lights were not read."""
 
     @property
     def heading(self) -> list[float | None]:
@@ -115,7 +115,7 @@ class VehiclesTruth:
     length: FloatArray
     width: FloatArray
     place: tuple[str, ...]
-    """Lane driven on."""
+    """Lane that each drives on."""
     kind: tuple[str, ...]
 
     @property
@@ -131,54 +131,54 @@ class VehiclesTruth:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Traffic:
-    """Everybody near a crossing, egos included."""
+    """All road users near a crossing, egos included."""
 
     persons: PersonsTruth
     vehicles: VehiclesTruth
     acceleration: FloatArray
-    """Of the vehicles, shape (n,) [m/s^2]."""
+    """Acceleration of the vehicles, shape (n,) [m/s^2]."""
     speed_limit: FloatArray
-    """Of the vehicles: the lane's and their own [m/s]."""
+    """Speed limit of the vehicles, from the lane's limit and their own [m/s]."""
     vehicle_class: tuple[str, ...]
     is_ego: tuple[bool, ...]
-    """Which of the vehicles are egos now."""
+    """Whether each vehicle is an ego now."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mishaps:
-    """Faults between a simulator and egos since the start that were mended or given up."""
+    """Faults in the coupling of a simulator and egos since the start, whether corrected or not."""
 
     routes_restored: int = 0
-    """How often an ego had another route than its own, and was given it back."""
+    """How often the simulator had another route for an ego than its own, and was given its own again."""
     off_the_way: int = 0
-    """Steps in which an ego was so far off its way that the simulator has it elsewhere."""
+    """Number of steps in which an ego was so far off its way that the simulator had it elsewhere."""
     given_up: tuple[str, ...] = ()
-    """Egos handed back to the simulator's driver, because they had left their way for good."""
+    """Egos handed back to the simulator's driver for good: they had left their way or stood for too long."""
     not_taken: tuple[str, ...] = ()
-    """Cars of a share that could not be taken over: nobody can drive their route."""
+    """Cars of a share that could not be taken over, because their route cannot be driven."""
     detours: tuple[str, ...] = ()
-    """Egos that had missed their lane and took another way to their destination, once for each time."""
+    """Egos that had missed their lane and took another way to their destination, once for each detour."""
     others_teleported: int = 0
-    """How often the simulator put another vehicle, which had stood for too long, elsewhere."""
+    """How often the simulator teleported another vehicle because it had stood for too long."""
     tight_bends: Mapping[str, float] = field(default_factory=dict)
-    """Lanes that bend more than an ego on them can, and how far it gets from them there at least [m]."""
+    """Lanes that bend too tightly for an ego on them, and how far the ego's path leads away from them [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The world's truth at one instant; what the judge sees, whatever the egos could sense."""
+    """The truth about the world at one instant: what the judge sees, whatever the egos could sense."""
 
     time: float
     egos: tuple[EgoTruth, ...]
     persons: PersonsTruth
     vehicles: VehiclesTruth
     teleports: int = 0
-    """Egos teleported by SUMO since the start."""
+    """How many egos SUMO has teleported, or removed before they arrived, since the start."""
     sensed: tuple[Sensed, ...] | None = None
-    """What egos knew at the beginning of the step, if they planned; ``None`` where they know the truth."""
+    """What egos knew at the beginning of the step, if they planned; ``None`` if they know the truth."""
     mishaps: Mishaps = Mishaps()
     traffic: Traffic | None = None
-    """``None`` where egos alone are looked at."""
+    """All road users near crossings; ``None`` if only road users near egos are observed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +188,11 @@ class CrossingFacts:
     lanes: int
     """Lanes for cars that it crosses."""
     speed_limit: float
-    """The highest of theirs [m/s]; nan without any."""
+    """Highest speed limit of these lanes [m/s]; nan if there are none."""
     refuge: bool
     """Whether it ends on an island between lanes."""
     longitude: float = math.nan
-    """Of its middle [degrees]; nan without a projection."""
+    """Longitude of its middle [degrees]; nan without a projection."""
     latitude: float = math.nan
 
 
@@ -204,30 +204,30 @@ class MapArea:
     kind: str
     """``lane``, ``crossing`` or ``walkingarea``."""
     width: float
-    """[m]; 0 for a polygon."""
+    """Width [m]; 0 for a polygon."""
     shape: FloatArray
     """(n, 2) centre line, or outline for a walking area [m]."""
     crossing_kind: str = ""
     """``CrossingKind`` value for a crossing."""
     facts: CrossingFacts | None = None
-    """Of a crossing, where they are known."""
+    """Facts of a crossing, if they are known."""
     crossed: tuple[str, ...] = ()
     """Edges that lead over or under it."""
     on_foot: bool = False
-    """Whether a lane is one for pedestrians."""
+    """Whether only pedestrians may use a lane."""
 
 
 class World(Protocol):
-    """Something egos can drive in, one step at a time."""
+    """A world in which egos drive, one step at a time."""
 
     step: float
     """Length of a step [s]."""
 
     def sense(self) -> Sequence[Perception] | None:
-        """Return one perception for each ego that is to plan now; ``None`` when the run is over.
+        """Return one perception for each ego that has to plan now; ``None`` when the run is over.
 
-        Planning is asked for once per step, but at most every 0.1 s of simulated time: in between the
-        sequence is empty and the last commands go on.
+        Plans are requested once per step, but at most every 0.1 s of simulated time. In between, the sequence
+        is empty and the last commands stay in force.
         """
         ...
 
