@@ -1,7 +1,7 @@
-"""The sensing models that exist, by name: files of ``cosim/sensing/models``, none listed anywhere.
+"""The sensing models by name: the files of ``cosim/sensing/models``; there is no list of them.
 
-A model is a module with a class ``Model``: its fields are the parameters, ``sensor`` makes the sensor of
-one ego. The first line of the module's docstring is its description.
+A model is a module with a class ``Model``. Its fields are the parameters, and ``sensor`` makes the sensor of
+one ego. The first line of the module's docstring is the model's description.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from cosim.sensing.interface import Sensing
 from cosim.sensing.settings import Settings
 
 PERFECT = "perfect"
-"""The model of whoever asks for none."""
+"""The model that is used if none is requested."""
 
 
 @cache
@@ -43,7 +43,7 @@ def parameters(name: str) -> dict[str, Any]:
 
 
 def described(name: str) -> tuple[Parameter, ...]:
-    """Return all that is known of the model's parameters."""
+    """Return the full descriptions of the model's parameters."""
     return described_by(_model(name))
 
 
@@ -54,7 +54,7 @@ def having(key: str) -> tuple[str, ...]:
 
 @cache
 def all_parameters() -> frozenset[str]:
-    """Return the names of the parameters of any model."""
+    """Return the names of the parameters of all models."""
     return frozenset(key for name in names() for key in parameters(name))
 
 
@@ -64,7 +64,7 @@ def build(name: str, values: Mapping[str, object]) -> Sensing:
     Parameters
     ----------
     name : one of ``names()``
-    values : some of its parameters, as texts or as what they are; the others keep their defaults
+    values : some of its parameters, as texts or as typed values; the others keep their defaults
 
     Raises
     ------

@@ -10,13 +10,13 @@ from cosim.sensing.interface import Sensing
 
 MODEL = "model"
 PREFIX = "sensing."
-"""Before the name of a parameter that the controller or the scenario has too."""
+"""Prefix for a sensing parameter whose name the controller or the scenario uses too."""
 OTHERS_PREFIX = "other."
-"""Before the name of theirs, then."""
+"""Prefix for the parameter of that name of the controller or the scenario."""
 
 
 def name_in(table: Mapping[str, object]) -> str:
-    """Return the model that a scenario's table asks for."""
+    """Return the name of the model that a scenario's table requests."""
     return str(table.get(MODEL, catalog.PERFECT))
 
 
@@ -28,10 +28,10 @@ def choose(
     Parameters
     ----------
     table : ``[sensing]`` of the scenario: ``model``, and parameters of any model; those that the model in
-        use does not have are for when another one is asked for
+        use does not have only serve if another model is requested
     place : where that table is, for messages
-    name : model that is asked for instead of the scenario's
-    texts : its parameters that are asked for, by name
+    name : model that is requested instead of the scenario's
+    texts : requested values of the model's parameters, by name
 
     Raises
     ------
@@ -56,7 +56,7 @@ def choose(
 def split(
     texts: Mapping[str, str], model: str, others: Iterable[str]
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the parameters of the sensing model, and what is left.
+    """Return the parameters of the sensing model, and the remaining ones.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def split(
 
 
 def _check_scenario(model: str, said: Mapping[str, object]) -> None:
-    """Build every model with what the table says of it, so that no mistake waits for its day."""
+    """Build every model with its parameters in the table, to find mistakes also for models not in use."""
     catalog.parameters(model)
     for name in catalog.names():
         known = catalog.parameters(name)

@@ -1,4 +1,4 @@
-"""An ego's knowledge of its own sensing: its sensor's place, and the areas that roadside units watch."""
+"""What an ego knows of its own sensing: its sensor's place, and the areas that roadside units watch."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from cosim.sensing.onboard_sensor import OnboardSettings
 from cosim.sensing.radio import RadioSettings, units_of
 
 WINDSCREEN = 1.8
-"""From the front bumper back to where an ego without a sensor for pedestrians looks from [m]."""
+"""An ego without a sensor for pedestrians looks from this far behind its front bumper [m]."""
 
 
 def eyesight_of(sensing: Sensing, site: Site, body: Body) -> Eyesight | None:
-    """Return where an ego of that size looks from; ``None`` where it is told of everybody.
+    """Return where an ego of that size looks from; ``None`` if it is told of everybody.
 
-    A unit watches a disc of its range, if it sees over vehicles and all around; any other unit is not counted
-    on. Nor is it noticed here when a unit falls silent.
+    A unit that sees over vehicles and all around watches a disc of its range. Other units are not relied on.
+    A unit that falls silent is not noticed here.
 
     Parameters
     ----------
     sensing : the model
     site : what does not move
-    body : of the ego
+    body : body of the ego
     """
     if sensing.exact:
         return None

@@ -1,8 +1,8 @@
 """Inputs and outputs of a sensing model.
 
-A model stands between the world's truth and one ego's perception. It is told where everybody really is
-and answers whom the ego knows of, and where it believes them. Positions and velocities are in world
-coordinates [m, m/s]. Nobody but the world asks it; whoever judges a run looks at the truth.
+A model stands between the world's truth and one ego's perception. It is told where all road users really are,
+and returns which pedestrians the ego knows of and where it believes them to be. Positions and velocities are
+in world coordinates [m, m/s]. Only the world queries a model; the judge of a run looks at the truth.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from controllers.interface import Body
 from cosim.arrays import BoolArray, FloatArray, IntArray
 
 FARTHEST_UNIT = 50.0
-"""A place further than this from every lane is outside the network [m]."""
+"""A unit further than this from every lane is outside the network [m]."""
 
 
 class State(IntEnum):
-    """Detection of one pedestrian at one instant; of several sensors the smallest value counts."""
+    """Detection of one pedestrian at one instant; with several sensors, the smallest value counts."""
 
     VISIBLE = 0
     """Measured, and the ego has the newest measurement."""
@@ -31,7 +31,7 @@ class State(IntEnum):
     MISSED = 3
     """In view, but not detected."""
     HIDDEN = 4
-    """Within range and field of view, behind something."""
+    """Within range and field of view, but behind something."""
     OUT_OF_RANGE = 5
     """Beyond the range, or outside the field of view."""
 
@@ -41,11 +41,14 @@ class Site:
     """The parts of a scene that do not move."""
 
     crossings: Mapping[str, FloatArray]
-    """By name: (n, 2) middle line from kerb to kerb."""
+    """By name: (n, 2) middle line from kerb to kerb [m]."""
     lanes: FloatArray
-    """(n, 4) straight pieces of all lanes: x, y of the beginning, then of the end; empty for no limit."""
+    """(n, 4) straight pieces of all lanes: x, y of the beginning, then of the end [m].
+
+    If it is empty, units may be anywhere.
+    """
     walls: FloatArray
-    """(n, 4) sides of everything that stands beside the road, in the same order."""
+    """(n, 4) sides of everything that stands beside the road, with values in the same order [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,17 +60,17 @@ class Scene:
     tick: int
     """Number of the simulation's step."""
     x: float
-    """Ego's rear axle."""
+    """Centre of the ego's rear axle [m]."""
     y: float
     heading: float
     body: Body
     names: tuple[str, ...]
-    """Pedestrians near the ego; the next three have a row for each."""
+    """Pedestrians near the ego; the next three arrays have a row for each."""
     position: FloatArray
     velocity: FloatArray
     radius: FloatArray
     front: FloatArray
-    """(m, 2) front bumpers of the other vehicles near the ego; the next three belong to them."""
+    """(m, 2) front bumpers of other vehicles near the ego [m]; the next three arrays belong to them."""
     vehicle_heading: FloatArray
     length: FloatArray
     width: FloatArray
@@ -75,17 +78,17 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """An ego's knowledge of the pedestrians of a scene: a row for each, also for unknown ones."""
+    """An ego's knowledge of the pedestrians of a scene: one row each, also for those it does not know."""
 
     told: BoolArray
-    """Whether the controller is told of this one."""
+    """Whether the controller is told of this pedestrian."""
     position: FloatArray
-    """nan where it is not told."""
+    """Estimated position [m]; nan where it is not told."""
     velocity: FloatArray
     uncertainty: FloatArray
     """Standard deviation of the position along either axis [m]; nan where it is not told."""
     age: FloatArray
-    """Time since the last measurement that the position rests on [s]; nan where it is not told."""
+    """Time since the last measurement on which the position is based [s]; nan where it is not told."""
     state: IntArray
     """``State`` values."""
 
@@ -110,10 +113,10 @@ class Sensed:
 
 
 class Sensor(Protocol):
-    """The sensor of one ego during one run; it has a memory."""
+    """The sensor of one ego during one run; it remembers past measurements."""
 
     def look(self, scene: Scene) -> Belief:
-        """Return what the ego knows now; called with growing time."""
+        """Return what the ego knows now; to be called with increasing time."""
         ...
 
 
@@ -131,12 +134,12 @@ class Sensing(Protocol):
         Parameters
         ----------
         site : what does not move
-        seed : of the run; what is drawn depends on it and on names, not on what the ego does
-        ego : name
+        seed : seed of the run; draws depend on it and on names, not on what the ego does
+        ego : name of the ego
 
         Raises
         ------
         ValueError
-            For parameters that do not fit the site.
+            If the parameters do not fit the site.
         """
         ...

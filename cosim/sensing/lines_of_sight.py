@@ -1,4 +1,4 @@
-"""Lines of sight past the rectangles of vehicles and the walls of buildings."""
+"""Lines of sight, which the rectangles of vehicles and the walls of buildings may block."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from cosim.sensing.interface import Scene, State
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """Rectangles that stand in the way; arrays of length n."""
+    """Rectangles that may block lines of sight; arrays of length n."""
 
     x: FloatArray
     """Centres [m]."""
     y: FloatArray
     cosine: FloatArray
-    """Of the headings."""
+    """Cosines of the headings; ``sine`` holds the sines."""
     sine: FloatArray
     half_length: FloatArray
     half_width: FloatArray
 
     def near(self, eye: FloatArray, reach: float) -> Boxes:
-        """Return those with some part within that distance of a point."""
+        """Return the rectangles that may have a part within a distance of a point [m]."""
         close = np.hypot(self.x - eye[0], self.y - eye[1]) <= reach + self.half_length + self.half_width
         return Boxes(*(getattr(self, name)[close] for name in Boxes.__slots__))
 
 
 def boxes_of(front: FloatArray, heading: FloatArray, length: FloatArray, width: FloatArray) -> Boxes:
-    """Return the rectangles of vehicles, told by their front bumpers."""
+    """Return the rectangles of vehicles, given their front bumpers."""
     cosine, sine = np.cos(heading), np.sin(heading)
     half = 0.5 * length
     return Boxes(front[:, 0] - half * cosine, front[:, 1] - half * sine, cosine, sine, half, 0.5 * width)
@@ -42,16 +42,16 @@ def visible(
 ) -> BoolArray:
     """Return which discs can be seen from a point.
 
-    A disc is seen when the line from the eye to its centre is free, or one of those to its two edges,
-    ``centre ± radius · n`` with n perpendicular to the line to the centre. So the first sliver that
-    comes out from behind a corner counts.
+    A disc is visible if the line from the eye to its centre is free, or one of the lines to its two edges,
+    ``centre ± radius · n`` with n perpendicular to the line to the centre. So a disc counts as visible as
+    soon as the first sliver of it appears from behind a corner.
 
     Parameters
     ----------
     eye : (2,) [m]
     position, radius : (n, 2) centres and (n,) radii [m]
-    boxes : rectangles in the way
-    walls : (m, 4) straight pieces in the way [m]
+    boxes : rectangles that may be in the way
+    walls : (m, 4) straight pieces that may be in the way [m]
 
     Examples
     --------
@@ -91,7 +91,7 @@ def in_view(
 
 
 def states(within: BoolArray, seen: BoolArray, detected: BoolArray) -> IntArray:
-    """Return the state of each: in range or not, behind something or not, detected or not."""
+    """Return the state of each point: in range or not, behind something or not, detected or not."""
     found = np.full(len(within), int(State.OUT_OF_RANGE), dtype=np.int64)
     found[within] = State.HIDDEN
     found[seen] = State.MISSED
@@ -126,7 +126,7 @@ def _blocked(eye: FloatArray, targets: FloatArray, boxes: Boxes, walls: FloatArr
 
 
 def _behind_boxes(eye: FloatArray, targets: FloatArray, boxes: Boxes) -> BoolArray:
-    """Return which lines meet a rectangle: none of the three axes that could separate the two does."""
+    """Return which lines meet a rectangle: those that none of the three possible axes separates from it."""
     half = 0.5 * (targets - eye)
     to_x, to_y = (eye[0] - boxes.x), (eye[1] - boxes.y)
     # In each rectangle's own frame, (targets, rectangles): half the line, and its middle.
@@ -143,7 +143,7 @@ def _behind_boxes(eye: FloatArray, targets: FloatArray, boxes: Boxes) -> BoolArr
 
 
 def _behind_walls(eye: FloatArray, targets: FloatArray, walls: FloatArray) -> BoolArray:
-    """Return which lines cross a straight piece: the ends of each are on two sides of the other."""
+    """Return which lines cross a straight piece: the ends of each lie on different sides of the other."""
     line = targets - eye
     begin, end = walls[:, :2] - eye, walls[:, 2:] - eye
     of_begin = line[:, :1] * begin[:, 1] - line[:, 1:] * begin[:, 0]

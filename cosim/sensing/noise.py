@@ -11,14 +11,14 @@ import numpy as np
 from cosim.arrays import FloatArray
 
 _TICKS = 64
-"""Drawn at once."""
+"""Number of ticks for which numbers are drawn at once."""
 _MOST_KEPT = 256
-"""Blocks; more than that, and those of former ticks are dropped."""
+"""When more blocks than this are kept, those of former ticks are dropped."""
 
 
 @dataclass(frozen=True, slots=True)
 class Draws:
-    """One row for each name."""
+    """Random numbers, with one row for each name."""
 
     normal: FloatArray
     """(n, 4) standard normal."""
@@ -31,13 +31,13 @@ class Draws:
 class Noise:
     """Draws by name and tick, independent of other draws and their order.
 
-    So the same pedestrian is measured with the same error at the same instant, whichever controller
-    drives and whoever was seen before: runs with one seed are pairs.
+    So the same pedestrian is measured with the same error at the same instant, whichever controller drives
+    and whichever pedestrians were seen before. Runs with the same seed are therefore paired.
 
     Parameters
     ----------
-    seed : of the run
-    source : who measures; another source draws independently
+    seed : seed of the run
+    source : name of what measures; different sources draw independently
     """
 
     def __init__(self, seed: int, source: str) -> None:
@@ -45,7 +45,7 @@ class Noise:
         self._blocks: dict[str, tuple[int, FloatArray]] = {}
 
     def draw(self, names: Sequence[str], tick: int) -> Draws:
-        """Return the numbers of these names at a tick."""
+        """Return the random numbers of these names at a tick."""
         block, row = divmod(tick, _TICKS)
         if len(self._blocks) > _MOST_KEPT:
             self._blocks = {name: kept for name, kept in self._blocks.items() if kept[0] == block}

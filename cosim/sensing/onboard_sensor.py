@@ -1,4 +1,4 @@
-"""The ego's own sensor: range, field of view, what stands in the way, noise, misses, tracks."""
+"""The ego's own sensor: range, field of view, occlusion, noise, misses, tracks."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class OnboardSettings(Settings):
 
     @model_validator(mode="after")
     def can_be_confirmed(self) -> OnboardSettings:
-        """Check that so many detections fit into so many looks."""
+        """Check that the detections that confirm a track fit into the looks among which they are counted."""
         if self.confirm_hits > self.confirm_looks:
             raise ValueError(
                 f"confirm_hits = {self.confirm_hits}: expected at most confirm_looks = {self.confirm_looks}"
@@ -71,7 +71,7 @@ class OnboardSensor:
         )
 
     def look(self, scene: Scene) -> Belief:
-        """Return what is known now."""
+        """Return what the ego knows now."""
         settings, count = self._settings, len(scene.names)
         eye = self._eye(scene)
         field_of_view = math.radians(settings.field_of_view_deg)

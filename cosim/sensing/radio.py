@@ -20,7 +20,7 @@ from cosim.sensing.tracks import AGILITY
 
 AT_CROSSINGS = "crossings"
 _REACH = 100.0
-"""Units further from an ego than this plus their range are not asked: whom they see is not near it [m]."""
+"""Units further from an ego than this plus their range are skipped: they see no pedestrian near it [m]."""
 _UNIT = re.compile(r"[^\s,]+(?:,[^\s,]+){1,2}")
 
 
@@ -94,7 +94,7 @@ class _Message:
 
 @dataclass(slots=True)
 class _Sent:
-    """Last measurement of a unit."""
+    """The last measurement of a unit."""
 
     number: int
     stamp: float
@@ -107,7 +107,7 @@ def units_of(settings: RadioSettings, site: Site, seed: int) -> list[Unit]:
     Raises
     ------
     ValueError
-        If there is none, or one is outside the network.
+        If there is no crossing for a unit, or a unit is outside the network.
     """
     if settings.units == AT_CROSSINGS:
         if not site.crossings:
@@ -132,9 +132,9 @@ def units_of(settings: RadioSettings, site: Site, seed: int) -> list[Unit]:
 class Radio:
     """Messages that one ego receives by radio.
 
-    A unit puts everybody whom it sees into one message, with the time of the measurement. The ego keeps
-    the newest measurement of each pedestrian, whichever unit it is from, and extrapolates it at the
-    velocity that came with it.
+    A unit puts all pedestrians that it detects into one message, with the time of the measurement. The ego
+    keeps the newest measurement of each pedestrian from any unit, and extrapolates it at the measured
+    velocity.
     """
 
     def __init__(self, settings: RadioSettings, site: Site, seed: int, ego: str) -> None:
@@ -148,7 +148,7 @@ class Radio:
         self._known: dict[str, tuple[float, FloatArray]] = {}
 
     def look(self, scene: Scene) -> Belief:
-        """Return what has been told until now."""
+        """Return what the ego has been told so far, extrapolated to now."""
         settings = self._settings
         units = list(self._near(scene))
         for unit in units:
@@ -176,7 +176,7 @@ class Radio:
             yield self._units[index]
 
     def _measure(self, unit: Unit, scene: Scene) -> None:
-        """Let a unit send its next message, if that is due."""
+        """Let a unit measure and send its next message, if it is due."""
         settings = self._settings
         number = math.floor(scene.time * settings.message_rate_hz + 1e-6)
         sent = self._sent.get(unit.name)
@@ -227,12 +227,12 @@ class Radio:
         for message in arrived:
             for name, motion in zip(message.names, message.motion, strict=True):
                 known = self._known.get(name)
-                # Of two units that measured at the same instant the first one counts.
+                # If two units measured at the same instant, the first one counts.
                 if known is None or message.stamp > known[0]:
                     self._known[name] = (message.stamp, motion)
 
     def _states(self, scene: Scene, units: list[Unit], stamp: FloatArray) -> IntArray:
-        """Return how it stands: by the newest measurements of all units near."""
+        """Return the state of each pedestrian, from the newest measurements of all nearby units."""
         best = np.full(len(scene.names), int(State.OUT_OF_RANGE), dtype=np.int64)
         for unit in units:
             sent = self._sent[unit.name]

@@ -10,13 +10,13 @@ _STATES = {int(state): state.name.lower() for state in State}
 
 
 class Senses:
-    """Asks each ego's sensor, and keeps what it said at the present instant.
+    """Queries each ego's sensor, and keeps the answers of the present instant.
 
     Parameters
     ----------
     sensing : the model
     site : what does not move
-    seed : of the run
+    seed : seed of the run
 
     Raises
     ------
@@ -28,10 +28,10 @@ class Senses:
         self._sensing, self._site, self._seed = sensing, site, seed
         self._sensors: dict[str, Sensor] = {}
         self._now: list[Sensed] = []
-        sensing.sensor(site, seed, "")  # made once for nothing: what does not fit shows here
+        sensing.sensor(site, seed, "")  # raises here if the parameters do not fit the site
 
     def begin(self) -> None:
-        """Begin an instant."""
+        """Begin an instant, and drop the answers of the last one."""
         self._now = []
 
     def look(self, scene: Scene) -> Belief:

@@ -14,4 +14,4 @@ Count = Annotated[int, Field(ge=1, le=64)]
 
 
 class Settings(SettingsModel):
-    """What can be set of a sensing model."""
+    """Base class of the parameters of a sensing model."""

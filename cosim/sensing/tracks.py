@@ -9,15 +9,15 @@ import numpy as np
 from cosim.arrays import BoolArray, FloatArray
 
 AGILITY = 0.5
-"""Spectral density of a pedestrian's acceleration; 0.7 m/s are changed in 1 s. Assumed [m²/s³]."""
+"""Assumed spectral density of a pedestrian's acceleration: their speed changes by 0.7 m/s in 1 s [m²/s³]."""
 
 
 class Tracks:
-    """Constant-velocity Kalman filters, one for each pedestrian; both axes are alike.
+    """Constant-velocity Kalman filters, one for each pedestrian; both axes are treated alike.
 
     Parameters
     ----------
-    hits, looks : a track is confirmed by that many detections within so many looks
+    hits, looks : ``hits`` detections within the last ``looks`` looks confirm a track
     hold : a track that has not been detected for longer than this is forgotten [s]
     position_noise, velocity_noise : standard deviations of a measurement along either axis [m, m/s]
     """
@@ -29,7 +29,7 @@ class Tracks:
         self._noise = (position_noise**2, velocity_noise**2)
         self._time = 0.0
         self._row: dict[str, int] = {}
-        # x, y, x speed, y speed; variance of position, covariance, variance of speed; last detection.
+        # x, y, x speed, y speed; variance of position, covariance, variance of speed; time of last detection.
         self._table = np.zeros((0, 8))
         self._history = np.zeros((0, looks), dtype=np.bool_)
         self._confirmed = np.zeros(0, dtype=np.bool_)
@@ -37,18 +37,18 @@ class Tracks:
     def update(
         self, time: float, names: Sequence[str], detected: BoolArray, measured: FloatArray
     ) -> tuple[BoolArray, FloatArray, FloatArray, FloatArray]:
-        """Take note of what was detected now.
+        """Update the tracks with the detections of this instant.
 
         Parameters
         ----------
         time : now [s]
-        names : everybody who can be detected; who is not among them any more is forgotten
-        detected : (n,) who was
-        measured : (n, 4) position and velocity; used for those detected only [m, m/s]
+        names : all pedestrians who might be detected; tracks of others are forgotten
+        detected : (n,) whether each was detected
+        measured : (n, 4) position and velocity; used only for those detected [m, m/s]
 
         Returns
         -------
-        confirmed : (n,) who has a confirmed track
+        confirmed : (n,) whether each has a confirmed track
         estimate : (n, 4) position and velocity now [m, m/s]
         deviation : (n,) standard deviation of the position along either axis [m]
         age : (n,) time since the last detection [s]
@@ -75,7 +75,7 @@ class Tracks:
         return self._confirmed.copy(), table[:, 0:4].copy(), np.sqrt(np.maximum(table[:, 4], 0.0)), age
 
     def _align(self, names: Sequence[str]) -> None:
-        """Give each name its row, in this order."""
+        """Rearrange the rows to the order of these names, with new rows for new names."""
         rows = np.array([self._row.get(name, -1) for name in names], dtype=np.int64)
         table = np.zeros((len(names), 8))
         table[:, 7] = -np.inf

@@ -10,26 +10,26 @@ from cosim.sensing.radio import Radio, RadioSettings
 
 
 class Model(OnboardSettings, RadioSettings):
-    """The parameters of both, and the sensors made of them."""
+    """The parameters of both, and the sensors built from them."""
 
     @property
     def exact(self) -> bool:
-        """Egos have to look and to be told."""
+        """Always false: egos have to look and be told."""
         return False
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
-        """Return both of one ego."""
+        """Return the two sensors of one ego as one."""
         return Both(OnboardSensor(self, site, seed, ego), Radio(self, site, seed, ego))
 
 
 class Both:
-    """Two sensors that do not know of each other."""
+    """Two sensors that work independently of each other."""
 
     def __init__(self, first: Sensor, second: Sensor) -> None:
         self._first, self._second = first, second
 
     def look(self, scene: Scene) -> Belief:
-        """Return of each pedestrian what the sensor with the smaller standard deviation says."""
+        """Return, for each pedestrian, the belief of the sensor with the smaller standard deviation."""
         first, second = self._first.look(scene), self._second.look(scene)
         better = np.where(second.told, second.uncertainty, np.inf) < np.where(
             first.told, first.uncertainty, np.inf

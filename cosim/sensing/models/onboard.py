@@ -7,11 +7,11 @@ from cosim.sensing.onboard_sensor import OnboardSensor, OnboardSettings
 
 
 class Model(OnboardSettings):
-    """The parameters, and the sensors made of them."""
+    """The parameters, and the sensors built from them."""
 
     @property
     def exact(self) -> bool:
-        """Egos have to look."""
+        """Always false: egos have to look."""
         return False
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:

@@ -9,11 +9,11 @@ from cosim.sensing.settings import Settings
 
 
 class Model(Settings):
-    """Has no parameters."""
+    """A model without parameters."""
 
     @property
     def exact(self) -> bool:
-        """Whether the world may skip the sensors."""
+        """Always true: the world may skip the sensors."""
         return True
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:

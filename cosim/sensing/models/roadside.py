@@ -7,11 +7,11 @@ from cosim.sensing.radio import Radio, RadioSettings
 
 
 class Model(RadioSettings):
-    """The parameters, and the receivers made of them."""
+    """The parameters, and the receivers built from them."""
 
     @property
     def exact(self) -> bool:
-        """Egos have to be told."""
+        """Always false: egos have to be told."""
         return False
 
     def sensor(self, site: Site, seed: int, ego: str) -> Sensor:
