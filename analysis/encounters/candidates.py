@@ -1,6 +1,6 @@
-"""Which of very many vehicles and pedestrians could have met: looked up in a tree of places and times.
+"""Pairs of vehicles and pedestrians that could have met, found in a tree of places and times.
 
-Of a pair the exact geometry is needed only if the two came to the same ground within some seconds of each
+The exact geometry of a pair is needed only if the two came to the same ground within some seconds of each
 other, or if the vehicle passed a crossing while the pedestrian waited for it or walked on it.
 """
 
@@ -20,20 +20,20 @@ from analysis.recording.tracks import Track, Way
 from analysis.stretches import stretches
 
 VEHICLE_SPACING_M, PERSON_SPACING_M = 1.0, 0.5
-"""Places of a track that are looked up are so far apart."""
+"""Distance along a track between the places that are looked up [m]."""
 STAY_S = 4.0
-"""Of those who stand a place is looked up this often."""
+"""A place is looked up at least this often, even while a road user stands [s]."""
 
 
 class Meeting(NamedTuple):
-    """Where a vehicle and a pedestrian came near each other: first and last samples of their tracks."""
+    """Where a vehicle and a pedestrian came near each other: first and last sample of each track."""
 
     vehicle: tuple[int, int]
     person: tuple[int, int]
 
 
 class Places(NamedTuple):
-    """Some samples of many tracks."""
+    """Places looked up on many tracks."""
 
     points: FloatArray
     """Place and scaled time, shape (n, 3) [m]."""
@@ -49,17 +49,17 @@ def met(
     within_s: float,
     largest: tuple[float, float] = (0.0, 0.0),
 ) -> dict[tuple[int, int], Meeting]:
-    """Return who came to the same ground within some seconds of each other, by number of vehicle and person.
+    """Return the pairs that came to the same ground within ``within_s``, by numbers of vehicle and person.
 
     Parameters
     ----------
     vehicles, persons : Sequence
     grid : Grid
     within_s : float
-        Those with more time between them did not meet [s].
+        Pairs with more time between them did not meet [s].
     largest : tuple
-        Half the diagonal of a vehicle and half the width of a person that are not among these, but whose
-        places were looked up as these are [m].
+        Half the diagonal of the largest vehicle and half the width of the widest person of the whole
+        recording, if these tracks are a part of it: all parts are then looked up alike [m].
     """
     if not vehicles or not persons:
         return {}
@@ -98,14 +98,14 @@ def places_on(
     Parameters
     ----------
     tracks : Sequence
-        One at least.
+        At least one track.
     grid : Grid
     spacing : float
-        Places are about so far apart [m].
+        Approximate distance between places [m].
     scale : float
-        Times are multiplied by it [m/s].
+        Factor by which times are multiplied [m/s].
     within : tuple
-        Scaled times between which places are wanted [m].
+        Range of scaled times in which places are returned [m].
     """
     begin, end = min(int(one.fine[0]) for one in tracks), max(int(one.fine[-1]) for one in tracks)
     stays = np.floor(grid.time[begin : end + 1] / STAY_S)
@@ -132,17 +132,19 @@ def waited(
     grid: Grid,
     within_s: float,
 ) -> set[tuple[int, int]]:
-    """Return who passed a crossing while somebody was on it or waited for it, by numbers as `met`.
+    """Return the pairs whose vehicle passed a crossing while the person was on it or waited for it.
+
+    Pairs are given by numbers, as in `met`.
 
     Parameters
     ----------
     vehicles, persons : Sequence
     passed : Mapping
-        When which vehicle was over which crossing, by names.
+        Passages of each vehicle over each crossing, by names of vehicle and crossing.
     run : RecordedRun
     grid : Grid
     within_s : float
-        So much sooner or later counts as well [s].
+        Passages up to this much earlier or later count as well [s].
     """
     number = {id(track): index for index, track in enumerate(vehicles)}
     by_crossing: dict[str, list[tuple[int, float, float]]] = {}

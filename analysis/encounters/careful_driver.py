@@ -9,13 +9,14 @@ The driver follows the path that the ego drove, and the pedestrian moves as reco
 3. The pedestrian is a *risk* while their disc is within ``r157_wander_m`` of the corridor ahead of the body,
    or would be within ``r157_foresight_s`` at their present velocity, at a place that the body, at its present
    speed, has not passed by then. The risk begins at the first observable instant of the last spell of risk
-   before the contact. A spell ends when the driver has seen no risk for ``r157_foresight_s``: one who had
-   braked would have driven on. At most 30 s before the contact are considered.
-4. From that instant on the driver keeps the ego's recorded speed, at most the limit, for
-   ``r157_reaction_s``. Then the deceleration rises, within ``r157_ramp_s`` from 0, or from where the ego's
-   already was, to ``r157_deceleration_mps2``, and stays there until the standstill.
+   before the contact. A spell ends when the driver has seen no risk for ``r157_foresight_s``: a driver who
+   had braked would have driven on by then. At most 30 s before the contact are considered.
+4. From that instant on the driver keeps the ego's recorded speed, but no more than the limit, for
+   ``r157_reaction_s``. Then the deceleration rises to ``r157_deceleration_mps2`` and stays there until the
+   standstill. It rises from the ego's recorded deceleration at that time, or from 0 if the ego did not brake,
+   at a rate that would take ``r157_ramp_s`` from 0.
 5. The contact is *preventable* if body and disc do not touch while the replayed ego moves, until
-   ``r157_after_s`` after the recorded contact. Standing is moving with at most ``standing_speed_mps``.
+   ``r157_after_s`` after the recorded contact. An ego at or below ``standing_speed_mps`` does not move.
 """
 
 from __future__ import annotations
@@ -44,13 +45,13 @@ class Replay:
     """The result of the replay."""
 
     onset: float
-    """When the risk could first be seen; nan if it never could be before the contact [s]."""
+    """Time at which the risk could first be seen; nan if it could not be seen before the contact [s]."""
     touched_at: float
-    """When the moving replayed ego touches the pedestrian; nan if it does not [s]."""
+    """Time at which the replayed ego touches the pedestrian while moving; nan if it does not [s]."""
 
     @property
     def prevented(self) -> bool:
-        """Whether the careful driver touches no pedestrian while driving."""
+        """Whether the careful driver does not touch the pedestrian while driving."""
         return bool(np.isnan(self.touched_at))
 
 
@@ -90,13 +91,13 @@ def replay_contact(
     Parameters
     ----------
     ego, person : Track
-        Who touched.
+        The two that touched.
     contact : Contact
         The recorded contact.
     limit : FloatArray
         Speed limit at the samples of the ego's track; nan or inf where there is none [m/s].
     vehicles : There
-        All vehicles that may hide somebody; the ego itself is left out.
+        All vehicles that may hide the pedestrian; the ego itself is left out.
     grid : Grid
     thresholds : Thresholds
     """
@@ -173,7 +174,7 @@ def _meets_corridor(
     pose = pose[near]
     along, across = to_frame(x[at] - part.x[pose], y[at] - part.y[pose], part.heading[pose])
     inside = signed_distance(along, across, 0.5 * path.length, 0.5 * path.width) <= reach
-    # The pose nearest to the body's place counts as its place, and nobody behind the bumper is ahead.
+    # The pose nearest to the body's place counts as its place. Points behind the rear bumper are not ahead.
     inside &= (part.way[pose] >= passed[at] - 0.1) & (part.way[pose] <= end[at])
     inside &= along >= -0.5 * path.length
     met[at[inside]] = True
@@ -181,7 +182,7 @@ def _meets_corridor(
 
 
 def _onset(time: FloatArray, seen: BoolArray, risk: BoolArray, quiet_s: float) -> int | None:
-    """Return the sample at which the last spell of risk begins; ``None`` without any."""
+    """Return the sample at which the last spell of risk begins; ``None`` if there is none."""
     onset: int | None = None
     quiet_since: float | None = None
     for i in np.flatnonzero(seen).tolist():
@@ -227,7 +228,7 @@ def _braking(scene: Scene, limit: FloatArray, thresholds: Thresholds) -> tuple[F
 def _stop(
     speed: float, braking: float, largest: float, ramp_s: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return time, way and speed of a stop whose deceleration rises with the jerk ``largest / ramp_s``.
+    """Return time, distance and speed of a stop whose deceleration rises with the jerk ``largest / ramp_s``.
 
     Examples
     --------

@@ -41,20 +41,20 @@ class Case:
     grid: Grid
     egos: Sequence[Track]
     persons: Sequence[Track]
-    """Pedestrians whose encounters these are."""
+    """Pedestrians whose encounters this case holds."""
     crowd: Tracks
-    """All recorded pedestrians: a long run is judged some of them at a time."""
+    """All recorded pedestrians; a long run is judged for some of them at a time."""
     vehicles: Tracks
     """All recorded vehicles; egos are among them while another ego is near."""
     bystanders: EgoTracks
-    """Egos of other parts of the run that were there meanwhile; none where the run is judged at once."""
+    """Egos of other parts of the run recorded at the same time; none if the run is judged as a whole."""
     traversals: Mapping[tuple[str, str], Sequence[Traversal]]
     encounters: Sequence[Encounter]
     samples: Samples
     predicted: PredictedArea
     contacts: Sequence[Contact]
     replays: Mapping[Contact, Replay]
-    """Each contact with the careful driver at the wheel."""
+    """Replay of each contact with the careful driver at the wheel."""
     approach: Approach
     steps: EgoSteps
     overlaps: Sequence[VehicleOverlap]
@@ -62,7 +62,7 @@ class Case:
     ego_rows: Sequence[IntArray]
     """Rows of the egos during each encounter, until the ego has left the conflict area."""
     ego_enter: FloatArray
-    """Entry into the conflict area; nan without one [s]."""
+    """Entry into the conflict area; nan if there is none [s]."""
     ego_leave: FloatArray
     person_enter: FloatArray
     person_leave: FloatArray
@@ -71,17 +71,17 @@ class Case:
     entered: BoolArray
     """Whether the pedestrian was on the crossing or in the ego's path, rather than only waiting.
 
-    So it is with a conflict area, and where the pedestrian was exposed or hit by the moving ego."""
+    It is true if there is a conflict area, or if the pedestrian was exposed or hit by the moving ego."""
 
     def __len__(self) -> int:
         return len(self.encounters)
 
     def bodies(self, first: int, last: int) -> Sequence[Track]:
-        """Return all that may be in the way or hide somebody between two samples; some are there twice."""
+        """Return all that may block the way or the view between two samples; some are in it twice."""
         return _there(self.vehicles, self.egos, self.bystanders)(first, last)
 
     def collisions(self) -> Sequence[Contact]:
-        """Return the contacts with the ego moving."""
+        """Return the contacts with a moving ego."""
         return [contact for contact in self.contacts if not contact.standing]
 
     def first_collision(self) -> list[Contact | None]:
@@ -118,8 +118,8 @@ class Case:
 
 
 SAMPLES_AT_ONCE = 400_000
-"""Vehicles and pedestrians with more samples of the fine grid are judged some at a time; of pedestrians those
-beside each ego count."""
+"""Vehicles or pedestrians with more samples of the fine grid than this are judged some at a time. For
+pedestrians, the samples beside each ego count as well."""
 
 
 def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
@@ -131,7 +131,8 @@ def prepare(run: RecordedRun, thresholds: Thresholds | None = None) -> Case:
 def prepare_in_parts(run: RecordedRun, thresholds: Thresholds) -> Iterator[Case]:
     """Yield cases of a recorded run, or of a part of it that :class:`analysis.recording.rides.Rides` gives.
 
-    Each holds the encounters with some of the pedestrians, and everything else; there is at least one.
+    Each case holds the encounters with some of the pedestrians, and everything else of the run or part. There
+    is at least one case.
     """
     rides = _rides(run, thresholds)
     for persons in rides.crowd.some(SAMPLES_AT_ONCE, rides.egos) if len(rides.crowd) else ([],):
@@ -194,7 +195,7 @@ def _rides(run: RecordedRun, thresholds: Thresholds) -> _Rides:
 def _with_vehicles(
     egos: Sequence[Track], vehicles: Tracks, run: RecordedRun, grid: Grid, thresholds: Thresholds
 ) -> tuple[list[VehicleOverlap], list[VehicleConflict]]:
-    """Return what happened between egos and other vehicles."""
+    """Return the overlaps and conflicts of egos with other vehicles."""
     overlaps: list[VehicleOverlap] = []
     conflicts: list[VehicleConflict] = []
     crossed: dict[tuple[int, int], Encroachment] = {}
@@ -265,7 +266,8 @@ def _entered(encounters: Sequence[Encounter], samples: Samples, contacts: Sequen
 def _once(contacts: Sequence[Contact], encounters: Sequence[Encounter], separation_s: float) -> list[Contact]:
     """Return each contact of a pair once: two encounters of one pair may hold the same instant.
 
-    It belongs to the encounter with a conflict area, else to the first one.
+    Of contacts that are the same, the one with a moving ego is kept, else that of an encounter with a
+    conflict area, else that of the first encounter.
     """
 
     def rank(contact: Contact) -> tuple[bool, bool, int]:
@@ -301,7 +303,7 @@ def _replays(
 
 
 def _there(vehicles: Tracks, egos: Sequence[Track], bystanders: EgoTracks) -> There:
-    """Return what gives the vehicles, and the egos, that are recorded between two samples."""
+    """Return a function that gives the vehicles and the egos recorded between two samples."""
 
     def there(first: int, last: int) -> list[Track]:
         own = [track for track in egos if track.first <= last and first <= track.last]

@@ -31,15 +31,15 @@ class Visit:
     """One stay inside an area."""
 
     enter: float
-    """[s]; the track's beginning where it begins inside."""
+    """Time of entry; beginning of the track if it begins inside [s]."""
     leave: float
-    """[s]; nan where the track ends inside."""
+    """Time of exit; nan if the track ends inside [s]."""
     first: int
-    """Samples of the track inside, first and last."""
+    """First sample of the track inside; ``last`` is the last one."""
     last: int
 
     def later(self, samples: int) -> Visit:
-        """Return the stay on a track that begins so many samples earlier."""
+        """Return the stay as counted on a track that begins this many samples earlier."""
         return replace(self, first=self.first + samples, last=self.last + samples)
 
 
@@ -54,7 +54,7 @@ class ConflictArea:
 
     @property
     def time_between(self) -> float:
-        """Time between the first one leaving and the second one entering; negative when interleaved [s]."""
+        """Time from when the first one leaves until the second one enters; negative when interleaved [s]."""
         gaps = [self.person.enter - self.ego.leave, self.ego.enter - self.person.leave]
         known = [gap for gap in gaps if gap == gap]
         return max(known) if known else -np.inf
@@ -77,7 +77,7 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
     if len(near_person) == 0:
         return []
     near_ego = np.flatnonzero(_near_box(ego.x, ego.y, person.x, person.y, margin))
-    # Standing users repeat themselves; only samples that moved are worth the work.
+    # The samples of standing users repeat; only those that moved are computed.
     moved, again = _moved(ego, near_ego)
     poses = near_ego[moved]
     line = _thinned(person, near_person, _POINT_SPACING_M)
@@ -104,12 +104,12 @@ def conflict_areas(ego: Track, person: Track, grid: Grid, pairing_s: float) -> l
 
 
 def reach(ego: Track) -> float:
-    """Return how far from the recorded centres the ego's rectangle gets at most, between them as well [m]."""
+    """Return how far the ego's rectangle reaches at most from its sampled centres, also between them [m]."""
     return 0.5 * float(np.hypot(ego.length, ego.width)) + 2.0 * ego.largest_step
 
 
 def stays_on_lines(ego: Track, grid: Grid, lines: Lines) -> Iterator[tuple[int, Visit]]:
-    """Yield when the ego's rectangle was on the ground of which line, line by line, in the order of time."""
+    """Yield each stay of the ego's rectangle on the ground of a line: line by line, in the order of time."""
     line, sample = lines.near(ego, reach(ego))
     if len(line) == 0:
         return
@@ -138,15 +138,16 @@ def _time(track: Track, grid: Grid) -> FloatArray:
 def _near_box(
     x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, margin: float
 ) -> BoolArray:
-    """Return which places are near the bounding box of others."""
+    """Return which places are near the bounding box of other places."""
     near: BoolArray = (x >= other_x.min() - margin) & (x <= other_x.max() + margin)
     near &= (y >= other_y.min() - margin) & (y <= other_y.max() + margin)
     return near
 
 
 def _moved(track: Track, index: IntArray, new: BoolArray | None = None) -> tuple[IntArray, IntArray]:
-    """Return the numbers of those samples at which the track is elsewhere than at the one before, or which
-    begin something new, and which of them each sample is like."""
+    """Return the samples that differ from the one before, and which of them each sample equals.
+
+    A sample differs if the track is elsewhere than at the sample before, or if it is marked as ``new``."""
     x, y, heading = track.x[index], track.y[index], np.nan_to_num(track.heading[index])
     change = np.hypot(np.diff(x), np.diff(y)) + np.abs(np.diff(heading))
     moved = np.concatenate([[True], change > _SAME_PLACE])
@@ -175,8 +176,8 @@ def _smallest_distance(
 ) -> FloatArray:
     """Return for each pose (or each point) the smallest signed distance to any point (or pose).
 
-    Where it is above ``wanted`` it may be larger, up to infinity: most pairs are told apart by the distance
-    from the rectangle's centre alone.
+    Distances above ``wanted`` may be given too large, up to infinity: the distance from the rectangle's
+    centre alone rules out most pairs.
     """
     half_length, half_width = 0.5 * ego.length, 0.5 * ego.width
     reach = float(np.hypot(half_length, half_width)) + wanted + _SAME_PLACE
@@ -197,7 +198,7 @@ def _smallest_distance(
 
 
 def _visits(time: FloatArray, samples: IntArray, outside: FloatArray) -> list[Visit]:
-    """Return the stays where ``outside`` <= 0; it is given on some samples and positive on all others."""
+    """Return the stays where ``outside`` <= 0; it is given at ``samples`` and positive at all others."""
     full = np.full(len(time), np.inf)
     full[samples] = outside
     inside: BoolArray = full <= 0.0

@@ -1,6 +1,6 @@
 """Classes of contacts: place, the party that moved into the other, and whether the ego could be at fault.
 
-By geometry and recorded motion alone; right of way plays no part.
+The classes follow from geometry and recorded motion alone; right of way plays no part.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ CLASSES = ("ego", "rolled_off", "walked_in", "appeared", "touching_at_start")
 MOVERS = ("ego", "pedestrian", "both")
 
 _STOOD_S = 0.5
-"""An ego that has stood for this long was walked into [s]."""
+"""An ego counts as having stood at a contact if it had stood for this long [s]."""
 _SMALL_SHARE = 0.1
-"""Who closed less than this share of the last gap did not move into the other."""
+"""A party that closed at most this share of the last gap did not move into the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,9 @@ def contact_class(one: Circumstances, vehicles: There) -> str:
     ``rolled_off``
         The ego had stood for 0.5 s when they touched, and then began to move while they still did.
     ``appeared``
-        The careful driver does not prevent it, and at the first sample that holds both the pedestrian was in
-        view and nearer than that driver's stopping distance: they appeared suddenly, not from hiding.
+        The careful driver does not prevent it, and at the first sample that holds both, the pedestrian was in
+        view and nearer than that driver's stopping distance: they appeared suddenly in the recording, not
+        from behind a vehicle.
     ``ego``
         Any other contact.
     """
@@ -94,9 +95,10 @@ def _at(track: Track, index: int) -> tuple[int, int]:
 
 
 def moved_by(one: Circumstances) -> str | None:
-    """Return the party whose motion closed the last gap; ``None`` without a gap between recorded samples.
+    """Return the party whose motion closed the last gap; ``None`` if no sample before the contact holds both.
 
-    Who alone closed less than a tenth of it, with the other held still, did not move into the other.
+    What each party closed is computed with the other held still. A party that closed at most a tenth of the
+    sum of both did not move into the other.
     """
     after = int(np.searchsorted(one.grid.time, one.contact.began - 1e-9))
     before = after - 1

@@ -17,7 +17,7 @@ _MARGIN_M = 1e-6
 
 
 class Areas:
-    """Some areas of a map with their boxes, by which most are told apart from a point at once."""
+    """Areas of a map with their bounding boxes, which quickly rule out most areas for a point."""
 
     def __init__(self, areas: Sequence[Area]) -> None:
         self._areas = areas
@@ -35,12 +35,12 @@ class Areas:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """The areas of a map by what they mean for a pedestrian."""
+    """The areas of a map, sorted by what they mean for a pedestrian."""
 
     crossings: Areas
     walking_areas: Areas
     carriageway: Areas
-    """Lanes inside junctions, and those on which a vehicle was recorded: a map does not say who may use a
+    """Lanes inside junctions, and lanes on which a vehicle was recorded: a map does not say who may use a
     lane."""
     lanes_known: bool
 
@@ -60,9 +60,9 @@ def places_of(run: RecordedRun) -> Places:
 def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: Places) -> str:
     """Return the kind of place of a pedestrian's centre at an instant [s].
 
-    On a crossing if the recording says so, or if within its width; else on a walking area if within
-    its outline; else on the carriageway if within the width of a lane that vehicles use, or where the map
-    has no lanes at all; anywhere else is at the kerb.
+    The centre is on a crossing if the recording says so, or if it is within the width of one; else on a
+    walking area if it is within the outline of one; else on the carriageway if it is within the width of a
+    lane that vehicles use, or if the map has no lanes at all. Any other place counts as the kerb.
     """
     own = grid.time[person.first : person.last + 1]
     x, y = float(np.interp(time, own, person.x)), float(np.interp(time, own, person.y))
@@ -79,7 +79,7 @@ def place_of(person: Track, time: float, run: RecordedRun, grid: Grid, places: P
 
 
 def _on_ribbon(area: Area, x: float, y: float) -> bool:
-    """Return whether a point is beside a centre line, within half the width."""
+    """Return whether a point is beside an area's centre line, within half its width."""
     start, change = area.shape[:-1], np.diff(area.shape, axis=0)
     if len(change) == 0:
         return False

@@ -13,7 +13,7 @@ from analysis.geometry import closest_approach, time_to_contact
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """One contact; touches closer in time than the separation are one."""
+    """One contact; touches closer in time than the separation count as one."""
 
     encounter: int
     time: float
@@ -25,9 +25,9 @@ class Contact:
     """Disc's centre in the frame of the rectangle at first touch [m]."""
     y: float
     standing: bool
-    """The ego stood: the pedestrian walked into it."""
+    """Whether the ego stood, so that the pedestrian walked into it."""
     began: float
-    """First touch, which may be before ``time`` where the ego stood at first [s]."""
+    """First touch of all; earlier than ``time`` if the ego still stood then [s]."""
     ended: float
     """Last touch [s]."""
 
@@ -41,7 +41,7 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Approach:
-    """Smallest clearance of each encounter, exact between samples [m], and when [s]."""
+    """Smallest clearance of each encounter, exact between samples [m], and its time [s]."""
 
     distance: FloatArray
     time: FloatArray
@@ -50,8 +50,8 @@ class Approach:
 def find_contacts(samples: Samples, separation_s: float, standing_speed: float) -> list[Contact]:
     """Return all contacts in the order of encounters and time.
 
-    Between two samples the disc's centre moves straight in the frame of the rectangle, so that neither
-    speed nor turning lets it jump through.
+    Between two samples the disc's centre moves straight in the frame of the rectangle, so that no contact is
+    missed, however fast the ego drives or turns.
     """
     if len(samples) == 0:
         return []
@@ -73,7 +73,7 @@ def find_contacts(samples: Samples, separation_s: float, standing_speed: float) 
 
 
 def _merged(touches: list[Contact]) -> Contact:
-    """Return the first touch with the ego moving, the first of all where it stood throughout."""
+    """Return the first touch with a moving ego, or the first of all if the ego stood throughout."""
     chosen = next((touch for touch in touches if not touch.standing), touches[0])
     return replace(chosen, began=touches[0].time, ended=touches[-1].time)
 
@@ -105,7 +105,7 @@ def _between(values: FloatArray, i: int, j: int, share: float) -> float:
 def _touches(
     samples: Samples,
 ) -> tuple[IntArray, FloatArray]:
-    """Return the samples from which contact is reached before the next one, and after which share."""
+    """Return the samples before whose next one a contact begins, and the share of the step until then."""
     jump = _jump(samples)
     near = np.flatnonzero(samples.clearance <= jump)
     i, j = near, _next(samples)[near]
@@ -123,7 +123,7 @@ def _touches(
 
 
 def _next(samples: Samples) -> IntArray:
-    """Return the next sample of the same encounter, the sample itself at its end."""
+    """Return the next sample of the same encounter; at its end, the sample itself."""
     index = np.arange(len(samples))
     index[:-1] += samples.same_as_next
     return index

@@ -1,9 +1,9 @@
 """Stops of an ego with its body over a crossing, and whether they could have been foreseen.
 
-A stop is *foreseeable* if a road user who stood was already in the ego's way at the last instant at which
+A stop is *foreseeable* if a standing road user was already in the ego's way at the last instant at which
 the ego could have stopped before the crossing with the comfortable deceleration. The way is what the body
-sweeps from the crossing's near edge on until it has left the crossing, continued straight on where the
-ego never left it. Whoever moved at that instant does not count: this is a lower bound.
+sweeps from the crossing's near edge until it has left the crossing, continued straight on if the ego never
+left it. Road users who moved at that instant do not count, so this is a lower bound.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ def count_stops(passage: Traversal, grid: Grid, limits: Thresholds) -> int:
 
 
 def was_foreseeable(passage: Traversal, vehicles: There, persons: There, limits: Thresholds) -> bool:
-    """Return whether somebody stood in the way when the ego could still have stopped before the crossing.
+    """Return whether a road user stood in the way when the ego could last have stopped before the crossing.
 
     Parameters
     ----------
     passage : Traversal
-        During which the ego stopped.
+        Passage during which the ego stopped.
     vehicles, persons : There
-        Everybody; the ego itself is left out of the vehicles.
+        All road users; the ego itself is left out of the vehicles.
     limits : Thresholds
     """
     ego = passage.track
@@ -53,7 +53,7 @@ def was_foreseeable(passage: Traversal, vehicles: There, persons: There, limits:
 
 
 def _last_chance(passage: Traversal, deceleration: float) -> int | None:
-    """Return the last sample before the passage from which the ego could stop in time; ``None`` for none."""
+    """Return the last sample before the passage from which the ego could stop in time, or ``None``."""
     ego, entered = passage.track, passage.visit.first
     left = ego.path[entered] - ego.path[:entered]
     able = np.flatnonzero(left >= ego.speed[:entered] ** 2 / (2.0 * deceleration))
@@ -68,7 +68,7 @@ def _way_over(passage: Traversal) -> DrivenPath:
 
 
 def _is_in(way: DrivenPath, one: Track, at: int) -> bool:
-    """Return whether a vehicle, or a pedestrian, whose heading is undefined, touches a swept way."""
+    """Return whether a vehicle, or a pedestrian (whose heading is undefined), touches a swept way."""
     if np.isnan(one.heading[at]):
         x, y = to_frame(one.x[at] - way.x, one.y[at] - way.y, way.heading)
         apart = clearance(x, y, 0.5 * way.length, 0.5 * way.width, 0.5 * one.width)

@@ -17,7 +17,7 @@ from analysis.thresholds import Thresholds
 
 @dataclass(frozen=True, slots=True)
 class CrossingWalk:
-    """One pedestrian over one crossing; samples are those of the track."""
+    """One walk of a pedestrian over a crossing; samples are those of the track."""
 
     person: Track
     crossing_id: str
@@ -36,7 +36,7 @@ def walks(person: Track, rows: Columns) -> Iterator[CrossingWalk]:
     ----------
     person : Track
     rows : Columns
-        The recorded table that the track was made of.
+        The recorded table that the track was made from.
     """
     crossings = rows.texts["crossing_id"]
     on_crossing = rows.texts["phase"].equal("crossing", person.rows)
@@ -45,13 +45,13 @@ def walks(person: Track, rows: Columns) -> Iterator[CrossingWalk]:
     for code in np.unique(codes[on_crossing]).tolist():
         on_this = on_crossing & (codes == code)
         for first, last in stretches(on_this):
-            against = first > 0 and bool(red[first])  # who appears on it was not seen to step on it
+            against = first > 0 and bool(red[first])  # those who appear on it were not seen to step on it
             since = after_earlier_walk(on_this, first)
             yield CrossingWalk(person, crossings.names[code], since, first, last, against)
 
 
 def after_earlier_walk(on_crossing: BoolArray, first: int) -> int:
-    """Return the first sample after the last walk that ended before a sample; 0 where there is none."""
+    """Return the first sample after the last walk that ended before a sample; 0 if there is none."""
     earlier = np.flatnonzero(on_crossing[:first])
     return int(earlier[-1]) + 1 if len(earlier) else 0
 
@@ -75,7 +75,7 @@ def delay(
     inside : BoolArray
         Samples of the track at which the pedestrian waits for the crossing or is on it.
     since : int
-        First one that counts: those before belong to an earlier walk.
+        First sample that counts; those before it belong to an earlier walk.
     last : int
         Last sample on the crossing.
     grid : Grid

@@ -16,12 +16,12 @@ from analysis.recording.tracks import Track
 
 @dataclass(frozen=True, slots=True)
 class Traversal:
-    """One ego over one crossing."""
+    """One passage of an ego over a crossing."""
 
     ego_id: str
     crossing_id: str
     number: int
-    """1 for the first time in the run."""
+    """1 for the ego's first passage over this crossing in the run."""
     visit: Visit
     track: Track
 

@@ -1,9 +1,9 @@
 """Which ego met which pedestrian, when and where.
 
 An *encounter* lasts from the instant when both are within 45 m of their conflict area (of each other
-where their paths do not cross) until one has left that range. Listed are persons who cross the ego's
-path, and persons who were on a crossing or whose next step was onto one. Passers-by on the sidewalk and
-riders of vehicles (whom a recording does not hold) are none.
+where their paths do not cross) until one has left that range. It is listed if the person crosses the ego's
+path, was on a crossing, or waited to step onto one. Passers-by on the sidewalk have no encounters, nor have
+occupants of vehicles, whom a recording does not hold.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ class Encounter:
     traversal: Traversal | None
     """The ego's passage over that crossing that is nearest in time."""
     passes_crossing: bool
-    """The ego's body was over that crossing, or the map does not know it."""
+    """Whether the ego's body was over that crossing, or the map does not hold it."""
     censored: bool
-    """The recording of one of them ended before it was over."""
+    """Whether the recording of one of the two ended before the encounter was over."""
 
     @property
     def passage_id(self) -> str:
@@ -80,9 +80,9 @@ def find_encounters(egos: Sequence[Track], persons: Sequence[Track], around: Sur
 def find_in_traffic(
     vehicles: Sequence[Track], persons: Sequence[Track], around: Surroundings
 ) -> list[Encounter]:
-    """Return the encounters of all vehicles in which one drove over the other's ground or crossing.
+    """Return the encounters of all vehicles that drove over the pedestrian's path or crossing.
 
-    As `find_encounters`, without those of vehicles that passed neither the pedestrian's way within
+    As `find_encounters`, but without vehicles that passed neither the pedestrian's path within
     traffic_pairing_s nor their crossing.
     """
     grid, within = around.grid, around.thresholds.traffic_pairing_s
@@ -101,7 +101,7 @@ def find_in_traffic(
 
 
 def place_in_run(one: Encounter) -> tuple[int, str, str, int]:
-    """Return by what the encounters of a run are sorted: beginning, ego, pedestrian, end."""
+    """Return the key by which the encounters of a run are sorted: beginning, ego, pedestrian, end."""
     return one.first, one.ego.name, one.person.name, one.last
 
 
@@ -115,7 +115,7 @@ def _areas_near(
 
 
 def _around(track: Track, samples: tuple[int, int]) -> tuple[int, int]:
-    """Return samples from some way before to some way after, so that stays are whole."""
+    """Return first and last sample, extended by a distance on the path so that stays are complete."""
     margin = track.length + _MARGIN_M
     first = np.searchsorted(track.path, track.path[samples[0]] - margin, "left")
     last = np.searchsorted(track.path, track.path[samples[1]] + margin, "right")
@@ -188,7 +188,10 @@ def _make(
 
 
 def _crossing(person: Track, first: int, last: int, area: ConflictArea | None, run: RecordedRun) -> str:
-    """Return the crossing walked on in the area, else the last one walked on or next."""
+    """Return the crossing that the person walked on last, else the one they waited for; empty for none.
+
+    With a conflict area, only their samples inside it count.
+    """
     texts = run.neighbours.texts["crossing_id"]
     if area is not None:
         rows = person.rows[area.person.first : area.person.last + 1]
@@ -216,7 +219,7 @@ def _is_censored(ego: Track, person: Track, last: int, area: ConflictArea | None
 def _nearest_stretch(
     near: BoolArray, first: int, ego_enters: int, person_enters: int
 ) -> tuple[int, int] | None:
-    """Return the stretch nearest to the instants of entry, as fine indices; ``None`` without any."""
+    """Return the stretch nearest to the instants of entry, as fine indices; ``None`` if there is none."""
     found = [(first + a, first + b) for a, b in stretches(near)]
     low, high = min(ego_enters, person_enters), max(ego_enters, person_enters)
 

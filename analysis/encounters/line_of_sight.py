@@ -1,4 +1,4 @@
-"""Lines of sight from a place to pedestrians; vehicles block them as rectangles of any height."""
+"""Lines of sight from a place to pedestrians; vehicles block them as rectangles, whatever their height."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def is_visible(
     eye_x, eye_y : FloatArray
         The eye at consecutive samples of the fine grid [m].
     x, y : FloatArray
-        The point that is looked at, at the same samples [m].
+        The observed point at the same samples [m].
     first : int
         Fine index of the first sample.
     vehicles : Iterable[Track]
-        All that may be in the way; a vehicle hides only while it is recorded.
+        All vehicles that may block the view; each does so only while it is recorded.
     """
     seen = np.ones(len(x), dtype=np.bool_)
     last = first + len(x) - 1
@@ -58,7 +58,7 @@ def is_visible(
 def _cuts(
     vehicle: Track, own: slice, eye_x: FloatArray, eye_y: FloatArray, x: FloatArray, y: FloatArray
 ) -> BoolArray:
-    """Return where the segment meets the rectangle: the shares of it inside both slabs overlap."""
+    """Return where the segment meets the rectangle: its parts inside the two slabs overlap."""
     heading = vehicle.heading[own]
     from_x, from_y = to_frame(eye_x - vehicle.x[own], eye_y - vehicle.y[own], heading)
     to_x, to_y = to_frame(x - vehicle.x[own], y - vehicle.y[own], heading)

@@ -1,7 +1,7 @@
-"""How far a driven rectangle is from lines on the ground, such as the middles of crossings.
+"""Distances of a driven rectangle from lines on the ground, such as the centre lines of crossings.
 
-A town has thousands of them and a vehicle drives over a few: everything is done for all lines of a track at
-once.
+A town has thousands of such lines and a vehicle drives over a few of them, so everything is computed for all
+lines of a track at once.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ _SLACK_M = 1e-6
 
 
 class Lines:
-    """Lines of two corners or more, as points at most 0.1 m apart.
+    """Lines of two or more corners, as points at most 0.1 m apart.
 
     Parameters
     ----------
-    corners : of each line, shape (corners, 2) [m]
-    half_widths : how far the ground that belongs to each line reaches to its sides, shape (n,) [m]
+    corners : corners of each line, shape (corners, 2) [m]
+    half_widths : how far the ground of each line extends to either side, shape (n,) [m]
     """
 
     def __init__(self, corners: Sequence[FloatArray], half_widths: FloatArray) -> None:
@@ -41,7 +41,7 @@ class Lines:
         self._intervals = np.maximum(np.ceil(self._length / _SPACING_M), 1.0)
 
     def near(self, track: Track, margin: float) -> tuple[IntArray, IntArray]:
-        """Return the pairs of a line and a sample of the track within its box, widened by a margin [m].
+        """Return the pairs of a line and a sample of the track in the line's box, widened by a margin [m].
 
         Returns
         -------
@@ -67,9 +67,9 @@ class Lines:
         ----------
         track
         lines, samples : the pairs
-        beyond : a distance may be larger, up to infinity, where it is above the half width by more [m]
+        beyond : distances above the half width by more may be given too large, up to infinity [m]
         """
-        # Each pair with each straight piece of its line.
+        # Combine each pair with each straight piece of its line.
         pieces = self._pieces[lines]
         pair = np.repeat(np.arange(len(lines)), pieces)
         piece = np.arange(len(pair)) + np.repeat(
@@ -99,11 +99,11 @@ class Lines:
     def _points(
         self, track: Track, samples: IntArray, piece: IntArray, wanted: FloatArray
     ) -> tuple[IntArray, IntArray]:
-        """Return the first of a piece's points that may be the nearest one to the rectangle, and how many.
+        """Return the first point of each piece that may be nearest to the rectangle, and how many may be.
 
-        None is nearer to the rectangle than its distance from the centre less half the diagonal, and the
-        point nearest to the centre is no farther from the rectangle than from the centre less half the
-        shorter side.
+        No point is nearer to the rectangle than its distance from the centre less half the diagonal. The
+        point nearest to the centre is no farther from the rectangle than its distance from the centre less
+        half the shorter side.
         """
         corner = 0.5 * float(np.hypot(track.length, track.width))
         length, intervals = self._length[piece], self._intervals[piece]

@@ -1,4 +1,4 @@
-"""Instants of an encounter that several metrics refer to: way still to go, evasive action, entry."""
+"""Instants of an encounter that several metrics refer to: evasive action and entry; distances until then."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def phase_samples(case: Case, encounter: Encounter, *phases: str) -> BoolArray:
 def crossing_stay(case: Case, encounter: Encounter) -> tuple[int, int] | None:
     """Return first and last sample of the relevant stay of the person on the crossing.
 
-    That is the stay around their entry into the conflict area, the last one of the encounter if there is no
-    area, ``None`` for a person who never is on the crossing.
+    That is the stay around their time in the conflict area; without an area, the last stay of the encounter;
+    ``None`` for a person who is not on the crossing then.
     """
     if not encounter.crossing_id:
         return None
@@ -62,7 +62,7 @@ class Evasion:
     """The beginning of the ego's evasive action."""
 
     time: FloatArray
-    """nan where there was none and no smallest TTC either [s]."""
+    """nan if the ego took no such action and there was no TTC either [s]."""
     ego_speed: FloatArray
     ttc: FloatArray
     """inf without a collision course, nan where the pedestrian did not count yet [s]."""
@@ -70,7 +70,7 @@ class Evasion:
 
 
 def evasions(case: Case) -> Evasion:
-    """Return where the ego begins to brake harder than the threshold, else the instant of smallest TTC."""
+    """Return when the ego begins to brake harder than the threshold, else the instant of the smallest TTC."""
     count = len(case)
     samples = case.samples
     time, speed, ttc = (np.full(count, np.nan) for _ in range(3))
@@ -100,17 +100,17 @@ def _own_time(case: Case, i: int) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Entries:
-    """The instant at which each pedestrian could be seen to enter, before the ego reached the area."""
+    """The instant at which each pedestrian could be seen entering, before the ego reached the area."""
 
     time: FloatArray
-    """nan where the ego was in the area before, or there is none [s]."""
+    """nan if the ego was in the area before, or if there is no area [s]."""
     distance: FloatArray
-    """Way of the ego to the conflict area at that instant [m]."""
+    """Distance of the ego from the conflict area at that instant, along its path [m]."""
     ego_speed: FloatArray
 
 
 def entries(case: Case) -> Entries:
-    """Return when each pedestrian stepped on the crossing, or where there is none, the encounter's start."""
+    """Return when each pedestrian stepped on the crossing; without a crossing, when the encounter began."""
     count = len(case)
     time, distance, speed = (np.full(count, np.nan) for _ in range(3))
     for i, one in enumerate(case.encounters):
@@ -118,7 +118,7 @@ def entries(case: Case) -> Entries:
             continue
         stay = crossing_stay(case, one)
         begin = one.first if stay is None else one.person.first + stay[0]
-        # Who was on the crossing before the ego came into the recording is seen when it does.
+        # A pedestrian who was on the crossing before the ego is recorded is seen when its recording begins.
         seen = float(case.grid.time[max(begin, one.ego.first)])
         if seen >= one.area.ego.enter:
             continue
@@ -129,7 +129,7 @@ def entries(case: Case) -> Entries:
 
 
 def stopping_distance(speed: FloatArray, reaction: float, deceleration: float, ramp: float) -> FloatArray:
-    """Return the way to a standstill: reaction, linear rise of the braking, then constant braking [m].
+    """Return the distance to a standstill: reaction, linear rise of the braking, then constant braking [m].
 
     Examples
     --------

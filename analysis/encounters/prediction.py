@@ -1,9 +1,9 @@
 """Predicted times of ego and pedestrian in their conflict area if both keep their velocity.
 
-Seen from the ego at one sample: its *strip* is the body's width straight ahead. The pedestrian is in the
-area while their disc touches the strip; the ego is in it while the body touches the piece of the strip
-that the disc sweeps. All times are counted from the sample; nan if the pedestrian never is in the strip
-again.
+At each sample, the ego's *strip* is the body's width straight ahead. The pedestrian is in the area while
+their disc touches the strip; the ego is in it while the body touches the piece of the strip that the disc
+sweeps. All times are counted from the sample; they are nan if the pedestrian is not in the strip then or
+later.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class PredictedArea:
     """inf for a standing ego before the area [s]."""
     ego_out: FloatArray
     longitudinal: BoolArray
-    """The pedestrian moves along the strip rather than across."""
+    """Whether the pedestrian moves along the strip rather than across it."""
 
 
 def predict_area(samples: Samples, longitudinal_angle_deg: float) -> PredictedArea:
@@ -76,8 +76,8 @@ def predict_area(samples: Samples, longitudinal_angle_deg: float) -> PredictedAr
 def required_deceleration(speed: FloatArray, distance: FloatArray, time: FloatArray) -> FloatArray:
     """Return the smallest constant deceleration with which the ego is not in an area before ``time``.
 
-    0 for ``d >= v T``; ``2 (v − d/T) / T`` down to ``d = v T / 2``; ``v^2 / (2 d)`` below, where the ego
-    has to stop before the area; inf for d <= 0 with T > 0 and v > 0.
+    It is 0 for ``d >= v T``; ``2 (v − d/T) / T`` down to ``d = v T / 2``; ``v^2 / (2 d)`` below, where the
+    ego has to stop before the area; inf for d <= 0 with T > 0 and v > 0.
 
     Parameters
     ----------

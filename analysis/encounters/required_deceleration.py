@@ -12,8 +12,8 @@ from analysis.encounters.prediction import required_deceleration
 def drac(case: Case, reaction_s: float) -> FloatArray:
     """Return the deceleration needed at each sample; nan where the pedestrian does not count [m/s^2].
 
-    Crossing pedestrians need what ``required_deceleration`` says; those moving along the ego's
-    direction need ``closing speed^2 / (2 gap)``. Before the reaction time is over nothing is done.
+    For crossing pedestrians it is what ``required_deceleration`` returns; for those moving along the ego's
+    direction, ``closing speed^2 / (2 gap)``. The ego keeps its speed until the reaction time is over.
     """
     samples, area = case.samples, case.predicted
     speed = samples.ego_speed

@@ -40,9 +40,9 @@ class Samples:
     half_width: FloatArray
     radius: FloatArray
     exposed: BoolArray
-    """Predicted collisions count here."""
+    """Whether predicted collisions count at the sample."""
     clearance: FloatArray
-    """Between the surfaces at the sample [m]."""
+    """Distance between the surfaces at the sample [m]."""
     ttc: FloatArray
     """Exact time to contact at constant velocities; inf without one, nan where not exposed [s]."""
 
@@ -74,13 +74,13 @@ class Samples:
         return -low, at
 
     def total(self, values: FloatArray) -> FloatArray:
-        """Return each encounter's sum."""
+        """Return each encounter's sum of the values."""
         if len(self.starts) == 0:
             return np.zeros(0)
         return np.asarray(np.add.reduceat(values, self.starts))
 
     def any(self, flags: BoolArray) -> BoolArray:
-        """Return whether each encounter has the flag somewhere."""
+        """Return whether the flag is set at any sample of each encounter."""
         if len(self.starts) == 0:
             return np.zeros(0, dtype=np.bool_)
         return np.asarray(np.logical_or.reduceat(flags, self.starts))

@@ -12,9 +12,9 @@ CONFLICTS = LEVELS[2:]
 
 
 def severity_levels(case: Case) -> list[str]:
-    """Return each encounter's level, by the smaller of what TTC and PET say.
+    """Return each encounter's level: the more severe one of its TTC and its PET.
 
-    Waiting pedestrians who never enter are ``none``.
+    Encounters with pedestrians who wait and never enter are ``none``.
     """
     limits = case.thresholds
     ttc, pet = case.smallest_ttc(), case.post_encroachment()

@@ -1,10 +1,11 @@
-"""Conflicts of egos with other vehicles: who came close to whom, behind, ahead, beside or across.
+"""Conflicts of egos with other vehicles that came close to them, behind, ahead, beside or across.
 
-A braking ego exports the risk of a rear-end collision to the traffic behind it; the pairs in which the other
-vehicle follows show it. Each pair is one conflict for each kind in which it came within the limits:
+A braking ego passes the risk of a rear-end collision on to the traffic behind it; the pairs in which the
+other vehicle follows show this. Each pair counts as one conflict for each kind in which it came within the
+limits:
 
-- ``followed``: the other vehicle drives behind the ego in about its direction, their bodies overlapping
-  across; ``following``: the ego drives behind it;
+- ``followed``: the other vehicle drives behind the ego in about its direction, and their bodies overlap
+  laterally; ``following``: the ego drives behind it;
 - ``beside``: about the same direction, without such an overlap;
 - ``oncoming``: about opposite directions; ``crossing``: any other angle.
 """
@@ -49,13 +50,13 @@ class VehicleConflict:
     min_ttc: float
     """inf without a collision course [s]."""
     at: float
-    """When it was; without a TTC when the ego was on the ground of the PET [s]."""
+    """Time of the smallest TTC; without a TTC, time at which the ego was on the ground of the PET [s]."""
     max_drac: float
-    """Of whoever follows; nan for other kinds, and where they overlapped throughout [m/s^2]."""
+    """DRAC of the follower; nan for other kinds, and if the two overlapped throughout [m/s^2]."""
     pet: float
-    """nan for other kinds than crossing, and where they share no ground soon enough [s]."""
+    """nan for kinds other than crossing, and if the two share no ground within the limit [s]."""
     ego_speed: float
-    """At ``at``; of the vehicle, without a TTC, on that ground [m/s]."""
+    """Both speeds are those at ``at``; without a TTC, the vehicle's is that on the PET's ground [m/s]."""
     vehicle_speed: float
     ego_deceleration: float
     """Hardest braking of the ego from ``start`` to ``end`` [m/s^2]."""
@@ -74,16 +75,16 @@ def find_vehicle_conflicts(
 ) -> list[VehicleConflict]:
     """Return all conflicts, sorted by time and names.
 
-    Listed are pairs with a TTC or, crossing, a PET of at most the limits of slight severity, and followers
-    who would have to brake harder than the limit of DRAC.
+    A pair is in conflict if its TTC or, for crossing pairs, its PET is at most the limit of slight severity,
+    or if the follower would have to brake harder than the limit of DRAC.
 
     Parameters
     ----------
     egos
     vehicles
-        By their numbers at least what of their tracks is beside that of an ego.
+        Their tracks by number; the parts recorded at the same time as an ego are enough.
     crossed
-        By the numbers of ego and vehicle who crossed the other's way.
+        Encroachments of the pairs that crossed each other's path, by numbers of ego and vehicle.
     grid, levels, thresholds
     """
     found: list[VehicleConflict] = []
@@ -95,10 +96,10 @@ def find_vehicle_conflicts(
 
 
 def may_be_near(ego: Way, vehicle: Way, within_s: float) -> bool:
-    """Return whether the two may overlap or be within the limits at some time; told where one of them moved.
+    """Return whether the two may overlap or be within the limits at some time.
 
-    While both stand, nothing changes: of a vehicle that stood most of the time that is little to look at. Any
-    other one may be.
+    Only samples at which one of the two moved are checked: while both stand, nothing changes. This is done
+    only for a vehicle that stood most of the time and has few such samples; any other one may be near.
     """
     if not vehicle.stood:
         return True
@@ -150,7 +151,7 @@ def _of_pair(
 
 
 def _closing(ego: Track, vehicle: Track, levels: Levels, within_s: float) -> _Together | None:
-    """Return the samples at which the two may be within the limits; ``None`` without any."""
+    """Return the samples at which the two may be within the limits; ``None`` if there are none."""
     first, last = max(ego.first, vehicle.first), min(ego.last, vehicle.last)
     if first > last:
         return None
@@ -164,7 +165,7 @@ def _closing(ego: Track, vehicle: Track, levels: Levels, within_s: float) -> _To
 def _near(
     ego: Track | Way, a: slice | IntArray, vehicle: Track | Way, b: slice | IntArray, within_s: float
 ) -> BoolArray:
-    """Return at which of some samples of both they may be within the limits."""
+    """Return at which of the given samples the two may be within the limits."""
     reach = 0.5 * float(np.hypot(ego.length, ego.width) + np.hypot(vehicle.length, vehicle.width))
     apart = np.hypot(ego.x[a] - vehicle.x[b], ego.y[a] - vehicle.y[b])
     relative = np.hypot(ego.x_speed[a] - vehicle.x_speed[b], ego.y_speed[a] - vehicle.y_speed[b])
@@ -178,8 +179,8 @@ def _times_to_collision(ego: Track, vehicle: Track, both: _Together) -> FloatArr
 
     Notes
     -----
-    Two convex bodies in straight motion touch while their shadows overlap on the normals of all their
-    sides: from the latest beginning of such an overlap to the earliest end.
+    Two convex bodies in straight motion touch while their projections onto the normals of all their sides
+    overlap: from the latest beginning of such an overlap to the earliest end.
     """
     dx, dy = vehicle.x[both.other] - ego.x[both.own], vehicle.y[both.other] - ego.y[both.own]
     u = vehicle.x_speed[both.other] - ego.x_speed[both.own]
@@ -207,7 +208,7 @@ def _times_to_collision(ego: Track, vehicle: Track, both: _Together) -> FloatArr
 
 
 def _kinds(ego: Track, vehicle: Track, both: _Together, angle_deg: float) -> tuple[IntArray, FloatArray]:
-    """Return the number of the kind at each sample, and the DRAC of whoever follows; nan for other kinds."""
+    """Return the number of the kind at each sample, and the DRAC of the follower; nan for other kinds."""
     heading, other_heading = ego.heading[both.own], vehicle.heading[both.other]
     turn = np.abs((other_heading - heading + np.pi) % (2.0 * np.pi) - np.pi)
     limit = np.radians(angle_deg)
@@ -219,7 +220,7 @@ def _kinds(ego: Track, vehicle: Track, both: _Together, angle_deg: float) -> tup
         (FOLLOWED, vehicle, both.other, ego, both.own),
         (FOLLOWING, ego, both.own, vehicle, both.other),
     ):
-        # In the frame of who follows.
+        # In the frame of the follower.
         frame = one.heading[at]
         along, across = to_frame(two.x[there] - one.x[at], two.y[there] - one.y[at], frame)
         cos, sin = np.abs(np.cos(turn)), np.abs(np.sin(turn))

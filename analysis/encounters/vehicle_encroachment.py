@@ -1,4 +1,4 @@
-"""Post-encroachment times of egos and other vehicles that cross each other's way."""
+"""Post-encroachment times of egos and other vehicles that cross each other's path."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _POSE_SPACING_M = 0.25
 
 @dataclass(frozen=True, slots=True)
 class Encroachment:
-    """The shortest time between one's body leaving ground and the other's arriving there."""
+    """The shortest time between one body leaving a piece of ground and the other arriving there."""
 
     pet: float
     """[s]."""
     own: int
-    """Fine indices of both between which it lies."""
+    """Fine index at which the ego came onto that ground; ``other`` is that of the vehicle."""
     other: int
     speed: float
-    """Of the vehicle, then [m/s]."""
+    """Speed of the vehicle at ``other`` [m/s]."""
 
 
 def encroachments(
@@ -40,10 +40,11 @@ def encroachments(
     thresholds: Thresholds,
     largest: float = 0.0,
 ) -> dict[tuple[int, int], Encroachment]:
-    """Return by numbers of ego and vehicle who drove over the same ground, crossing, within the PET limit.
+    """Return the encroachments of crossing pairs within the PET limit, by numbers of ego and vehicle.
 
-    To the sample; footprints are those of rectangles about 0.25 m apart. ``largest`` is half the diagonal of
-    a vehicle that is not among these, but whose places were looked up as these are [m].
+    Times are exact to the sample; the footprints are rectangles about 0.25 m apart. ``largest`` is half the
+    diagonal of the largest vehicle of the whole recording, if these are a part of it: all parts are then
+    looked up alike [m].
     """
     if not egos or not vehicles:
         return {}
@@ -84,7 +85,7 @@ def _crosses(heading: FloatArray, other: FloatArray, angle_deg: float) -> BoolAr
 
 
 def _stays(track: Way, near: IntArray) -> tuple[IntArray, IntArray]:
-    """Return first and last sample of each stay within a pose spacing of the path, around some samples."""
+    """Return first and last sample of each stay within one pose spacing of the path, around given samples."""
     low = np.searchsorted(track.path, track.path[near.min()] - track.length, "left")
     high = np.searchsorted(track.path, track.path[near.max()] + track.length, "right")
     samples = np.arange(low, high)

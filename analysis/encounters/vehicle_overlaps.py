@@ -19,7 +19,7 @@ _TOUCH_M = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class VehicleOverlap:
-    """One overlap of an ego with one vehicle; instants closer than 2 s are one."""
+    """One overlap of an ego with one vehicle; overlaps less than 2 s apart count as one."""
 
     ego_id: str
     vehicle_id: str
@@ -30,7 +30,7 @@ class VehicleOverlap:
     depth: float
     """Largest penetration along the axis of least overlap [m]."""
     ego_closing: float
-    """Speed with which the ego's own motion closed the last gap [m/s]; nan when there was none."""
+    """Speed at which the ego's own motion closed the last gap; nan if there was none [m/s]."""
     other_closing: float
     closed_by: str
     """``ego``, ``other``, or ``appeared`` for a vehicle first recorded inside the ego."""

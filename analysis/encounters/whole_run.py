@@ -1,4 +1,4 @@
-"""What is kept of a run whose rides were judged part by part: what the numbers of the run are made of."""
+"""The data kept of a run that was judged part by part, from which the numbers of the run are computed."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Met(NamedTuple):
     """Who met whom in an encounter, and where."""
 
     place: tuple[int, str, str, int]
-    """By which the encounters of a run are sorted."""
+    """Key by which the encounters of a run are sorted."""
     ego_id: str
     person_id: str
     crossing_id: str
     """Empty away from crossings."""
     passage_id: str
-    """Groups encounters by passages; empty where the ego did not pass the crossing."""
+    """Groups encounters by passage; empty if the ego did not pass the crossing."""
     entered: bool
     """Whether the pedestrian was on the crossing or in the ego's path, rather than only waiting."""
 
@@ -47,7 +47,7 @@ class WholeRun:
     """A recorded run without its tracks."""
 
     run: RecordedRun
-    """Without what was near its egos, and what they knew of it."""
+    """The run without the tables of what was near its egos and what they knew of it."""
     thresholds: Thresholds
     steps: Steps
     encounters: Sequence[Met]
@@ -67,7 +67,7 @@ class WholeRun:
 
 
 class Gathering:
-    """Makes a whole run of its parts.
+    """Assembles a whole run from its parts.
 
     Parameters
     ----------
@@ -101,17 +101,17 @@ class Gathering:
         self._sizes |= {(track.length, track.width) for track in case.egos}
 
     def add_encounters(self, case: Case, rows: IntArray) -> None:
-        """Add the encounters of a case of such a part."""
+        """Add the encounters of a case of a part, whose egos have these rows of all egos."""
         self._met += [_met(case, index) for index in range(len(case))]
         self._near.append(np.unique(rows[np.concatenate([*case.ego_rows, self._near[0]])]))
         self._widths |= {track.width for track in case.persons}
 
     def order(self) -> IntArray:
-        """Return the numbers of the encounters, from 0 as they were added, in the order of the run."""
+        """Return the numbers of the encounters (from 0, as they were added) in the order of the run."""
         return np.array(sorted(range(len(self._met)), key=lambda index: self._met[index].place), np.int64)
 
     def whole(self) -> WholeRun:
-        """Return the run, whose parts were all added."""
+        """Return the run; all its parts must have been added."""
         return WholeRun(
             run=self._run,
             thresholds=self._thresholds,
