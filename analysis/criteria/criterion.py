@@ -1,8 +1,8 @@
 """Criteria: a number of a table, an operator and a threshold. Pure evaluation; nothing is read or run.
 
-A criterion of scope *encounter* or *run* judges every row of encounters.csv or runs.csv, one of scope
-*configuration* a statistic of configs.csv. A value that is undefined is not good: its status is
-``undefined``, which fails unless the criterion says ``allow_undefined``.
+A criterion of scope *encounter* or *run* judges every row of encounters.csv or runs.csv; one of scope
+*configuration* judges a statistic of configs.csv. An undefined value does not pass: its status is
+``undefined``, which fails unless the criterion sets ``allow_undefined``.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ STATISTICS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     **{name: (name, _EVENTS) for name in ("exact95_lo", "exact95_hi")},
     **{name: (name, ("encounter",)) for name in ("tail95_lo", "tail95_hi")},
 }
-"""Statistic to its column in configs.csv and the kinds of measures that have it."""
+"""Statistic -> its column in configs.csv, and the kinds of measures that have it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +52,15 @@ class Criterion:
     threshold: float
     unit: str = "1"
     statistic: str = ""
-    """Of a configuration."""
+    """Statistic that is judged; only of scope *configuration*."""
     kind: str = ""
-    """Of a configuration's measure: the column ``kind`` of configs.csv."""
+    """Kind of the measure, as in column ``kind`` of configs.csv; only of scope *configuration*."""
     where: Mapping[str, bool | float | str] = field(default_factory=dict)
-    """Rows that are judged: those with these values in these columns."""
+    """Column -> value; only rows with these values are judged."""
     controllers: tuple[str, ...] = ()
-    """Empty: all."""
+    """Controllers whose runs are judged; empty: all."""
     scenarios: tuple[str, ...] = ()
-    """Empty: all."""
+    """Scenarios whose runs are judged; empty: all."""
     allow_undefined: bool = False
 
     def applies_to(self, scenario: str, controller: str) -> bool:
@@ -72,7 +72,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """A value against a threshold."""
+    """Result of comparing a value with a threshold."""
 
     status: str
     """``pass``, ``fail`` or ``undefined``."""
@@ -82,7 +82,7 @@ class Judgement:
 
 
 def judge(criterion: Criterion, value: float | None) -> Judgement:
-    """Hold a value against a criterion.
+    """Judge a value by a criterion.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def judge(criterion: Criterion, value: float | None) -> Judgement:
 
 
 def margin(sign: str, threshold: float, value: float) -> float:
-    """Return how far a value is on the side that passes: 0 at the threshold, negative beyond it.
+    """Return the distance of a value from the threshold, positive on the side that passes.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def margin(sign: str, threshold: float, value: float) -> float:
 
 
 def chosen_rows(criterion: Criterion, rows: Iterable[Cells]) -> list[Cells]:
-    """Return the rows that a criterion of encounters or runs judges; an empty cell is equal to nothing."""
+    """Return the rows that a criterion of encounters or runs judges; an empty cell equals no number."""
     return [
         row for row in rows if all(_equal(row[column], wanted) for column, wanted in criterion.where.items())
     ]
@@ -124,13 +124,13 @@ def _equal(cell: str, wanted: bool | float | str) -> bool:
 
 
 def row_value(criterion: Criterion, row: Cells) -> float | None:
-    """Return the value of a row of encounters.csv or runs.csv, ``None`` where it is undefined."""
+    """Return the value of a row of encounters.csv or runs.csv; ``None`` if it is undefined."""
     cell = row[criterion.metric]
     return float(cell) if cell else None
 
 
 def statistic_value(criterion: Criterion, row: Cells) -> float | None:
-    """Return the statistic of a row of configs.csv, ``None`` where there is none.
+    """Return the statistic of a row of configs.csv; ``None`` if there is none.
 
     Raises
     ------

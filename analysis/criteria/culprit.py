@@ -1,4 +1,4 @@
-"""Who, when and where: the encounter that a failed criterion of a run or of encounters is about."""
+"""The encounter that a failed criterion of a run or of encounters is about: who, when and where."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ _BY_WORD: tuple[tuple[str, tuple[str, Callable[..., float], str]], ...] = (
     ("decel", ("ego_max_decel_mps2", max, "t_min_dist_s")),
     ("ped_delay", ("ped_delay_s", max, "t_start_s")),
 )
-"""A word in a metric's name: the column of encounters.csv that tells the worst one, and its moment."""
+"""Word in a metric's name -> column of encounters.csv, how its worst value is chosen, and column of its time.
+
+The first word that fits counts."""
 _SEVERITY = ("conflict", "severity")
 _OF_KIND = {
     **contact_kind.COUNTED,
@@ -37,19 +39,20 @@ _OF_KIND = {
     "n_contacts_standing": ("contact_standing", "1"),
     "n_hidden_before_conflict": ("hidden_before_conflict", "1"),
 }
-"""Metric to the column of encounters.csv, and its text, of the encounters that it counts."""
+"""Metric -> column of encounters.csv, and the text there of the encounters that it counts."""
 OF_ALL_STEPS = {"max_decel_mps2": "ego_max_decel_mps2"}
-"""Metric of all steps of a run to the same of an encounter: only one that has the run's value is to blame."""
+"""Metric of all steps of a run -> same metric of an encounter; an encounter is to blame only if the two are
+equal."""
 _BEYOND = {
     "n_drac_gt_3p4": ("drac_status", deceleration_to_avoid_collision.BEYOND),
     "n_mdrac_gt_3p4": ("mdrac_status", modified_deceleration.BEYOND),
 }
-"""Metric to the column, and its texts, of encounters that it counts as worse than any number."""
+"""Metric -> column, and the texts there of the encounters that it counts as worse than any number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Culprit:
-    """The encounter that a number is about, and its moment and place."""
+    """The encounter that a number is about, with its time and place."""
 
     encounter_id: int
     ego_id: str
@@ -59,14 +62,14 @@ class Culprit:
 
 
 def culprit(metric: str, rows: Sequence[Cells]) -> Culprit | None:
-    """Return the worst encounter by what a metric of a run counts; ``None`` where none has a value.
+    """Return the worst encounter by the value that a metric of a run counts; ``None`` if none has a value.
 
     Parameters
     ----------
     metric
         Column of runs.csv or encounters.csv.
     rows
-        Of encounters.csv.
+        Rows of encounters.csv.
     """
     if metric in _OF_KIND:
         told_by, text = _OF_KIND[metric]
@@ -94,7 +97,7 @@ def culprit(metric: str, rows: Sequence[Cells]) -> Culprit | None:
 
 
 def of_row(metric: str, row: Cells) -> Culprit:
-    """Return a row of encounters.csv with the moment that a metric is about, and the place."""
+    """Return the encounter of a row of encounters.csv, with the time that a metric is about and the place."""
     told = _told_by(metric) or _TTC
     moments = (row[told[2]], row["t_min_ttc_s"], row["t_min_dist_s"], row["t_start_s"])
     place = f"at crossing {row['crossing_id']}" if row["crossing_id"] else "off any crossing"

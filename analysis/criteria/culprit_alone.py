@@ -1,4 +1,4 @@
-"""Who, when and where of a failed criterion that is about an ego and no pedestrian."""
+"""The ego that a failed criterion is about if no pedestrian is concerned: who, when and where."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ALONE = (DEADLOCK, OVERLAPS, OVERLAPS_CLOSED)
 
 @dataclass(frozen=True, slots=True)
 class EgoAlone:
-    """The ego that a number is about, the moment and the place; the names are those of criteria.csv."""
+    """The ego that a number is about, the time and the place; the names are those of criteria.csv."""
 
     ego_id: str
     moment_s: float
@@ -25,7 +25,7 @@ class EgoAlone:
 
 
 def of_ego(metric: str, run: Cells, overlaps: Sequence[Cells]) -> EgoAlone | None:
-    """Return the first deadlock, or the deepest overlap with a vehicle; ``None`` where there is none.
+    """Return the first deadlock, or the deepest overlap with a vehicle; ``None`` if there is none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Who, when and where of a failed criterion that is about an ego and a vehicle that came close to it."""
+"""The ego and the vehicle close to it that a failed criterion is about: who, when and where."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CLOSE: Mapping[str, tuple[str, tuple[tuple[str, str], ...]]] = {
     f"n_vehicle_conflicts_{CROSSING}": (CROSSING, (_TTC, _PET)),
     "min_vehicle_pet_s": (CROSSING, (_PET,)),
 }
-"""Metric of a run to the kind of conflict that it is about, and the columns that tell the worst one."""
+"""Metric of a run -> kind of conflict that it is about, and columns (with their words) of the worst one."""
 _WHERE = {
     FOLLOWED: "behind",
     FOLLOWING: "ahead",
@@ -31,7 +31,7 @@ _WHERE = {
 
 
 def of_conflict(metric: str, conflicts: Sequence[Cells]) -> EgoAlone | None:
-    """Return the worst conflict with a vehicle; ``None`` where no conflict of the kind has a value.
+    """Return the worst conflict with a vehicle; ``None`` if no conflict of the kind has a value.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Reads criteria from the ``[[criteria]]`` tables of a TOML file; every mistake is one line."""
+"""Reads criteria from the ``[[criteria]]`` tables of a TOML file; every mistake is reported in one line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EXAMPLE = (
     '[[criteria]] scope = "run", metric = "n_collisions", operator = "==", threshold = 0 '
     "(each key on a line of its own)"
 )
-"""A criterion, for those who have none."""
+"""An example of a criterion, for messages."""
 
 KEYS = (
     *("id", "scope", "metric", "statistic", "kind", "operator", "threshold"),
@@ -41,7 +41,7 @@ def read_criteria(tables: Sequence[Mapping[str, Any]]) -> tuple[Criterion, ...]:
     Raises
     ------
     CriterionError
-        For the first mistake; names what exists.
+        For the first mistake; the message names what exists.
     """
     found: list[Criterion] = []
     for number, table in enumerate(tables, 1):

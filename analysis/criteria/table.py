@@ -1,4 +1,4 @@
-"""Every column of criteria.csv, once."""
+"""All columns of criteria.csv, declared once."""
 
 from __future__ import annotations
 

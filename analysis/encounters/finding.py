@@ -1,9 +1,9 @@
 """Which ego met which pedestrian, when and where.
 
 An *encounter* lasts from the instant when both are within 45 m of their conflict area (of each other
-where their paths do not cross) until one has left that range. It is listed if the person crosses the ego's
-path, was on a crossing, or waited to step onto one. Passers-by on the sidewalk have no encounters, nor have
-occupants of vehicles, whom a recording does not hold.
+where their paths do not cross) until one has left that range. Listed are persons who cross the ego's
+path, and persons who were on a crossing or whose next step was onto one. Passers-by on the sidewalk and
+riders of vehicles (whom a recording does not hold) are none.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def compute(case: Case) -> Values:
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Return smallest value and low percentiles of the defined ones."""
+    """Return the smallest value and low percentiles over the encounters with a defined value."""
     values = np.asarray(columns["clearance_min_m"])
     known = values[np.isfinite(values)]
     if len(known) == 0:

@@ -24,12 +24,12 @@ RUN_COLUMNS = (
 
 
 def collect_encounters(case: Case) -> Values:
-    """Return the conflicts of a part of the run, by their levels."""
+    """Return the level of each conflict of a part of the run."""
     return {"conflicts": [level for level in severity_levels(case) if level in CONFLICTS]}
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Return both rates."""
+    """Return the number of conflicts and both rates."""
     conflicts = len(columns["conflicts"])
     kilometres = float(whole.steps.distance.sum()) / 1000.0
     persons = len({one.person_id for one in whole.encounters})

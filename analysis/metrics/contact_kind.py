@@ -54,7 +54,7 @@ COUNTED = {
     **{f"n_collisions_moved_by_{mover}": ("contact_moved_by", mover) for mover in MOVERS},
     **{f"n_collisions_class_{name}": ("contact_class", name) for name in CLASSES if name != "walked_in"},
 }
-"""Column of runs.csv to the column of encounters.csv, and its text, of the contacts that it counts."""
+"""Column of runs.csv -> column of encounters.csv, and the text there of the contacts that it counts."""
 _TEXTS = {
     "n_collisions_crossing": "those on a crossing",
     "n_collisions_carriageway": "those on the carriageway",

@@ -38,7 +38,7 @@ _STAND = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """One of the egos that deadlock_where names."""
+    """One ego that deadlock_where names, with the beginning, the end and the place of its stand."""
 
     ego_id: str
     start_s: float
@@ -50,7 +50,7 @@ class Stand:
 
 
 def first_stand(told: str) -> Stand | None:
-    """Return the first ego that a text of deadlock_where names.
+    """Return the first ego named in a text of deadlock_where; ``None`` if the text cannot be read.
 
     Examples
     --------
@@ -62,12 +62,12 @@ def first_stand(told: str) -> Stand | None:
 
 
 def collect_rides(case: Case) -> Values:
-    """Return the stretches of a part's egos."""
+    """Return the stretches in which egos of a part of the run stood for too long."""
     return {"stands": [one for track in case.egos for one in _stands(case, track)]}
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Return the number of stretches, and what they were, by ego and time."""
+    """Return the number of stretches and their description, sorted by ego and time."""
     stands = sorted(columns["stands"], key=attrgetter("ego_id", "start_s"))
     return {"deadlock": len(stands), "deadlock_where": "; ".join(map(str, stands)) or None}
 

@@ -20,7 +20,7 @@ COLUMNS = (
 
 
 def compute(case: Case) -> Values:
-    """Return both stays."""
+    """Return the duration of each user's stay."""
     return {
         "et_ego_s": case.ego_leave - case.ego_enter,
         "et_ped_s": case.person_leave - case.person_enter,

@@ -20,7 +20,7 @@ RUN_COLUMNS = (column.count("n_hard_brake", "hard braking manoeuvres", required=
 
 
 def collect_rides(case: Case) -> Values:
-    """Return the number of hard braking manoeuvres of each track of an ego."""
+    """Return the number of hard braking manoeuvres of each ego's track."""
     counts = []
     for track in case.egos:
         rows = track.rows[:: case.grid.factor]

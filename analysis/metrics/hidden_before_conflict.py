@@ -76,5 +76,5 @@ def _hidden(case: Case, i: int, instant: float) -> bool:
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Count conflicts with somebody hidden."""
+    """Count conflicts with hidden pedestrians."""
     return {"n_hidden_before_conflict": int(np.nansum(columns["hidden_before_conflict"]))}

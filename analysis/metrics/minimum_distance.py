@@ -26,7 +26,7 @@ RUN_COLUMNS = (column.at_least_0("min_dist_m", "m", "smallest distance"),)
 
 
 def compute(case: Case) -> Values:
-    """Return the smallest distance and when it was."""
+    """Return the smallest distance and its time."""
     return {"min_dist_m": case.approach.distance, "t_min_dist_s": case.approach.time}
 
 

@@ -61,7 +61,7 @@ def compute(case: Case) -> Values:
 
 
 def collect_encounters(case: Case) -> Values:
-    """Return of every collision whether the careful driver prevents it."""
+    """Return for every collision whether the careful driver prevents it."""
     return {"prevented": [case.replays[contact].prevented for contact in case.collisions()]}
 
 

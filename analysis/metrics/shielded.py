@@ -19,5 +19,5 @@ RUN_COLUMNS = (column.count("n_shielded", "plans that the last check replaced by
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Count them."""
+    """Count the plans replaced by braking."""
     return {"n_shielded": int(whole.run.egos.texts["plan_status"].equal("shielded").sum())}

@@ -33,7 +33,7 @@ def compute(case: Case) -> Values:
 
 
 def collect_rides(case: Case) -> Values:
-    """Return every change of a part's egos."""
+    """Return every change of the egos of a part of the run."""
     return {"changes": _changes(case)}
 
 
@@ -53,7 +53,7 @@ def sides(text: str) -> dict[str, str]:
 
 
 def _changes(case: Case) -> list[tuple[int, str]]:
-    """Return row of the ego and name of the pedestrian for every change."""
+    """Return the row of the ego and the name of the pedestrian for every change."""
     passing = case.run.egos.texts["passing"]
     planned = case.run.egos.flags["planned"]
     by_code = [sides(text) for text in passing.names]

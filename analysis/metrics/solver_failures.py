@@ -40,7 +40,7 @@ def compute(case: Case) -> Values:
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
-    """Count plans, and those that were not solved."""
+    """Count the plans, and the plans that were not solved."""
     planned = whole.run.egos.flags["planned"]
     return {
         "n_plans": int(planned.sum()),

@@ -27,7 +27,7 @@ RUN_COLUMNS = (
 
 
 def collect_rides(case: Case) -> Values:
-    """Return of every stop whether it could have been foreseen."""
+    """Return for every stop whether it could have been foreseen."""
     limits = case.thresholds
     foreseeable: list[bool] = []
     for passage in (one for passed in case.traversals.values() for one in passed):

@@ -50,7 +50,7 @@ RUN_COLUMNS = (
 
 
 def compute(case: Case) -> Values:
-    """Return the smallest TTC, when it was, its status, and the speeds then."""
+    """Return the smallest TTC, its time, its status, and the speeds at that time."""
     low, at = case.samples.smallest(case.samples.ttc)
     status = np.where(np.isfinite(low), "ok", np.where(case.entered, "no_collision_course", "not_entered"))
     time = case.samples.time[np.minimum(at, max(len(case.samples) - 1, 0))]

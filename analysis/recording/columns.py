@@ -1,9 +1,9 @@
-"""Every column of a recorded run, once: written by ``cosim``, read by ``analysis``.
+"""All columns of a recorded run, declared once: written by ``cosim``, read by ``analysis``.
 
 Schema, writer, reader and the tables in ``docs/metrics.md`` follow from here, so a new column is one line.
-A column's ``source`` leads to the value from the row objects of ``cosim/recording/rows.py``. Units are in the
-names; an undefined value is null. Times are simulated seconds. ``SCHEMA_VERSION`` changes whenever a column
-changes its name or meaning.
+A column's ``source`` is the path from the row objects of ``cosim/recording/rows.py`` to the value. Units are
+in the names; an undefined value is null. Times are simulated seconds. ``SCHEMA_VERSION`` changes whenever a
+column changes its name or meaning.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ INTERVENTIONS = {
     "position": "SUMO's own driving ended elsewhere",
     "speed": "SUMO drove faster than it was told",
 }
-"""Causes of interventions and their meanings; of several that hold in a step the first one counts."""
+"""Causes of interventions and their meanings; if several hold in a step, the first one counts."""
 
 _TYPES = {
     "string": pa.string(),
@@ -40,11 +40,11 @@ class RecordedColumn(Column):
     """One column of a recorded table."""
 
     judged: bool = False
-    """The analysis reads it; the others are for replays and for people."""
+    """Whether the analysis reads the column; other columns are for replays and for human readers."""
     added: bool = False
-    """Recordings of this version did not have it from the beginning."""
+    """Whether early recordings of this version lack the column."""
     decimals: int | None = None
-    """Where it is rounded to others than its table."""
+    """Decimals to which the column is rounded, where they differ from those of its table."""
 
     @property
     def dtype(self) -> pa.DataType:
@@ -54,11 +54,11 @@ class RecordedColumn(Column):
 
 @dataclass(frozen=True, slots=True)
 class RecordedTable(Table):
-    """One Parquet file. Its key and the time are in no two rows the same."""
+    """One Parquet file. No two rows have the same time and the same key."""
 
     columns: tuple[RecordedColumn, ...]
     decimals: int | None = None
-    """Columns of numbers are rounded to so many, which saves space; ``None``: they are not."""
+    """Decimals to which columns of numbers are rounded, which saves space; ``None`` if they are not."""
 
     @property
     def file(self) -> str:

@@ -21,7 +21,7 @@ class EgoSteps:
     duration: FloatArray
     """Time until the next row of the same track; 0 at its end [s]."""
     distance: FloatArray
-    """Way driven until the next row [m]."""
+    """Distance driven until the next row [m]."""
     jerk: FloatArray
     """Mean jerk over the window that ends at the row; nan where it begins before the track [m/s^3]."""
     jerk_from: FloatArray

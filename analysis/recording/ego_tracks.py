@@ -17,13 +17,13 @@ from analysis.thresholds import Thresholds
 class EgoTracks:
     """Tracks of egos: cubic Hermite in the rear axle's position and velocity, linear heading.
 
-    Each is made when it is asked for, and not kept.
+    Each track is computed on request and not kept.
 
     Parameters
     ----------
     run : RecordedRun
     rows : Columns
-        Of the egos.
+        Recorded rows of the egos.
     grid : Grid
     thresholds : Thresholds
 
@@ -37,7 +37,7 @@ class EgoTracks:
         self._rows, self._grid, self._overhang = rows, grid, thresholds.ego_rear_overhang_m
         self._levels = run.levels.of_all(rows.texts["lane"].names, rows.texts["lane"].codes)
         self._pieces: list[tuple[str, int, IntArray, FloatArray]] = []
-        """Name, first recorded step, rows and headings of each."""
+        """Name, first recorded step, rows and headings of each track."""
         for name, index in by_name(rows, "ego_id"):
             number = {key: values[index] for key, values in rows.numbers.items()}
             time = number["time_s"]
@@ -49,7 +49,7 @@ class EgoTracks:
         return map(self._track, range(len(self._pieces)))
 
     def during(self, first: int, last: int) -> list[Track]:
-        """Return the tracks between two samples of the fine grid, of each no more than what lies there."""
+        """Return the tracks recorded between two samples of the fine grid, each cut to that stretch."""
         factor, found = self._grid.factor, []
         for number, (_, begin, index, _) in enumerate(self._pieces):
             if begin * factor <= last and first <= (begin + len(index) - 1) * factor:

@@ -1,7 +1,7 @@
 """The fine time grid: recorded instants are refined by an integer factor.
 
-Samples are at most ``substep_s`` apart. An object that is out of the recording for an instant, or that jumps,
-continues as a new track.
+Samples are at most ``substep_s`` apart. An object that is missing from the recording for an instant, or that
+jumps, continues as a new track.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Grid:
     factor: int
     """Fine samples per recorded step."""
     time: FloatArray
-    """[s]; sample ``k * factor`` is recorded instant k."""
+    """Time of each sample; sample ``k * factor`` is recorded instant k [s]."""
 
 
 def samples_per_step(run: RecordedRun, thresholds: Thresholds) -> int:
@@ -62,7 +62,10 @@ def unbroken(
     speed: FloatArray,
     left_out: IntArray | None = None,
 ) -> list[slice]:
-    """Return the stretches without a missing instant and without a jump; some rows may be left out before."""
+    """Return the stretches without a missing instant and without a jump.
+
+    ``left_out`` is the number of rows that were left out before each row on purpose; these are not missing.
+    """
     step = np.searchsorted(run.times, np.round(time, 6))
     reach = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time) + _JUMP_M
     missed = np.diff(step) - 1 - (0 if left_out is None else left_out[1:])
@@ -77,7 +80,7 @@ def step_of(run: RecordedRun, time: float) -> int:
 
 
 def refine(values: FloatArray, factor: int) -> FloatArray:
-    """Return the values with ``factor − 1`` linearly interpolated ones between each two."""
+    """Return the values with ``factor − 1`` linearly interpolated values between each two."""
     if factor == 1 or len(values) < 2:
         return values.astype(np.float64)
     share = np.arange(factor) / factor

@@ -1,4 +1,4 @@
-"""An ego's knowledge of pedestrians and its age; only where its sensing was not perfect."""
+"""An ego's knowledge of pedestrians and its age; recorded only if the ego's sensing was not perfect."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from analysis.recording.reading import RecordedRun
 
 _LONGEST_GAP_STEPS = 2.5
 _PLAN_INTERVAL_S = 0.1
-"""Egos look at most this often [s]."""
+"""Shortest interval at which egos look [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,13 +20,13 @@ class Knowledge:
     """The instants at which one ego was told of one pedestrian."""
 
     time: FloatArray
-    """When it looked while the pedestrian was near, ascending [s]."""
+    """Times at which the ego looked while the pedestrian was near, ascending [s]."""
     told: BoolArray
     longest_gap: float
-    """Instants further apart than this do not follow each other [s]."""
+    """Instants further apart than this do not count as consecutive [s]."""
 
     def since(self, instant: float) -> float:
-        """Return since when it had been told without interruption; nan if not told at that instant [s].
+        """Return since when the ego had been told without interruption; nan if it was not told then [s].
 
         >>> times, told = np.array([0.0, 0.1, 0.2, 0.3]), np.array([True, False, True, True])
         >>> Knowledge(times, told, 0.15).since(0.35)
@@ -41,7 +41,7 @@ class Knowledge:
 
 
 NOTHING = Knowledge(np.zeros(0), np.zeros(0, dtype=np.bool_), 0.0)
-"""For a pedestrian who was never near when the ego looked."""
+"""Knowledge of a pedestrian who was never near when the ego looked."""
 
 
 def knowledge_of(run: RecordedRun) -> Mapping[tuple[str, str], Knowledge] | None:

@@ -1,4 +1,4 @@
-"""Which edges of a recorded map lead over or under each other: nobody on the one meets those on the other."""
+"""Edges of a recorded map that lead over or under each other, so that road users on them never meet."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from analysis.arrays import BoolArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Levels:
-    """Edges by number, from 1; 0 stands for all that cross nothing."""
+    """Numbers of the edges, from 1; 0 stands for all edges that lead over or under no other one."""
 
     numbers: Mapping[str, int]
     apart: BoolArray
@@ -23,12 +23,12 @@ class Levels:
         return self.numbers.get(name) or self.numbers.get(name.rpartition("_")[0], 0)
 
     def of_all(self, names: Iterable[str], codes: IntArray) -> IntArray:
-        """Return the number of each of many names, given as codes into some; −1 stands for none."""
+        """Return the numbers of edges or lanes, given as codes into ``names``; code −1 stands for none."""
         return np.array([*map(self.of, names), 0], dtype=np.int64)[codes]
 
 
 def levels_of(crossed: Mapping[str, Iterable[str]]) -> Levels:
-    """Return the levels of edges, each with those that it crosses without meeting them.
+    """Return the levels of edges, given the edges that each one leads over or under.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Tracks of pedestrians and of vehicles that are no egos."""
+"""Tracks of the pedestrians and vehicles that a run records near its egos."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _PERSON_SPEED_MPS = 12.0
 class Tracks(Sequence[Track]):
     """The tracks of all pedestrians or all vehicles, straight between recorded instants.
 
-    Each is made when it is asked for, and not kept: on the fine grid they are many times as large as what is
-    recorded.
+    Each track is computed on request and not kept: on the fine grid, tracks are many times as large as the
+    recording.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Tracks(Sequence[Track]):
         self._levels = run.levels.of_all(places.names, places.codes)
         self._pieces: list[tuple[str, IntArray]] = []
         self._steps: list[IntArray] = []
-        """Of each piece at which step of it each of its rows is."""
+        """For each piece, the number of recorded steps from its first row to each of its rows."""
         left_out = np.zeros(len(self._rows), np.int64) if run.left_out is None else run.left_out
         chosen = np.flatnonzero(self._rows.texts["object_kind"].equal(kind))
         for name, index in by_name(self._rows, "object_id", chosen):
@@ -68,18 +68,18 @@ class Tracks(Sequence[Track]):
         return map(self._track, range(len(self)))
 
     def during(self, first: int, last: int) -> list[Track]:
-        """Return the tracks between two samples of the fine grid, of each no more than what lies there."""
+        """Return the tracks recorded between two samples of the fine grid, each cut to that stretch."""
         there = np.flatnonzero((self._firsts <= last) & (self._firsts + self._sizes > first))
         return [self.between(number, first, last) for number in there.tolist()]
 
     def between(self, number: int, first: int, last: int) -> Track:
-        """Return what of a track lies between two samples of the fine grid; one recorded step, if nothing."""
+        """Return the part of a track between two samples of the fine grid; at least one recorded instant."""
         factor, own, end = self._grid.factor, int(self._firsts[number]), int(self._steps[number][-1])
         begin = min(max(0, first - own) // factor, end)
         return self._track(number, begin, max(begin, min(-(-(last - own) // factor), end)))
 
     def way(self, number: int) -> Way:
-        """Return where a vehicle was, without the instants between two recorded ones at which it stood."""
+        """Return where a vehicle was, without the instants of its stands whose rows were left out."""
         factor, steps = self._grid.factor, self._steps[number]
         track = self._made(number, np.arange(len(steps)))
         stood = np.repeat(np.diff(steps) > 1, factor)
@@ -91,27 +91,27 @@ class Tracks(Sequence[Track]):
     def beside(
         self, chosen: Sequence[int], samples: int, first: int, last: int
     ) -> Iterator[dict[int, Track]]:
-        """Yield some tracks by their numbers, about so many samples at a time, as `between` gives them."""
+        """Yield chosen tracks by number, cut as by `between`, about ``samples`` samples at a time."""
         ends = np.minimum(self._firsts + self._sizes - 1, last)
         counts = np.maximum(ends - np.maximum(self._firsts, first) + 1, self._grid.factor)
         for places in _apart(counts[list(chosen)], samples):
             yield {chosen[place]: self.between(chosen[place], first, last) for place in places}
 
     def ways(self, samples: int) -> Iterator[dict[int, Way]]:
-        """Yield all ways by their numbers, about so many samples at a time."""
+        """Yield all ways by number, about ``samples`` samples at a time."""
         counts = np.array([len(index) for _, index in self._pieces], np.int64) * self._grid.factor
         for numbers in _apart(counts, samples):
             yield {number: self.way(number) for number in numbers}
 
     def some(self, samples: int, beside: Sequence[Track] = ()) -> Iterator[list[Track]]:
-        """Yield all tracks some at a time; those of one name are not parted.
+        """Yield all tracks, some at a time; tracks of one name stay together.
 
         Parameters
         ----------
         samples : int
-            About so many there are at a time, those that a track has beside each of some others included.
+            Approximate number of samples at a time.
         beside : Sequence
-            The others.
+            Other tracks; the samples that a track has at the same time as each of them count as well.
         """
         begin, count = 0, 0
         for end in range(1, len(self) + 1):
@@ -126,13 +126,13 @@ class Tracks(Sequence[Track]):
         return sum(max(0, min(last, one.last) - max(first, one.first) + 1) for one in others)
 
     def _track(self, number: int, begin: int = 0, end: int | None = None) -> Track:
-        """Return a track, or what of it lies between two of its recorded steps, both included."""
+        """Return a track, or its part between two of its recorded steps, both included."""
         steps = self._steps[number]
         wanted = np.arange(begin, (int(steps[-1]) if end is None else end) + 1)
         return self._made(number, np.searchsorted(steps, wanted, "right") - 1, begin)
 
     def _made(self, number: int, rows: IntArray, begin: int = 0) -> Track:
-        """Return a track through some of its rows, one step apart, from a step on."""
+        """Return a track through some of its rows, taken as one step apart, that begins at a given step."""
         name, index = self._pieces[number]
         factor = self._grid.factor
         heading = self._headings[number][rows] if self._moves else np.zeros(0)
@@ -172,7 +172,7 @@ _OF_OBJECTS = ("x_m", "y_m", "x_speed_mps", "y_speed_mps", "length_m", "width_m"
 
 
 def _apart(counts: IntArray, at_once: int) -> Iterator[range]:
-    """Yield numbers in their order, of about so many at a time."""
+    """Yield ranges of consecutive numbers, each with counts that add up to about ``at_once``."""
     stretch = (np.cumsum(counts) - counts) // at_once
     bounds = [0, *(np.flatnonzero(np.diff(stretch)) + 1).tolist(), len(counts)]
     yield from (range(a, b) for a, b in pairwise(bounds) if a < b)

@@ -1,4 +1,4 @@
-"""Opens the tables of a recording: what is read of them is what the run wrote."""
+"""Opens the tables of a recording and makes sure that they are as the run wrote them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.manifest import read_verified
 
 @contextmanager
 def opened_table(path: Path) -> Iterator[pq.ParquetFile]:
-    """Give a recorded table to read from; the file is read once, by its hash and by its own checksums.
+    """Open a recorded table; the file is read once and checked against its hash and its own checksums.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def opened_table(path: Path) -> Iterator[pq.ParquetFile]:
         cut = path.with_name(path.name + PART)
         hint = f" (the run was cut off: {cut.name} is there)" if cut.exists() else ""
         raise RecordingError(f"{path}: no such file{hint}") from None
-    except MemoryError:  # of Arrow, too, where it is an ArrowException
+    except MemoryError:  # also that of Arrow, which is an ArrowException too
         raise
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -1,4 +1,4 @@
-"""Who is in a recorded table of pedestrians and vehicles, and when, found out row group by row group."""
+"""Which pedestrians and vehicles are in a recorded table, and when, found row group by row group."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ VEHICLE, PEDESTRIAN = "vehicle", "pedestrian"
 
 
 class Seen(NamedTuple):
-    """First and last row group in which somebody is, and since and until when."""
+    """First and last row group in which a road user is recorded, and the first and last time."""
 
     first: int
     last: int
@@ -25,15 +25,15 @@ class Seen(NamedTuple):
 
 @dataclass(slots=True)
 class Index:
-    """Who is in which row groups of a recording."""
+    """Which road users are in which row groups of a recording."""
 
     pedestrians: dict[str, Seen] = field(default_factory=dict)
     vehicles: dict[str, Seen] = field(default_factory=dict)
-    """Those that are no egos, where egos are told apart."""
+    """Vehicles that are not egos, if the egos' names are known."""
     classes: dict[str, str] = field(default_factory=dict)
     """SUMO's class of each vehicle, egos included; empty where none is recorded."""
     places: set[str] = field(default_factory=set)
-    """Edges and lanes on which somebody was."""
+    """Edges and lanes on which a road user was."""
     begins: list[float] = field(default_factory=list)
     """First instant of each row group [s]."""
     rows: list[int] = field(default_factory=list)
@@ -41,9 +41,9 @@ class Index:
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     """All recorded instants [s]."""
     at_once: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """Number of rows of each instant, but for those of vehicles that stand."""
+    """Number of rows at each instant, without those of standing vehicles."""
     largest: tuple[float, float] = (0.0, 0.0)
-    """Half the longest diagonal of a vehicle that is no ego; half the greatest width of a pedestrian [m]."""
+    """Half the longest diagonal of a vehicle in ``vehicles``; half the greatest width of a pedestrian [m]."""
 
 
 def index_of(groups: Iterable[Columns], egos: Set[str] = frozenset()) -> Index:
@@ -54,7 +54,7 @@ def index_of(groups: Iterable[Columns], egos: Set[str] = frozenset()) -> Index:
     groups : Iterable
         Rows of each group.
     egos : Set
-        Names of vehicles that are left out of it.
+        Names of vehicles that are left out of ``vehicles``.
     """
     index, times = Index(), []
     last = -np.inf
@@ -112,7 +112,7 @@ def _stands(rows: Columns) -> BoolArray:
 
 
 def around(everybody: Mapping[str, Seen], spans: Iterable[Seen]) -> set[str]:
-    """Return who was there between the first and the last of some."""
+    """Return the road users recorded between the earliest beginning and the latest end of some spans."""
     some = list(spans)
     if not some:
         return set()
@@ -121,7 +121,7 @@ def around(everybody: Mapping[str, Seen], spans: Iterable[Seen]) -> set[str]:
 
 
 def span_of(some: Iterable[Seen]) -> range:
-    """Return the row groups from the first to the last of some."""
+    """Return the row groups from the first to the last one of some road users."""
     listed = list(some)
     first = min((one.first for one in listed), default=0)
     return range(first, 1 + max((one.last for one in listed), default=first - 1))

@@ -54,10 +54,10 @@ class Texts:
         return self.names[code] if code >= 0 else ""
 
     def picked(self, rows: IntArray) -> Texts:
-        """Return some of the rows, and of the names those that are left."""
+        """Return some of the rows, with only the names that occur in them."""
         codes = self.codes[rows]
         left = np.unique(codes[codes >= 0])
-        anew = np.full(len(self.names) + 1, -1, dtype=np.int64)  # the last for -1
+        anew = np.full(len(self.names) + 1, -1, dtype=np.int64)  # the last one is for -1
         anew[left] = np.arange(len(left))
         return Texts(anew[codes], tuple(self.names[code] for code in left.tolist()))
 
@@ -94,7 +94,7 @@ class Area:
     crossed: tuple[str, ...] = ()
     """Edges that lead over or under it."""
     facts: Mapping[str, Any] = field(default_factory=dict)
-    """Further values of a crossing, by their names in map.json; recordings of before have none."""
+    """Further values of a crossing, by their names in map.json; older recordings have none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,15 +115,15 @@ class RecordedRun:
     sensing: Columns | None = None
     """What egos knew of pedestrians; ``None`` where they knew the truth."""
     largest: tuple[float, float] = (0.0, 0.0)
-    """Of a part of a recording, what is largest in all of it: half the diagonal of a vehicle, half the width
-    of a pedestrian [m]."""
+    """In a part of a recording, the largest values of the whole recording: half the diagonal of a vehicle and
+    half the width of a pedestrian [m]."""
     places: Set[str] = frozenset()
-    """Of a part of a recording, the edges and lanes on which somebody was in all of it."""
+    """In a part of a recording, the edges and lanes on which a road user was in the whole recording."""
     bystanders: Columns | None = None
-    """Of a part of a recording, egos of other parts that were there meanwhile."""
+    """In a part of a recording, the egos of other parts that were recorded at the same time."""
     left_out: IntArray | None = None
-    """Of a part of a recording, how many rows of the same vehicle, each as the one before, are left out
-    before each row of ``neighbours``."""
+    """In a part of a recording, the number of rows left out before each row of ``neighbours``, because they
+    repeat the row before of the same vehicle."""
 
     def crossings(self) -> tuple[Area, ...]:
         """Return the crossings of the map."""
@@ -151,7 +151,7 @@ def read_run(folder: Path) -> RecordedRun:
 
 
 def read_rides(folder: Path) -> RecordedRun:
-    """Read and check a run folder, but for what was near its egos and what they knew of it.
+    """Read and check a run folder, except for what was near its egos and what they knew of it.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def all_times(*times: FloatArray) -> FloatArray:
 
 
 def senses(run: RecordedRun) -> bool:
-    """Return whether what egos knew of pedestrians is recorded, because it was not the truth."""
+    """Return whether the egos' knowledge of pedestrians is recorded: their sensing was not perfect."""
     return str(run.meta.get("sensing") or _PERFECT) != _PERFECT
 
 
@@ -243,9 +243,9 @@ def judged_names(declared: RecordedTable, file: pq.ParquetFile) -> list[str]:
 
 
 def declared_columns(declared: RecordedTable, count: int, given: Columns) -> Columns:
-    """Return the judged columns of a table; those that are not given are undefined."""
+    """Return the judged columns of a table; columns that are not given are undefined."""
     judged = [column for column in declared.columns if column.judged]
-    undefined, never = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)  # shared: nobody writes there
+    undefined, never = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)  # shared, hence read-only
     undefined.flags.writeable = never.flags.writeable = False
     numbers: dict[str, FloatArray] = {}
     for column in judged:
@@ -265,7 +265,7 @@ def checked_schema(path: Path, declared: RecordedTable, file: pq.ParquetFile) ->
     Raises
     ------
     RecordingError
-        If it does.
+        If the file does.
     """
     present = file.schema_arrow
     for column in declared.columns:
@@ -279,7 +279,7 @@ def checked_schema(path: Path, declared: RecordedTable, file: pq.ParquetFile) ->
 
 
 def completed(declared: RecordedTable, table: pa.Table) -> pa.Table:
-    """Return rows with the judged columns that recordings did not have from the beginning."""
+    """Return a table with empty columns added for the judged columns that early recordings lack."""
     for column in declared.columns:
         if column.judged and column.name not in table.column_names:
             table = table.append_column(column.name, pa.nulls(len(table), column.dtype))
@@ -292,8 +292,8 @@ def checked_rows(path: Path, declared: RecordedTable, table: pa.Table, before: i
     Raises
     ------
     RecordingError
-        For an undefined number where one is needed, for no name, time that goes backwards, and a second row
-        of the same key at the same time.
+        For an undefined number where one is needed, a missing name, time that goes backwards, and a second
+        row of the same key at the same time.
     """
     judged = [column for column in declared.columns if column.judged]
     numbers = {

@@ -1,8 +1,8 @@
-"""The egos of a run with everybody near them, a part of the run at a time.
+"""The egos of a run and all road users near them, one part of the run at a time.
 
 Every ego belongs to one part, which holds its whole ride and the whole tracks of all pedestrians and vehicles
-that were recorded meanwhile: what comes of it does not depend on the parts. Egos of other parts that were
-there are *bystanders*, who may hide a pedestrian.
+that were recorded during it, so that results do not depend on how a run is divided. Egos of other parts that
+were recorded at the same time are *bystanders*, which may hide a pedestrian.
 """
 
 from __future__ import annotations
@@ -32,16 +32,17 @@ from analysis.recording.standing import WithoutRepeats
 from analysis.thresholds import Thresholds
 
 SAMPLES_AT_ONCE = 1_000_000
-"""Rides with more samples of the fine time grid are judged in parts that begin in about so many."""
+"""Rides with more samples of the fine time grid than this are judged in parts, each of rides that begin
+within about this many samples."""
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Some egos of a run and all that was near egos while they were there."""
+    """Some egos of a run, and all that was recorded near egos at the same time."""
 
     run: RecordedRun
     rows: IntArray
-    """Which rows of all egos theirs are."""
+    """Numbers of their rows among the rows of all egos."""
 
 
 class Rides:
@@ -63,7 +64,7 @@ class Rides:
         self._path = run.folder / NEIGHBOURS.file
         self._at_once = max(1, SAMPLES_AT_ONCE // samples_per_step(run, thresholds))
         self._margin_s = thresholds.severity_pet_slight_s
-        """Vehicles that came so long before or after an ego count, too [s]."""
+        """Vehicles recorded up to this long before or after an ego count as well [s]."""
         self._read: Columns | None = None
         self._index = Index()
         length, width = (run.egos.numbers[name] for name in ("length_m", "width_m"))
@@ -81,7 +82,7 @@ class Rides:
         """The whole run, without what was near its egos."""
 
     def parts(self) -> Iterator[Part]:
-        """Yield the parts; whoever is done with one lets go of it before the next."""
+        """Yield the parts; to save memory, drop each one before you ask for the next."""
         if self._short:
             neighbours, self._read = self._read, None
             yield Part(
@@ -102,7 +103,7 @@ class Rides:
                 yield self._part(near, told, egos, names)
 
     def _egos(self) -> Mapping[str, Seen]:
-        """Return when each ego was there, and in which stretches of about ``at_once`` rows."""
+        """Return when each ego was recorded, and in which stretches of about ``at_once`` rows."""
         rows, times = self.run.egos, self.run.times
         own = rows.numbers["time_s"]
         there = np.bincount(np.searchsorted(times, np.round(own, 6)), minlength=len(times))
@@ -149,10 +150,10 @@ class Rides:
 
 
 def _together(egos: Mapping[str, Seen], own: Mapping[str, int], at_once: int) -> Iterator[Set[str]]:
-    """Yield egos that come in one stretch and leave in it or the next; then those who stay longer.
+    """Yield egos that come in one stretch and leave in it or the next together; then those that stay longer.
 
-    Who stays longer is with others of about the same time, as many as have ``at_once`` rows; nobody else is,
-    for whom so much would have to be read.
+    Egos that stay longer are grouped with others of about the same time, up to ``at_once`` rows in all. Egos
+    of short rides are not grouped with them, because more would have to be read for these.
     """
     short: dict[int, set[str]] = {}
     long: list[tuple[Seen, str]] = []
@@ -199,7 +200,7 @@ class _Told:
             }
 
     def by(self, egos: Set[str]) -> Columns:
-        """Return what some of them knew."""
+        """Return what some egos knew."""
         some = [self._groups[name] for name in egos if name in self._groups]
         first = min((one.start for one in some), default=0)
         groups = range(first, max((one.stop for one in some), default=first))

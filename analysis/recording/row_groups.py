@@ -22,11 +22,11 @@ class RowGroups:
     Parameters
     ----------
     path
-        Of the file, for errors.
+        Path of the file, for error messages.
     declared
-        Its columns; those that are judged are read.
+        The columns of the file; the judged ones are read.
     file
-        Whose schema was checked.
+        The opened file, whose schema was checked.
     """
 
     def __init__(self, path: Path, declared: RecordedTable, file: pq.ParquetFile) -> None:
@@ -52,15 +52,15 @@ class RowGroups:
             before += len(rows)
 
     def of(self, groups: range, wanted: Mapping[str, Set[str]], kind: str, name: str) -> Columns:
-        """Return the rows of some in some groups.
+        """Return the rows of some road users in some groups.
 
         Parameters
         ----------
         groups
         wanted
-            Names of each kind: a vehicle and a person may share one.
+            Names of the road users by kind: a vehicle and a person may share a name.
         kind, name
-            Columns of the kind, empty where all are of one, and of the name.
+            Columns that hold the kind (empty if all are of one kind) and the name.
         """
         tables = [chosen_rows(self.table(number), wanted, kind, name) for number in groups]
         return checked_rows(self._path, self._declared, pa.concat_tables([self.empty(), *tables]))
@@ -75,13 +75,13 @@ class RowGroups:
 
 
 class _Latest(NamedTuple):
-    """The last instant of a row group [s], and who has a row then."""
+    """The last instant of a row group [s], and the keys that have a row then."""
 
     time: float
     names: Set[tuple[str, ...]]
 
     def followed(self, path: Path, key: Sequence[str], rows: Columns, before: int) -> _Latest:
-        """Return that of the next group; it may begin within this instant, but not earlier.
+        """Return that of the next group, which may begin at the same instant, but not earlier.
 
         Raises
         ------
@@ -112,7 +112,7 @@ def _key(rows: Columns, key: Sequence[str], row: int) -> tuple[str, ...]:
 
 
 def chosen_rows(table: pa.Table, wanted: Mapping[str, Set[str]], kind: str, name: str) -> pa.Table:
-    """Return the rows of some, as `RowGroups.of`."""
+    """Return the rows of some road users, as `RowGroups.of`."""
     if not len(table):
         return table
     names = table[name].combine_chunks().dictionary_encode()

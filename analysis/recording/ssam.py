@@ -182,8 +182,8 @@ def _egos(run: RecordedRun) -> _Rows:
 def _objects(run: RecordedRun) -> _Rows:
     """Return pedestrians and vehicles; a pedestrian is recorded by centre, a vehicle by front bumper.
 
-    Egos that are recorded among the vehicles, where another ego is near, are left out: they have rows of
-    their own.
+    Egos are also recorded among the vehicles while another ego is near. These rows are left out, because egos
+    have a table of their own.
     """
     number = run.neighbours.numbers
     person = run.neighbours.texts["object_kind"].equal("pedestrian")
@@ -213,7 +213,7 @@ def _objects(run: RecordedRun) -> _Rows:
 
 
 def _acceleration(run: RecordedRun) -> FloatArray:
-    """Return the change of each object's speed since its row before, 0 at its first one [m/s^2]."""
+    """Return the acceleration of each object since its previous row; 0 at its first row [m/s^2]."""
     number = run.neighbours.numbers
     codes = np.array([run.neighbours.texts[name].codes for name in ("object_kind", "object_id")])
     order = np.lexsort((number["time_s"], *codes))

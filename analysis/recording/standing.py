@@ -1,7 +1,7 @@
-"""Recorded rows without those of vehicles that only stand: in a jam these are nearly all.
+"""Recorded rows without the repeated rows of standing vehicles, which are nearly all rows in a jam.
 
-A row is a *repeat* if the row of the same vehicle one recorded instant before and the one an instant later
-hold the same values to the bit. What is left tells every value of every instant.
+A row is a *repeat* if the rows of the same vehicle one recorded instant earlier and one later hold the same
+values to the bit. The remaining rows determine every value at every instant.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from analysis.recording.reading import Columns, checked_rows
 from analysis.recording.row_groups import RowGroups, chosen_rows
 
 ROWS_KEPT = 1_000_000
-"""So many rows of vehicles are kept for the next part."""
+"""Number of rows of vehicles that are kept for the next part, at most."""
 _ROW, _STEP, _LEFT_OUT = "row", "step", "left_out"
 
 
 class WithoutRepeats:
-    """What was near egos, without repeats.
+    """The recorded rows of road users near egos, without repeats.
 
     Parameters
     ----------
     path : Path
-        Of the file, for errors.
+        Path of the file, for error messages.
     file : pyarrow.parquet.ParquetFile
-        Whose schema was checked.
+        The opened file, whose schema was checked.
     times : FloatArray
         All recorded instants [s].
     """
@@ -57,12 +57,12 @@ class WithoutRepeats:
         rows
             In the order of the file.
         left_out
-            How many repeats are left out before each row, since the one before of the same vehicle.
+            Number of repeats left out between each row and the row before of the same vehicle.
         """
         nobody = self._numbered(self._groups.empty(), 0)
         tables = [nobody, *(self._some(number, people, PEDESTRIAN) for number in of_people)]
         moving = [nobody, *(self._moving(number, vehicles) for number in of_vehicles)]
-        # Once more, for those who stand through several row groups.
+        # Repeats are removed again, for vehicles that stand through several row groups.
         table = pa.concat_tables([*tables, _without_repeats(pa.concat_tables(moving))])
         table = table.take(pa.array(np.argsort(table[_ROW].to_numpy(), kind="stable")))
         left_out = table[_LEFT_OUT].to_numpy().astype(np.int64)
@@ -73,7 +73,7 @@ class WithoutRepeats:
         return chosen_rows(table, {kind: names}, "object_kind", "object_id")
 
     def _moving(self, number: int, names: Set[str]) -> pa.Table:
-        """Return the rows of some vehicles in a row group; those of all are kept for the next part."""
+        """Return the rows of some vehicles in a row group; the rows of all are kept for the next part."""
         known = self._vehicles.get(number)
         if known is None:
             table = self._numbered(self._groups.table(number), int(self._begins[number]))
@@ -97,7 +97,7 @@ class WithoutRepeats:
 
 
 def _without_repeats(table: pa.Table) -> pa.Table:
-    """Return the rows of vehicles without repeats; some may have been left out before."""
+    """Return the rows of vehicles without repeats; some repeats may have been left out before."""
     if len(table) < 3:
         return table
     values = {name: _bits(table[name]) for name in table.column_names}
@@ -117,7 +117,7 @@ def _without_repeats(table: pa.Table) -> pa.Table:
 
 
 def _bits(column: pa.ChunkedArray) -> IntArray:
-    """Return numbers that are equal where the values are, to the bit; undefined ones are equal."""
+    """Return numbers that are equal where the values are equal to the bit; undefined values are equal."""
     array = column.combine_chunks()
     if pa.types.is_string(array.type):
         array = array.dictionary_encode().indices.fill_null(-1)

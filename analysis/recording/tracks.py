@@ -33,9 +33,9 @@ class Track:
     acceleration: FloatArray
     """Recorded acceleration of an ego [m/s^2]; nan for others."""
     path: FloatArray
-    """Way from the first sample on [m]."""
+    """Distance along the path from the first sample [m]."""
     level: IntArray
-    """Number of the edge it is on, as ``RecordedRun.levels`` counts."""
+    """Number of the edge that the body is on, as in ``RecordedRun.levels``."""
     length: float
     width: float
 
@@ -51,12 +51,12 @@ class Track:
 
     @cached_property
     def largest_step(self) -> float:
-        """How far the centre gets in one sample at most [m]."""
+        """Largest distance that the centre moves in one sample [m]."""
         return float(np.diff(self.path).max()) if len(self.x) > 1 else 0.0
 
     @cached_property
     def largest_shift(self) -> float:
-        """How far a corner of the body gets in one sample at most [m]."""
+        """Upper bound of the distance that a corner of the body moves in one sample [m]."""
         if len(self.x) < 2:
             return 0.0
         corner = 0.5 * float(np.hypot(self.length, self.width))
@@ -64,7 +64,7 @@ class Track:
 
     @cached_property
     def places(self) -> tuple[FloatArray, FloatArray]:
-        """Where it was, each time once: x and y of the samples at which it was elsewhere than before [m]."""
+        """Places without repeats: x and y of the samples at which the track is elsewhere than before [m]."""
         moved = np.append(True, (self.x[1:] != self.x[:-1]) | (self.y[1:] != self.y[:-1]))
         return self.x[moved], self.y[moved]
 
@@ -81,16 +81,17 @@ _ARRAYS = tuple(
 
 
 There = Callable[[int, int], Sequence[Track]]
-"""Gives the tracks with a sample between two of the fine grid, both included, or what of them lies there."""
+"""Function that returns the tracks with a sample between two samples of the fine grid, both included; the
+tracks may be cut to that stretch."""
 
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """Where a vehicle was, at those samples of its track before or after which it was elsewhere."""
+    """Where a vehicle was, at the samples of its track that differ from the one before or after."""
 
     name: str
     fine: IntArray
-    """Fine index of each sample, ascending; between two that are not next to each other it stood."""
+    """Fine index of each sample, ascending; between two that are not consecutive, the vehicle stood."""
     x: FloatArray
     y: FloatArray
     heading: FloatArray
@@ -104,7 +105,7 @@ class Way:
 
     @property
     def stood(self) -> bool:
-        """Whether it stood most of the time."""
+        """Whether the vehicle stood most of the time."""
         return bool(2 * len(self.fine) < self.fine[-1] - self.fine[0])
 
     @classmethod

@@ -27,7 +27,8 @@ from analysis.recording.reading import (
 from analysis.recording.row_groups import RowGroups
 
 ROWS_AT_ONCE = 500_000
-"""A recording with more rows is judged in parts that begin in about so many."""
+"""A recording with more rows than this is judged in parts, each of road users who appear within about this
+many rows."""
 
 
 def has_traffic(folder: Path) -> bool:
@@ -37,14 +38,14 @@ def has_traffic(folder: Path) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Some pedestrians near crossings, and all other vehicles that were there while they were."""
+    """Some pedestrians near crossings, and all vehicles but egos that were recorded at the same time."""
 
     run: RecordedRun
-    """The run with these vehicles for egos; their tracks are whole."""
+    """The run with these vehicles as egos; their tracks are whole."""
     own_vehicles: Set[str]
-    """Names of vehicles that belong to this part and to no other one."""
+    """Names of the vehicles that belong to this part alone."""
     begin_s: float
-    """Nobody of this part or a later one was there before [s]."""
+    """No pedestrian or own vehicle of this part or a later one was recorded before this time [s]."""
 
 
 class Traffic:
@@ -53,7 +54,7 @@ class Traffic:
     Parameters
     ----------
     run
-        What is recorded of its egos.
+        The run with the recording of its egos.
 
     Raises
     ------
@@ -78,7 +79,7 @@ class Traffic:
 
     @property
     def run(self) -> RecordedRun:
-        """What is recorded of its egos."""
+        """The run with the recording of its egos."""
         return self._run
 
     @property
@@ -87,11 +88,11 @@ class Traffic:
         return self._index.classes
 
     def whole(self) -> RecordedRun:
-        """Return everything at once."""
+        """Return the whole run at once."""
         return next(self._parts(len(self._index.rows))).run
 
     def parts(self) -> Iterator[Part]:
-        """Yield the parts in the order of time; whoever is done with one lets go of it before the next."""
+        """Yield the parts in the order of time; to save memory, drop each one before you ask for the next."""
         yield from self._parts(self._at_once)
 
     def _parts(self, groups: int) -> Iterator[Part]:
@@ -104,12 +105,12 @@ class Traffic:
                 yield self._part(RowGroups(self._path, TRAFFIC, file), range(first, first + groups))
 
     def _everything(self) -> Columns:
-        """Return all rows, which are not kept beside what is made of them."""
+        """Return all rows; they are not kept, so that they take no memory beside what is made of them."""
         rows, self._read = self._read, None
         return read_table(self._run.folder, TRAFFIC) if rows is None else rows
 
     def _part(self, recorded: RowGroups, groups: range) -> Part:
-        """Return those who were seen first in some row groups, and the vehicles around the pedestrians."""
+        """Return the road users who appear in some row groups, and the vehicles around the pedestrians."""
         index = self._index
         people = {name: seen for name, seen in index.pedestrians.items() if seen.first in groups}
         own = {name for name, seen in index.vehicles.items() if seen.first in groups}

@@ -1,1 +1,1 @@
-"""Intervals, paired tests and numbers of replications: pure functions, every one of arrays alone."""
+"""Intervals, paired tests and numbers of replications: pure functions of arrays and numbers."""

@@ -14,15 +14,15 @@ from analysis.arrays import FloatArray
 
 LEVEL = 0.95
 BOOTSTRAP_SEED = 20250101
-"""Of the resamples of runs; a constant, so that the same runs give the same interval."""
+"""Seed for resampling runs; a constant, so that the same runs give the same interval."""
 BOOTSTRAP_RESAMPLES = 999
 _CELLS = 4_000_000
-"""Resamples times values that are held at once."""
+"""Largest number of resamples times values held in memory at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A two-sided 95 % interval and how it was made."""
+    """A two-sided 95 % interval and the method that gave it."""
 
     low: float
     high: float
@@ -39,7 +39,7 @@ def mean_interval(
 ) -> Interval | None:
     """Return Student's t interval of a mean, or ``None`` for fewer than two or for equal values.
 
-    mean ± t(0.975, n − 1) · sd / sqrt(n), cut where the quantity cannot lie.
+    It is mean ± t(0.975, n − 1) · sd / sqrt(n), cut at the bounds of the quantity.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def share_interval(events: int, trials: int) -> Interval | None:
 
     Notes
     -----
-    [ClopperPearson1934]_; exact for independent trials only.
+    [ClopperPearson1934]_; exact only for independent trials.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def share_interval(events: int, trials: int) -> Interval | None:
 def share_upper_bound(events: int, trials: int) -> float | None:
     """Return the one-sided exact 95 % upper bound of a share, or ``None`` without trials.
 
-    About 3 / n for no event in n trials.
+    It is about 3 / n for no event in n trials.
 
     Examples
     --------
@@ -118,13 +118,13 @@ def rate_interval(events: int, exposure: float) -> Interval | None:
     Parameters
     ----------
     events
-        Their number.
+        Number of events.
     exposure
-        What they are counted over, for instance hours [h]; the rate is per unit of it.
+        What the events are counted over, for instance hours [h]; the rate is per unit of it.
 
     Notes
     -----
-    [Garwood1936]_; exact for events that come independently of each other only.
+    [Garwood1936]_; exact only for events that occur independently of each other.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def percentile_interval(groups: Sequence[FloatArray], percent: float) -> Interva
     Parameters
     ----------
     groups
-        The values of each group; an empty one is none.
+        The values of each group; empty groups do not count.
     percent
         Which percentile, 0 to 100.
 
@@ -211,7 +211,7 @@ def percentile_interval(groups: Sequence[FloatArray], percent: float) -> Interva
 
 
 def _weighted_percentiles(values: FloatArray, times: NDArray[np.int64], percent: float) -> FloatArray:
-    """Return the percentile of the sorted values for each row of how often each value occurs."""
+    """Return the percentile of the sorted values for each row of ``times``, how often each value occurs."""
     filled_up_to = np.cumsum(times, axis=1)
     place = (filled_up_to[:, -1] - 1) * percent / 100.0
     below = np.floor(place)

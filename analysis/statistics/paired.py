@@ -13,14 +13,14 @@ from analysis.arrays import FloatArray
 from analysis.statistics.intervals import LEVEL, Interval, all_equal, mean_interval
 
 SKEWED = 1.0
-"""Absolute sample skewness of the differences from which ranks are tested instead of their mean."""
+"""Above this absolute sample skewness of the differences, their ranks are tested instead of their mean."""
 FEWEST_FOR_RANKS = 6
-"""Pairs below which no rank test can reach a p of 0.05."""
+"""With fewer pairs than this, no rank test can reach a p of 0.05."""
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """An alternative against a base over n pairs; what cannot be said is ``None``."""
+    """An alternative against a base over n pairs; values that are undefined are ``None``."""
 
     pairs: int
     base_mean: float | None = None
@@ -31,7 +31,7 @@ class Comparison:
     """Standard deviation of the pairs' differences."""
     interval: Interval | None = None
     correlation: float | None = None
-    """Of the pairs; at or below 0 common seeds have bought nothing."""
+    """Correlation of the pairs; at or below 0, common seeds have gained nothing."""
     test: str = "none"
     statistic: float | None = None
     p_value: float | None = None
@@ -46,10 +46,10 @@ def compare_values(base: FloatArray, alt: FloatArray) -> Comparison:
     """Compare two alternatives by one value for each seed.
 
     The interval is Student's t of the mean difference. The test is the paired t test; Wilcoxon's signed
-    ranks when there are at least ``FEWEST_FOR_RANKS`` pairs and the differences are skewed; the sign
-    test when all differences are the same number, which leaves a t test nothing to divide by. The
-    effect size is Cohen's d_z (mean over standard deviation of the differences) with the t test, the
-    matched-pairs rank-biserial correlation otherwise.
+    ranks if there are at least ``FEWEST_FOR_RANKS`` pairs and the differences are skewed; the sign test if
+    all differences are equal, because a t test would divide by zero then. The effect size is Cohen's d_z
+    (mean over standard deviation of the differences) with the t test, and the matched-pairs rank-biserial
+    correlation otherwise.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ def compare_values(base: FloatArray, alt: FloatArray) -> Comparison:
 
     Notes
     -----
-    [Wilcoxon1945]_; differences of no more than rounding are left out of the ranks, and as far apart tie.
+    [Wilcoxon1945]_; differences within rounding of 0 are left out of the ranks, and differences within
+    rounding of each other are ties.
 
     Examples
     --------
@@ -86,7 +87,7 @@ def compare_values(base: FloatArray, alt: FloatArray) -> Comparison:
     deviation = float(differences.std(ddof=1))
     interval = mean_interval(differences)
     if n >= FEWEST_FOR_RANKS and abs(float(stats.skew(differences, bias=False))) > SKEWED:
-        # With zeros among many pairs SciPy takes the normal distribution, however few pairs differ.
+        # With zeros among many pairs, SciPy uses the normal distribution, however few pairs differ.
         moved = _without_rounding(differences, scale)
         both = stats.wilcoxon(moved)
         return Comparison(
@@ -120,10 +121,10 @@ def compare_yes_no(base: FloatArray, alt: FloatArray) -> Comparison:
     """Compare two alternatives by yes (1) or no (0) for each seed.
 
     The test is McNemar's, exact: a sign test of the pairs that differ. The interval of the difference
-    of the shares is the adjusted one of [AgrestiMin2005]_: with b pairs only the base has and c only the
-    alternative, half a pair is added to each of the four cells, and the interval is
+    of the shares is the adjusted one of [AgrestiMin2005]_: with b pairs in which only the base says yes and c
+    in which only the alternative does, half a pair is added to each of the four cells, and the interval is
     d ± z · sqrt((b + c + 1) − (c − b)^2 / (n + 2)) / (n + 2) with d = (c − b) / (n + 2). It has a width
-    also where no pair differs.
+    even if no pair differs.
 
     Notes
     -----
@@ -168,15 +169,15 @@ def holm(p_values: Sequence[float | None]) -> list[float | None]:
 
     Notes
     -----
-    [Holm1979]_: holds the chance of any false finding in the family at 5 %, however the tests depend on
-    each other.
+    [Holm1979]_: keeps the probability of any false finding in the family at 5 % or less, however the tests
+    depend on each other.
 
     Examples
     --------
     >>> holm([0.01, None, 0.04])
     [0.02, None, 0.04]
     """
-    # Not statsmodels' multipletests: it looks for garbage at every call, which takes far longer than this.
+    # Not statsmodels' multipletests: it collects garbage at every call, which takes far longer than this.
     known = np.array([p for p in p_values if p is not None], dtype=np.float64)
     order = np.argsort(known)
     raised = np.maximum.accumulate(known[order] * np.arange(len(known), 0, -1))
@@ -193,12 +194,12 @@ def _correlation(base: FloatArray, alt: FloatArray) -> float | None:
 
 
 def _without_rounding(differences: FloatArray, scale: float) -> FloatArray:
-    """Return the differences that are none of rounding, in units of the largest value; ties are exact."""
+    """Return the differences that exceed rounding, in units of ``scale``; ties among them are exact."""
     found = np.round(differences / scale, 13)
     return np.asarray(found[found != 0.0])
 
 
 def _rank_biserial(moved: FloatArray) -> float:
-    """Return (sum of positive ranks − sum of negative ranks) / sum of all ranks; none is 0."""
+    """Return (sum of positive ranks − sum of negative ranks) / sum of all ranks; no difference may be 0."""
     ranks = stats.rankdata(np.abs(moved))
     return float(np.sum(np.sign(moved) * ranks) / ranks.sum())

@@ -10,9 +10,9 @@ from analysis.arrays import FloatArray
 def contributions(numerators: FloatArray, denominators: FloatArray) -> FloatArray:
     """Return what each run contributes to R = Σ y / Σ x; their mean is R.
 
-    u_i = R + (y_i − R x_i) / mean(x). The values are no ratios of single runs, which would give a run
-    with two encounters the weight of one with fifty; their spread is that of R to first order, and it
-    is between runs, so encounters of one run may depend on each other.
+    u_i = R + (y_i − R x_i) / mean(x). The values are not the ratios of single runs, which would give a run
+    with two encounters the same weight as one with fifty. To first order, their spread is that of R. It is
+    the spread between runs, so encounters of one run may depend on each other.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def contributions(numerators: FloatArray, denominators: FloatArray) -> FloatArra
 
     Notes
     -----
-    The linearised ratio estimator of [Cochran1977]_, chapter 6, for one cluster a run. A mean of
+    The linearised ratio estimator of [Cochran1977]_, chapter 6, with each run as one cluster. A mean of
     single values is the case x = 1.
 
     Examples

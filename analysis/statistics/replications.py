@@ -1,4 +1,4 @@
-"""Number of runs that a mean needs."""
+"""Number of runs needed for a mean of given precision."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from scipy import stats
 from analysis.statistics.intervals import LEVEL
 
 MOST = 10_000_000
-"""More runs than anybody makes; beyond it no number is given."""
+"""No number is given beyond this, which is more runs than anyone makes."""
 
 
 def replications_needed(mean: float, deviation: float, precision: float = 0.10) -> int | None:
-    """Return the number of runs for which the interval is the mean plus or minus a share of it.
+    """Return the number of runs for which the interval is at most the mean plus or minus a share of it.
 
-    The smallest n >= 2 with t(0.975, n − 1) · s / sqrt(n) <= e · |mean|.
+    It is the smallest n >= 2 with t(0.975, n − 1) · s / sqrt(n) <= e · |mean|.
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ def replications_needed(mean: float, deviation: float, precision: float = 0.10) 
 
     Returns
     -------
-    ``None`` for a mean of zero, where no share of it can be reached.
+    ``None`` for a mean of zero, where no share of it can be reached, and if more than ``MOST`` are needed.
 
     Notes
     -----
-    The rule of [FHWA-TAT3]_ and its like, with the t quantile of the n that comes out. It takes the
-    deviation so far for the true one.
+    The rule of [FHWA-TAT3]_ and similar guides, with the t quantile of the resulting n. It takes the
+    deviation so far as the true one.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def replications_needed(mean: float, deviation: float, precision: float = 0.10) 
     if mean == 0.0:
         return None
     relative = abs(deviation / mean) / precision
-    # The normal quantile is below every t quantile: the answer is not smaller than this.
+    # The normal quantile is below every t quantile, so the answer is at least this.
     start = (float(stats.norm.ppf(0.5 + 0.5 * LEVEL)) * relative) ** 2
     if start > MOST:
         return None

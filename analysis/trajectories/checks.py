@@ -1,4 +1,4 @@
-"""What no trajectory can be: refused in one line that names the file, the row and what was expected."""
+"""Checks that refuse impossible trajectories in one line with the file, the row and what was expected."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from analysis.errors import RecordingError
 from analysis.trajectories.columns import row_of
 
 JUMP_MPS = 70.0
-"""Nobody in a town moves faster [m/s]."""
+"""No road user in a town moves faster [m/s]."""
 JUMP_M = 5.0
-"""A shorter step is noise, not a jump [m]."""
+"""A step of at most this length is noise, not a jump [m]."""
 LONGEST_TURN = 2.0 * np.pi + 1e-6
 DEGREES_EXTENT = 1.0
-"""A site is smaller than this in degrees, and larger in metres."""
+"""A site extends over less than this in degrees, and over more in metres."""
 _FACTORS = {"km/h": 3.6, "mph": 2.23694, "ft/s": 3.28084}
 _AGREEMENT = 0.1
-"""Recorded speeds are that near, as a share, to the unit that they are taken for."""
+"""Recorded speeds are taken to be in another unit if they match it within this share."""
 _LEAST_MOVING = 20
 _MOVING_MPS = 1.0
 
@@ -109,7 +109,7 @@ def _metres(frame: pd.DataFrame, path: Path | str) -> None:
 
 
 def _speeds(frame: pd.DataFrame, path: Path | str) -> None:
-    """Refuse speeds that are those of the positions in another unit."""
+    """Refuse speeds that equal those of the positions, but in another unit."""
     same = (frame["id"] == frame["id"].shift()).to_numpy()
     time = frame["time_s"].diff().to_numpy()
     way = np.hypot(frame["x_m"].diff().to_numpy(), frame["y_m"].diff().to_numpy())

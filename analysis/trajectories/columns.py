@@ -1,4 +1,4 @@
-"""Which columns a layout needs, and how its classes are called here."""
+"""Checks of the columns that a layout needs, and the classes that its names stand for."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ CLASSES: Mapping[str, tuple[str, ...]] = {
     "van": ("van", "delivery", "medium"),
     "car": ("car", "passenger", "auto", "taxi", "vehicle"),
 }
-"""Class here -> names that recordings give it."""
+"""Class in this program -> names that recordings give it."""
 
 
 def class_of(name: str) -> str | None:
-    """Return the class of a name in a recording; ``None`` for an unknown one.
+    """Return the class for a name in a recording; ``None`` for an unknown name.
 
     >>> class_of("Truck_Bus"), class_of("veh_motorbike"), class_of("dog")
     ('truck', 'motorcycle', None)
@@ -41,12 +41,12 @@ def class_of(name: str) -> str | None:
 
 
 def require(path: Path | str, present: Iterable[str], needed: Iterable[str], layout: str) -> None:
-    """Refuse a table without some columns.
+    """Refuse a table that lacks needed columns.
 
     Raises
     ------
     RecordingError
-        Naming what is missing and what there is.
+        If columns are missing; the message names them and the columns that exist.
     """
     there = list(present)
     missing = [name for name in needed if name not in there]
@@ -58,7 +58,7 @@ def require(path: Path | str, present: Iterable[str], needed: Iterable[str], lay
 
 
 def row_of(frame: pd.DataFrame, bad: BoolArray) -> int:
-    """Return the row in the file of the first sample that is marked."""
+    """Return the row in the file of the first marked sample."""
     return int(frame["row"].to_numpy(np.int64)[int(np.argmax(bad))])
 
 
@@ -68,7 +68,7 @@ def numbers(path: Path | str, frame: pd.DataFrame, column: str) -> pd.Series:
     Raises
     ------
     RecordingError
-        For a text that is no number, with its row.
+        For a text that is not a number; the message names its row.
     """
     values = pd.to_numeric(frame[column], errors="coerce").astype("float64")
     bad = (values.isna() & frame[column].notna()).to_numpy()
@@ -81,12 +81,12 @@ def numbers(path: Path | str, frame: pd.DataFrame, column: str) -> pd.Series:
 
 
 def classes(path: Path | str, frame: pd.DataFrame, column: str) -> pd.Series:
-    """Return a column of classes by their names here.
+    """Return a column of classes, translated to the names in `CLASSES`.
 
     Raises
     ------
     RecordingError
-        For an unknown class, with its row.
+        For an unknown class; the message names its row.
     """
     names = frame[column].astype(str)
     known = {name: class_of(name) for name in names.unique()}

@@ -1,6 +1,6 @@
 """The layout of the DLR Urban Traffic dataset, version 1.2.0 [DLR2024]_: UTM 32N, 20 Hz, UTC.
 
-The wheel of the Python package ``tasi`` holds a quarter of an hour of it.
+The wheel of the Python package ``tasi`` holds 15 minutes of it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from analysis.trajectories.table import Trajectories
 MARK = "center_easting"
 CRS = "EPSG:32632"
 PACKAGED = "tasi"
-"""Name that stands for the recording in that package."""
+"""Package that holds the recording; its name stands for the recording."""
 _CLASSES = {
     "classifications_pedestrian": "pedestrian",
     "classifications_bicycle": "bicycle",
@@ -40,7 +40,7 @@ _NUMBERS = {
 
 
 def packaged() -> Path:
-    """Return the archive in the package ``tasi``, which is not imported: that would ask a server.
+    """Return the archive in the package ``tasi``, without importing it: the import would contact a server.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def open_archive(path: Path) -> tuple[zipfile.ZipFile, IO[bytes]]:
     Raises
     ------
     RecordingError
-        When it is no archive, or holds no trajectories.
+        When it is not an archive, or does not hold one table of trajectories.
     """
     try:
         archive = zipfile.ZipFile(path)
@@ -79,14 +79,14 @@ def open_archive(path: Path) -> tuple[zipfile.ZipFile, IO[bytes]]:
 
 
 def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
-    """Return the trajectories of a table of the dataset; the time begins at the first full second.
+    """Return the trajectories of a table of the dataset; time counts from the last full second before them.
 
-    The class of a road user is that with the highest probability, on average over the track.
+    The class of a road user is the one with the highest mean probability over the track.
 
     Raises
     ------
     RecordingError
-        For a missing column, or what is no number.
+        For a missing column, or a cell that is not a number.
     """
     needed = ["timestamp", "id", *_NUMBERS.values(), *_CLASSES]
     require(path, (name for name in table.columns if name != "row"), needed, "DLR Urban Traffic")

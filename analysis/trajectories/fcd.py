@@ -1,6 +1,6 @@
 """SUMO's output of floating car data, ``--fcd-output``: positions of front bumpers, degrees from north.
 
-SUMO writes it as XML, or, where the name of the file ends so, as a table: CSV or Parquet.
+SUMO writes it as XML or, if the name of the file ends accordingly, as a table in CSV or Parquet.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from analysis.trajectories.table import PEDESTRIAN, Trajectories
 
 ROOT = "fcd-export"
 MARK = "timestep_time"
-"""A column of the tables, and their first one."""
+"""The first column of the tables, by which they are recognised."""
 _NEEDED = ("id", "x", "y", "angle", "speed")
 _COLUMNS = (MARK, *(f"vehicle_{name}" for name in (*_NEEDED, "type", "lane")))
 
@@ -28,12 +28,13 @@ _COLUMNS = (MARK, *(f"vehicle_{name}" for name in (*_NEEDED, "type", "lane")))
 def read_fcd(path: Path) -> Trajectories:
     """Return the trajectories of a file of floating car data, in the network's coordinates.
 
-    A vehicle's class is that of its ``vClass`` or else of its type's name, a car where neither tells.
+    A vehicle's class follows from its ``vClass``, else from the name of its type; it is a car if neither
+    names a class.
 
     Raises
     ------
     RecordingError
-        When it cannot be read, is something else, or an element lacks an attribute or holds no number.
+        When the file cannot be read or is something else, or an element lacks an attribute or a number.
     """
     try:
         with _opened(path) as file:
@@ -49,17 +50,17 @@ def read_fcd(path: Path) -> Trajectories:
 def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
     """Return the trajectories of floating car data that SUMO wrote as a table.
 
-    Such a table names persons as it does vehicles; they are those without a lane.
+    Such a table lists persons like vehicles; rows without a lane are those of persons.
 
     Parameters
     ----------
     path : for messages
-    table : as SUMO names its columns, and ``row``
+    table : the columns as SUMO names them, and ``row``
 
     Raises
     ------
     RecordingError
-        For a missing column, or what is no number.
+        For a missing column, or a cell that is not a number.
     """
     require(path, (name for name in table.columns if name != "row"), _COLUMNS, "SUMO's floating car data")
     walking = table["vehicle_lane"].isna() | (table["vehicle_lane"] == "")
@@ -119,7 +120,7 @@ def _row(path: Path, element: ElementTree.Element, time: float, number: int) -> 
 
 
 def _time(path: Path, element: ElementTree.Element, number: int) -> float:
-    """Return the time of a step, given as seconds or as days:hours:minutes:seconds [s]."""
+    """Return the time of a step, given as seconds or as (days:)hours:minutes:seconds [s]."""
     parts = element.get("time", "").split(":")
     if len(parts) == 1:
         return _number(path, element, "time", number)

@@ -23,13 +23,13 @@ def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
 
     Parameters
     ----------
-    path : of ``NN_tracks.csv``; the two other files stand beside it
+    path : path of ``NN_tracks.csv``; the two other files are in the same folder
     table : its content
 
     Raises
     ------
     RecordingError
-        For a missing file or column, or what is no number.
+        For a missing file or column, or a cell that is not a number.
     """
     require(path, (name for name in table.columns if name != "row"), _TRACKS, "inD, rounD, uniD")
     if not path.name.endswith(_END):
@@ -56,7 +56,7 @@ def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
     made["heading_rad"] = np.arctan2(np.sin(heading), np.cos(heading))
     for name, column in (("length_m", "length"), ("width_m", "width")):
         size = numbers(path, table, column)
-        made[name] = size.where(size > 0.0)  # pedestrians and cyclists have none
+        made[name] = size.where(size > 0.0)  # pedestrians and cyclists have no size
     made["row"] = table["row"]
     zone = int((first["lonLocation"] + 180.0) // 6.0) + 1
     return Trajectories(made, str(path), f"EPSG:{32600 + zone}", "levelxd")

@@ -1,4 +1,4 @@
-"""A plain table of trajectories whose columns have their units in their names."""
+"""The layout of a plain table of trajectories, whose columns have their units in their names."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def of_table(path: Path, table: pd.DataFrame) -> Trajectories:
     path : for messages
     table : columns ``id``, ``class``, ``time_s``, ``x_m`` and ``y_m`` or ``lon_deg`` and ``lat_deg``, and if
         known ``heading_rad`` (counter-clockwise from east), ``speed_mps``, ``length_m``, ``width_m``; each
-        may have another unit of `UNITS` in its name. Positions are the centres of bodies.
+        quantity may have another unit of `UNITS` in its name. Positions are the centres of bodies.
 
     Raises
     ------
     RecordingError
-        For a missing column, a text that is no number, or two units where there must be one.
+        For a missing column, a text that is not a number, or two units where there must be one.
     """
     in_degrees = {"lon_deg", "lat_deg"} <= set(table.columns)
     columns = {quantity: _column(path, table, quantity) for quantity in UNITS}

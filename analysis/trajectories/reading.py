@@ -1,4 +1,4 @@
-"""Reads trajectories of any layout that is known, recognised by what the file holds."""
+"""Reads trajectories of any known layout, which is recognised by the content of the file."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def read_trajectories(source: Path | str, crs: str | None = None) -> Trajectorie
 
     Parameters
     ----------
-    source : a plain CSV, the DLR Urban Traffic dataset (CSV or archive; ``tasi``: that of the package),
+    source : a plain CSV, the DLR Urban Traffic dataset (CSV or archive; ``tasi`` for that of the package),
         ``NN_tracks.csv`` of inD, rounD or uniD, or SUMO's floating car data
-    crs : coordinate system of the positions, as pyproj takes it, where the layout does not say
+    crs : coordinate system of the positions, as pyproj takes it; replaces that of the layout
 
     Raises
     ------
     RecordingError
-        One line with the file, the row and what was expected.
+        For a file that cannot be used; the message is one line with the file, the row and what was expected.
     """
     path = dlr.packaged() if str(source) == dlr.PACKAGED else Path(source)
     found = _read(path)
@@ -39,7 +39,7 @@ def read_trajectories(source: Path | str, crs: str | None = None) -> Trajectorie
     degrees = found.crs == DEGREES
     frame = found.frame
     if degrees:
-        # Checked once they are metres: nothing of a jump is known in degrees.
+        # Positions in degrees are checked once they are converted to metres: jumps cannot be told in degrees.
         return found
     return found.with_frame(with_motion(sorted_and_checked(frame, found.source)), found.crs)
 

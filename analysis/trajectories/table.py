@@ -1,4 +1,4 @@
-"""The table of trajectories: one row for each road user and instant, whatever layout it was read from."""
+"""The table of trajectories: one row for each road user and instant, the same for all layouts."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ COLUMNS = (
     "length_m",
     "width_m",
 )
-"""Of `Trajectories.frame`, besides ``row``: where the sample stands in its file."""
+"""Columns of `Trajectories.frame`, besides ``row``, the sample's row in its file."""
 DEGREES = "EPSG:4326"
-"""Positions are longitude and latitude."""
+"""Coordinate system of positions in longitude and latitude."""
 BODIES = {
     "car": (4.5, 1.8),
     "van": (5.5, 2.0),
@@ -31,10 +31,10 @@ BODIES = {
     "bicycle": (1.8, 0.65),
     "pedestrian": (0.5, 0.5),
 }
-"""Length and width that are assumed where none were recorded [m]; of a pedestrian the disc's diameter."""
+"""Length and width assumed where none were recorded; for a pedestrian, the disc's diameter [m]."""
 PEDESTRIAN = "pedestrian"
 STANDING_MPS = 0.3
-"""Nobody has a direction of motion below it [m/s]."""
+"""Below this speed, a road user has no direction of motion [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Trajectories:
     source: str
     """Name of the file, for messages."""
     crs: str | None = None
-    """Coordinate system of the positions, as pyproj takes it; ``None``: the network's own."""
+    """Coordinate system of the positions, as pyproj takes it; ``None`` for the network's own."""
     layout: str = "csv"
     bodies_known: bool = True
     """Whether the recorded lengths and widths are reliable."""
@@ -56,7 +56,7 @@ class Trajectories:
     """Whether a vehicle's position is the middle of its front bumper."""
 
     def with_frame(self, frame: pd.DataFrame, crs: str | None) -> Trajectories:
-        """Return the same with other samples."""
+        """Return the same with other samples and another coordinate system."""
         return replace(self, frame=frame, crs=crs)
 
     def __len__(self) -> int:
@@ -64,10 +64,10 @@ class Trajectories:
 
 
 def with_motion(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return the samples with speed and heading, from the positions where they are not given.
+    """Return the samples with speed and heading, computed from the positions where they are not given.
 
-    The velocity is the central difference. Who stands keeps the heading of before, or has the first one of
-    later; who never moves has 0.
+    The velocity is the central difference. A road user who stands keeps their last heading or, before they
+    first move, has the first later one; a road user who never moves has heading 0.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def with_motion(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def differences(frame: pd.DataFrame, column: str) -> NDArray[np.float64]:
-    """Return the central differences of a column by time within each road user [1/s]; 0 for a single sample.
+    """Return the central differences of a column over time for each road user [1/s]; 0 for a single sample.
 
     Examples
     --------
