@@ -45,7 +45,7 @@ def walks(person: Track, rows: Columns) -> Iterator[CrossingWalk]:
     for code in np.unique(codes[on_crossing]).tolist():
         on_this = on_crossing & (codes == code)
         for first, last in stretches(on_this):
-            against = first > 0 and bool(red[first])  # those who appear on it were not seen to step on it
+            against = first > 0 and bool(red[first])  # pedestrians who appear on it were not seen entering
             since = after_earlier_walk(on_this, first)
             yield CrossingWalk(person, crossings.names[code], since, first, last, against)
 

@@ -21,9 +21,9 @@ class PredictedArea:
     """Entry and exit of both, at constant velocity."""
 
     person_in: FloatArray
-    """−inf for pedestrians standing in the strip, negative for those already inside [s]."""
+    """−inf for pedestrians in the strip who do not move across it, negative for others already inside [s]."""
     person_out: FloatArray
-    """inf for pedestrians who stay in the strip [s]."""
+    """inf for pedestrians in the strip who do not move across it [s]."""
     distance_in: FloatArray
     """From the front bumper to the area; negative once inside [m]."""
     distance_out: FloatArray

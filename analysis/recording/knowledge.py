@@ -17,10 +17,10 @@ _PLAN_INTERVAL_S = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Knowledge:
-    """The instants at which one ego was told of one pedestrian."""
+    """The instants at which one ego looked while one pedestrian was near, and whether it was told of them."""
 
     time: FloatArray
-    """Times at which the ego looked while the pedestrian was near, ascending [s]."""
+    """Times of these instants, ascending [s]."""
     told: BoolArray
     longest_gap: float
     """Instants further apart than this do not count as consecutive [s]."""

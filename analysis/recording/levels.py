@@ -1,4 +1,4 @@
-"""Edges of a recorded map that lead over or under each other, so that road users on them never meet."""
+"""Edges of a recorded map that lead over or under each other: road users on the one never meet the others."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ class Tracks(Sequence[Track]):
         return self._track(number, begin, max(begin, min(-(-(last - own) // factor), end)))
 
     def way(self, number: int) -> Way:
-        """Return where a vehicle was, without the instants of its stands whose rows were left out."""
+        """Return where a vehicle was, without the samples at which it stood and whose rows were left out."""
         factor, steps = self._grid.factor, self._steps[number]
         track = self._made(number, np.arange(len(steps)))
         stood = np.repeat(np.diff(steps) > 1, factor)

@@ -150,10 +150,10 @@ class Rides:
 
 
 def _together(egos: Mapping[str, Seen], own: Mapping[str, int], at_once: int) -> Iterator[Set[str]]:
-    """Yield egos that come in one stretch and leave in it or the next together; then those that stay longer.
+    """Yield together the egos that come in one stretch and leave in it or the next; then the others.
 
-    Egos that stay longer are grouped with others of about the same time, up to ``at_once`` rows in all. Egos
-    of short rides are not grouped with them, because more would have to be read for these.
+    The others stay longer. They are grouped with each other by time, up to ``at_once`` rows in all. Egos of
+    short rides are not grouped with them, because more would have to be read for these.
     """
     short: dict[int, set[str]] = {}
     long: list[tuple[Seen, str]] = []
