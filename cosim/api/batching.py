@@ -22,28 +22,28 @@ def batch(
     drop_recordings: bool = False,
     allow_programs: bool = False,
 ) -> Study:
-    """Run a study, and return its folder's tables; repeated, it makes the runs that are missing.
+    """Run a study, and return its folder with the tables; a repeated call makes the missing runs.
 
     Parameters
     ----------
     study
         A study file, or its content: ``{"scenarios": ["midblock_zebra"], "controllers": ["sumo", "vo_mpc"],
-        "seeds": "1-30", "set": {"duration_s": 300}}``. Controllers are named: other processes drive them.
+        "seeds": "1-30", "set": {"duration_s": 300}}``. Controllers must be given by name, as the runs are
+        made in other processes.
     out
-        Folder; one with results of the same study is completed. Not given: ``runs/<study>``.
+        Folder of the study; one with results of the same study is completed. By default ``runs/<study>``.
     jobs
-        Runs at a time; not given: one per core.
+        Number of runs made at the same time; by default one per core.
     drop_recordings
         Whether to keep only the numbers of each run.
-
     allow_programs
         Whether a study file may name controllers by an address (``./patient.py``), whose code is executed;
-        a dictionary of your program may.
+        a dictionary of your program always may.
 
     Raises
     ------
     InputError
-        For anything wrong that is found before the first run.
+        If anything is found wrong before the first run.
     """
     table = study_of(study, "study") if isinstance(study, Mapping) else None
     name = Path("study") if isinstance(study, Mapping) else Path(study)

@@ -42,7 +42,7 @@ class Comparison:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What has to be known to read the table."""
+        """Notes that help to read the table."""
         return tuple(line for one in self.compared.tables for line in notes(one.rows, one.pairs, one.runs))
 
     def __str__(self) -> str:
@@ -70,16 +70,16 @@ def compare(
     Parameters
     ----------
     runs
-        A study, a folder with runs in it, or runs.
+        A study, a folder that contains runs, or runs.
     alt, base
-        Controllers, optionally with the parameters that tell them from their variants
+        Controllers, optionally with the parameters that distinguish them from their variants
         (``vo_mpc steps=20``).
     metrics
-        Measures; none given: the key measures.
+        Measures to compare; by default the key measures.
     scenario
-        Only this one; not given: all.
+        Name of the only scenario to compare; by default all scenarios are.
     each
-        One table per setting of a scenario instead of one for all.
+        Whether to make one table per setting of a scenario instead of one for all settings.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def compare(
 
 
 def _folders(runs: str | PathLike[str] | Study | Iterable[Run]) -> tuple[Path, tuple[Path, ...] | None]:
-    """Return the folder that messages name, and the runs; ``None``: all below the folder."""
+    """Return the folder that messages name, and the runs; ``None`` for all below the folder."""
     if isinstance(runs, Study):
         return runs.folder, None
     if isinstance(runs, str | PathLike):

@@ -1,4 +1,4 @@
-"""``cosim.load`` and ``cosim.analyse``: what has been recorded already."""
+"""``cosim.load`` and ``cosim.analyse``: reads and analyses existing recordings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.running.inventory import as_text
 
 
 def load(folder: str | PathLike[str]) -> Run | Study:
-    """Return a recorded run, or a study for a folder with runs in it.
+    """Return the recorded run in a folder, or a study if the folder contains run folders.
 
     Raises
     ------
@@ -42,12 +42,12 @@ def analyse(run: Run | str | PathLike[str], **thresholds: float) -> Run:
     run
         A run, or its folder; its CSV files are replaced.
     **thresholds
-        Of the analysis, for instance ``severity_ttc_serious_s=1.2``; the others keep their defaults.
+        Thresholds of the analysis, such as ``severity_ttc_serious_s=1.2``; the others keep their defaults.
 
     Raises
     ------
     InputError
-        For an unknown threshold, or a folder that cannot be read.
+        If a threshold is unknown, or the folder cannot be read.
     """
     folder = run.folder if isinstance(run, Run) else Path(run)
     with as_input_errors():

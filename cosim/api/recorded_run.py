@@ -22,9 +22,9 @@ FIGURES = ("space-time", "plane", "traces")
 
 @dataclass(frozen=True)
 class Run:
-    """One finished run: its folder, and what was recorded and computed there.
+    """One finished run: its folder, and the recorded and computed tables in it.
 
-    Tables are read when they are first asked for, and held against the hashes that were written with them.
+    A table is read when it is first used, and checked against the hash that was written with it.
     """
 
     folder: Path
@@ -97,17 +97,17 @@ class Run:
         Parameters
         ----------
         kind
-            ``space-time``: place over time along the ego's path; ``plane``: on the map; ``traces``: speed,
-            acceleration, steering and time to collision over time.
+            ``space-time``: position along the ego's path over time; ``plane``: the scene on the map;
+            ``traces``: speed, acceleration, steering and time to collision over time.
         ego
-            Name; not given: the first ego.
+            Name of the ego; by default the first one.
         encounter
-            Its ``encounter_id``; not given: the whole trip.
+            ``encounter_id`` of the encounter; by default the whole trip is drawn.
 
         Raises
         ------
         InputError
-            For an unknown figure, ego or encounter, and without matplotlib.
+            If the figure, ego or encounter is unknown, or matplotlib is not installed.
         """
         if kind not in FIGURES:
             raise InputError(f"plot: expected one of {', '.join(FIGURES)}, got {kind!r}")
@@ -119,7 +119,7 @@ class Run:
 
         with as_input_errors():
             figure = DRAW[kind](choose(prepare(read_run(self.folder)), ego, encounter))
-        # A notebook shows it, whether or not it was told to show matplotlib's figures.
+        # So that a notebook shows the figure even if it was not told to show matplotlib's figures.
         setattr(figure, "_repr_png_", partial(_as_png, figure))  # noqa: B010  no such attribute is declared
         return figure
 

@@ -22,7 +22,7 @@ from cosim.running.request import RunRequest
 ControllerLike: TypeAlias = (
     str | Given | Controller | Callable[[Perception], Any] | Callable[..., Controller] | ModuleType
 )
-"""A name or an address; a function of a perception; what makes controllers; an object; a module."""
+"""A name or an address; a function of a perception; a maker of controllers; an object; a module."""
 
 
 def run(
@@ -42,10 +42,10 @@ def run(
     progress: Callable[[float, float | None], None] = lambda time, end: None,
     **parameters: object,
 ) -> Run:
-    """Drive egos through a scenario, analyse what was recorded, and return it.
+    """Drive egos through a scenario, analyse the recording, and return the run.
 
-    The simulation runs in this process; a process runs one at a time, and as many as you like one after
-    the other. The same arguments give the same files, byte for byte, apart from wall-clock times.
+    The simulation runs in this process. A process can make any number of runs one after another, but only
+    one at a time. The same arguments give the same files, byte for byte, apart from wall-clock times.
 
     Parameters
     ----------
@@ -58,36 +58,36 @@ def run(
         required arguments that makes controllers; or an object with ``decide`` and ``plan``, of which
         every ego gets a copy.
     seed
-        Of all random numbers, from 0 to 2^31 − 1.
+        Seed of all random numbers, from 0 to 2^31 − 1.
     out
-        New or empty folder; not given: ``runs/<scenario>-<controller>-<seed>-<n>``.
+        New or empty folder; by default ``runs/<scenario>-<controller>-<seed>-<n>``.
     duration_s, step_s
-        Time that is recorded after the warm-up, and length of a step [s]; not given: as the scenario says.
+        Time to record after the warm-up, and length of a step [s]; by default those of the scenario.
     actuation
-        ``hybrid`` or ``move``; not given: as the scenario says.
+        ``hybrid`` or ``move``; by default that of the scenario.
     ego_route, ego_vehicle, ego_share
-        Edges of an ego of its own; id of a vehicle of the demand that is to be the ego; share of the
-        passenger cars that are to be egos.
+        Edges of the route of an additional vehicle, which is the ego; id of a vehicle of the demand to take
+        over as the ego; share of the passenger cars to take over as egos.
     sensing
-        Name of a sensing model; not given: as the scenario says.
+        Name of a sensing model; by default that of the scenario.
     record
         ``egos`` or ``everybody``.
     progress
         Called after every step with the simulated time and the time of the end [s].
     **parameters
-        Of the scenario, the controller or the sensing model, by the names that ``--set`` takes.
+        Parameters of the scenario, the controller or the sensing model, by the names that ``--set`` takes.
 
     Returns
     -------
     Run
-        Also of a run that failed after its first step: ``valid`` is false then.
+        The run, even if it failed after its first step; ``valid`` is then false.
 
     Raises
     ------
     InputError
-        For anything wrong that is found before the first step, in one line.
+        If anything is found wrong before the first step; the message is one line.
     SimulationError
-        If this process runs a simulation already.
+        If this process is already running a simulation.
     """
     request = RunRequest(
         scenario=str(scenario),

@@ -1,4 +1,4 @@
-"""The folder of a study: the tables over all of its runs."""
+"""The folder of a study, with the tables over all its runs."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Study:
-    """A batch's folder, or any folder with run folders in it; iterating over it gives the runs."""
+    """The folder of a batch, or any folder that contains run folders; iterating over it gives the runs."""
 
     folder: Path
     problems: tuple[str, ...] = ()
-    """Why the batch is not complete, a line each; empty for a good one."""
+    """Why the batch is not complete, one line each; empty if it is complete and all runs are valid."""
 
     @cached_property
     def runs(self) -> DataFrame:

@@ -19,21 +19,21 @@ if TYPE_CHECKING:
 
 
 def read_table(folder: Path, name: str) -> DataFrame:
-    """Return a table of a folder, as it was written; what is undefined is nan.
+    """Return a table of a folder as it was written; undefined values are nan.
 
     Parameters
     ----------
     folder
-        Of a run or a study.
+        Folder of a run or a study.
     name
-        Of the file: ``.csv`` or ``.parquet``.
+        Name of the file, which ends in ``.csv`` or ``.parquet``.
 
     Raises
     ------
     InputError
         If there is no such table; the message lists those that exist.
     DamageError
-        If it was altered since it was written.
+        If the table was altered since it was written.
     """
     import pandas
 
@@ -59,7 +59,7 @@ def read_description(folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If there is none, or it cannot be read.
+        If the file does not exist or cannot be read.
     """
     try:
         return read_json(folder / "run.json")
@@ -73,9 +73,9 @@ def page_of(title: str, rows: Mapping[str, str], below: str = "") -> str:
     Parameters
     ----------
     title, rows
-        Texts; they are escaped.
+        Texts, which are escaped.
     below
-        HTML.
+        HTML to put below the table.
     """
     lines = "".join(
         f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
@@ -88,7 +88,7 @@ def page_of(title: str, rows: Mapping[str, str], below: str = "") -> str:
 
 @contextmanager
 def as_input_errors() -> Iterator[None]:
-    """Turn what the analysis refuses into `InputError`."""
+    """Turn errors of the analysis into `InputError`."""
     try:
         yield
     except AnalysisError as error:

@@ -1,1 +1,1 @@
-"""Many runs: a study's matrix, the processes that make it, and the folder that keeps it."""
+"""Many runs: the matrix of a study, the processes that make its runs, and the folder that keeps them."""

@@ -36,19 +36,19 @@ class BatchRequest:
 
     study: Path
     out: Path | None = None
-    """``None``: below ``runs``, called like the study file."""
+    """Folder of the study; ``None`` for one below ``runs`` named after the study file."""
     jobs: int | None = None
-    """Runs at a time; ``None``: as many as this process may use cores."""
+    """Runs made at the same time; ``None`` for the number of cores that this process may use."""
     scheduler: str | None = None
     """Address of a Dask scheduler, whose workers make the runs."""
     drop_recordings: bool = False
     allow_programs: bool = False
     """Whether the study file may name controllers by an address, whose code is executed."""
     table: StudyTable | None = None
-    """Content of the study where it is not what a file says; ``study`` is then its name, and relative paths
-    of scenarios begin where that is."""
+    """Content of the study if it does not come from a file; ``study`` is then its name, and paths of
+    scenarios are relative to the folder of ``study``."""
     again: str = ""
-    """Command that goes on where the batch has ended; empty: ``cosim batch``."""
+    """Command that continues the batch after it has ended; empty for ``cosim batch``."""
 
     @property
     def folder(self) -> Path:
@@ -61,7 +61,7 @@ class BatchRequest:
         return self.jobs or cores()
 
     def command(self) -> str:
-        """Return the command that goes on where a batch has ended."""
+        """Return the command that continues the batch after it has ended."""
         if self.again:
             return self.again
         words = ["cosim", "batch", str(self.study)]
@@ -84,13 +84,13 @@ class Result:
 
     tally: Tally
     stopped: str
-    """Why it ended early; empty if it did not."""
+    """Why the batch ended early; empty if it did not."""
     not_valid: dict[str, str]
     """Finished runs that are not valid, and why."""
     damaged: dict[str, str]
-    """Runs left out of the tables because a file was altered or lost: which, and what can be done."""
+    """Runs left out of the tables because a file was altered or lost: which file, and the remedy."""
     notes: list[str]
-    """What is to be said once of all finished runs."""
+    """Notes on the finished runs, each given once for all of them."""
 
     @property
     def good(self) -> bool:
@@ -100,7 +100,7 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """A study whose every configuration was tried, ready to be run."""
+    """A study whose configurations have all been checked, ready to be run."""
 
     request: BatchRequest
     study: StudyTable
@@ -116,10 +116,10 @@ class Batch:
         return estimate(self.jobs, self.missing, self.ledger, self.checked, processes)
 
     def run(self, shown: Shown) -> Result:
-        """Make what is missing, and write the tables of what is finished."""
+        """Make the missing runs, and write the tables of all finished ones."""
         stopped = ""
         with self._crew() as crew, self.ledger.opened(self.request.study, self._text()):
-            missing = self.ledger.missing(self.jobs)  # another batch may just have ended
+            missing = self.ledger.missing(self.jobs)  # another batch may have ended just before
             tally = Tally(len(self.jobs), done=self._done(missing))
             tables.get_ready()
             try:
@@ -127,7 +127,7 @@ class Batch:
                     conduct(missing, crew, self.ledger, self.checked.identity, tally, show)
             except KeyboardInterrupt:
                 stopped = "interrupted"
-                # It may have come between a run that was put away and its being counted.
+                # The interrupt may have come after a run was put in its place, but before it was counted.
                 tally.done = self._done(self.ledger.missing(self.jobs))
             except SimulationError as error:
                 stopped = str(error)
@@ -146,7 +146,7 @@ class Batch:
         return Result(tally, stopped, not_valid, damaged | self.ledger.damaged, notes)
 
     def _done(self, missing: Sequence[Job]) -> int:
-        """Return how many runs are finished and whole."""
+        """Return how many runs are finished and undamaged."""
         return len(self.jobs) - len(missing) - len(self.ledger.damaged)
 
     def _text(self) -> str | None:
@@ -166,12 +166,12 @@ class Batch:
 def prepared(
     request: BatchRequest, progress: preflight.Progress = lambda done, total: None
 ) -> Iterator[Batch]:
-    """Check everything that can be wrong, and give the batch; nothing is written yet.
+    """Check everything that can be wrong, and yield the batch; nothing is written yet.
 
     Raises
     ------
     InputError
-        For a study, or a folder, with which a batch must not begin.
+        If a batch cannot be made from the study or in the folder.
     """
     study = request.table or read_study(request.study, request.allow_programs)
     matrix = build_matrix(study, request.study)

@@ -1,4 +1,4 @@
-"""The loop of a batch: hand runs out, keep what is made, try once more what failed."""
+"""The main loop of a batch: hand out runs, keep those that succeed, and repeat those that fail once."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from cosim.errors import CosimError, SimulationError
 
 ATTEMPTS = 2
 LOSSES_IN_A_ROW = 20
-"""So many runs that never began in a row say that no process can be kept alive."""
+"""After more than this many lost runs in a row, no process is taken to stay alive."""
 LOOK_EVERY_S = 0.5
-"""Between two looks at the clock while nothing happens [s]."""
+"""Time between two updates while no run ends [s]."""
 
 
 class Crew(Protocol):
@@ -29,16 +29,16 @@ class Crew(Protocol):
 
     @property
     def processes(self) -> int:
-        """Number of runs made at a time."""
+        """Number of runs made at the same time."""
         ...
 
     def capacity(self) -> int:
-        """Return how many runs to hand out at a time; asked again and again.
+        """Return how many runs to hand out at a time; this is called repeatedly.
 
         Raises
         ------
         SimulationError
-            If nobody is there any more.
+            If the processes can no longer be reached.
         """
         ...
 
@@ -56,9 +56,9 @@ class Tally:
     failed: int = 0
     running: int = 0
     made: int = 0
-    """Those of the done ones that this batch has made."""
+    """How many of the runs in ``done`` this batch has made."""
     failures: list[Outcome] = field(default_factory=list)
-    """Runs that have just failed for good, for whoever shows them to take out."""
+    """Runs that have just failed for good; the function that shows them removes them."""
 
 
 def conduct(
@@ -69,26 +69,26 @@ def conduct(
     tally: Tally,
     show: Callable[[Tally], None],
 ) -> None:
-    """Make every run; one that fails is tried once more, and harms no other.
+    """Make every run; one that fails is tried once more and does not affect the others.
 
     Parameters
     ----------
     jobs : Sequence
-        What is to be made.
+        Runs to make.
     crew : Crew
     ledger : Ledger
-        Of an opened folder.
+        Ledger of an opened folder.
     identity : Callable
-        What a run is to be made from.
+        Returns the inputs that a run is to be made from.
     tally : Tally
-        Kept up to date.
+        Updated while the runs are made.
     show : Callable
-        Called whenever something has changed, and now and then.
+        Called whenever something has changed, and from time to time.
 
     Raises
     ------
     SimulationError
-        If the disk is full, or no process can be kept alive; what is finished is kept.
+        If the disk is full, or no process can be kept alive; finished runs are kept.
     """
     waiting = deque(jobs)
     attempts: Counter[str] = Counter()
@@ -134,7 +134,7 @@ def conduct(
 
 
 def _kept(outcome: Outcome, ledger: Ledger, identity: Callable[[Job], Identity]) -> Outcome:
-    """Return the outcome after its run was put in its place, where there is one."""
+    """Put the run in its place, if there is one, and return the resulting outcome."""
     if outcome.reason:
         return outcome
     try:

@@ -1,4 +1,4 @@
-"""A file of criteria, as ``--criteria`` takes it: ``[[criteria]]`` and nothing else."""
+"""Reads a file of criteria for ``--criteria``, which holds ``[[criteria]]`` and nothing else."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from cosim.toml_files import read_toml
 
 
 def tables_in(path: Path) -> list[dict[str, Any]]:
-    """Return the criteria of a file for ``--criteria``, as it has them.
+    """Return the criteria of a file for ``--criteria``, unchecked.
 
     Raises
     ------
     InputError
-        If it cannot be read or has anything else in it.
+        If the file cannot be read or contains anything else.
     """
     content = read_toml(path, "--criteria")
     tables = content.pop("criteria", None)

@@ -1,7 +1,7 @@
-"""The same runs on a Dask cluster: what is sent there, what comes back, and workers that come and go.
+"""Makes the runs of a batch on a Dask cluster, whose workers may come and go.
 
-A worker of the cluster makes its runs in child processes of its own, by the same pool as on one machine. A
-run that hangs or crashes ends its child and never the worker.
+A worker of the cluster makes its runs in child processes of its own, with the same pool as on one machine.
+A run that hangs or crashes ends its child process, never the worker.
 """
 
 from __future__ import annotations
@@ -41,19 +41,19 @@ except ImportError as error:
     ) from error
 
 _new_client: Any = Client
-"""Its methods have no types."""
+"""Dask's client without types, as its methods have none."""
 LOGGERS = ("distributed", "distributed.client", "tornado.application")
-"""Those to which Dask gives a level."""
+"""Loggers whose level Dask sets."""
 COMMON = "common"
-"""Folder of a worker below which scenarios lie that were written after it had joined."""
+"""Folder of a worker for scenarios that are written after the worker has joined."""
 CONNECT_TIMEOUT_S = 10.0
 LOOK_FOR_WORKERS_EVERY_S = 5.0
 
 
 class StudyOnWorker(WorkerPlugin):
-    """Data of a study on each worker of the cluster: the files of its scenarios, and processes.
+    """What each worker of the cluster holds of a study: the files of its scenarios, and processes.
 
-    Dask sends it once to each worker, also to those that join later.
+    Dask sends it once to each worker, including those that join later.
     """
 
     def __init__(
@@ -81,20 +81,20 @@ class StudyOnWorker(WorkerPlugin):
         self._pool = Pool(worker.state.nthreads, self._handling)
 
     def teardown(self, worker: Any) -> None:
-        """Leave nothing on a worker."""
+        """Remove everything from a worker."""
         if self._pool is not None:
             self._pool.close()
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
 
     def make(self, job: Job, rest: Bundle | None = None) -> tuple[str, bool, bytes]:
-        """Return the reason for a missing run, whether it was lost by no fault of its own, and its files.
+        """Return why there is no run (or ""), whether it was lost through no fault of its own, and its files.
 
         Parameters
         ----------
         job
         rest
-            Files of its scenario beside those that all have in common.
+            Files of its scenario besides those that all scenarios have in common.
         """
         assert self._pool is not None
         assert self._folder is not None
@@ -110,14 +110,14 @@ class StudyOnWorker(WorkerPlugin):
 
 
 def _make(name: str, job: Job, rest: Bundle | None) -> tuple[str, bool, bytes]:
-    """Run on a worker of the cluster."""
+    """Make a run; this function is called on a worker of the cluster."""
     plugin = get_worker().plugins[name]
     assert isinstance(plugin, StudyOnWorker)
     return plugin.make(job, rest)
 
 
 def _versions(controllers: tuple[str, ...]) -> dict[str, str]:
-    """Run on a worker of the cluster."""
+    """Return the versions of everything; this function is called on a worker of the cluster."""
     sources = {f"source of {name} and of the tool": source_digest(name) for name in controllers}
     return provenance.versions() | sources
 
@@ -128,10 +128,10 @@ def _connected(address: str) -> Any:
         get_backend(scheme)
         parse_host_port(location)
         with warnings.catch_warnings():
-            # Other versions are told by us, as far as they change a number.
+            # `Cluster._agree` reports the differences between versions that can change a number.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             return _new_client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
-    except TypeError as error:  # what Dask says of an encrypted address where it finds no certificates
+    except TypeError as error:  # Dask raises this for an encrypted address if it finds no certificates
         raise InputError(
             f"--scheduler {address}: no certificates for an encrypted connection; expected them in Dask's "
             "configuration, for instance in DASK_DISTRIBUTED__COMM__TLS__CA_FILE and …__CLIENT__CERT"
@@ -149,19 +149,19 @@ class Cluster:
     Parameters
     ----------
     address : str
-        Of the scheduler, such as ``tcp://host:8786``.
+        Address of the scheduler, such as ``tcp://host:8786``.
     study : Path
         The study's folder; the same study replaces what an earlier batch has left on the workers.
     configurations : Sequence
-        Whatever may be asked for.
+        All configurations whose runs may be submitted.
     handling : Handling
     later : Common
-        What scenarios that are written after this have in common; ``None``: there are none.
+        Files that scenarios written later have in common; ``None`` if there are no such scenarios.
 
     Raises
     ------
     InputError
-        If nobody answers, or a worker has another version of anything.
+        If no scheduler answers, or a worker has another version of anything.
     """
 
     def __init__(
@@ -173,7 +173,7 @@ class Cluster:
         later: Common | None = None,
     ) -> None:
         for name in LOGGERS:
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters of it is said by us
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # we report what matters ourselves
         self._address = address
         self._name = f"cosim-{hashlib.sha256(str(study.resolve()).encode()).hexdigest()[:12]}"
         controllers = tuple(sorted({one.controller for one in configurations}))
@@ -201,18 +201,18 @@ class Cluster:
         self.close()
 
     def close(self) -> None:
-        """Leave the cluster, and nothing on its workers."""
+        """Leave the cluster, and remove everything from its workers."""
         if self._client.status == "running":
             self._client.unregister_worker_plugin(self._name)
         self._client.close()
 
     @property
     def processes(self) -> int:
-        """Number of runs made at a time."""
+        """Number of runs made at the same time."""
         return self._threads
 
     def capacity(self) -> int:
-        """Return how many runs to hand out at a time; at least one, for workers that are yet to join."""
+        """Return how many runs to hand out at a time; at least one, for workers that have yet to join."""
         now = monotonic()
         if now - self._looked >= LOOK_FOR_WORKERS_EVERY_S:
             self._looked = now
@@ -224,7 +224,7 @@ class Cluster:
         return max(1, 2 * self._threads)
 
     def submit(self, job: Job, folder: Path) -> Future[Outcome]:
-        """Make a run somewhere, and put what comes back into ``folder``, which must not exist."""
+        """Make a run on the cluster, and write its files to ``folder``, which must not exist."""
         self._check_alive()
         result: Future[Outcome] = Future()
         rest = None if self._later is None else self._later.rest(job.configuration)
@@ -247,7 +247,7 @@ class Cluster:
             return Outcome(job, folder, " ".join(f"{type(error).__name__}: {text}".split()))
 
     def _agree(self, controllers: tuple[str, ...]) -> None:
-        """Check that all workers have the same versions; the runs' identity shows those that join later."""
+        """Check that all workers have our versions; runs' identities reveal those that join later."""
         ours = _versions(controllers)
         try:
             answers: dict[str, dict[str, str]] = self._client.run(_versions, controllers)

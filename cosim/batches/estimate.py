@@ -11,9 +11,9 @@ from cosim.batches.ledger import Ledger
 from cosim.batches.preflight import Checked
 
 ROUGH_SPEED = 15.0
-"""Simulated over wall-clock time of one process, where nothing is known."""
+"""Simulated time over wall-clock time of one process, if no run is finished yet."""
 ROUGH_START_S = 1.0
-"""Starting SUMO, and analysing a run [s]."""
+"""Wall-clock time to start SUMO and to analyse a run [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Estimate:
 def estimate(
     jobs: Sequence[Job], missing: Sequence[Job], ledger: Ledger, checked: Checked, processes: int
 ) -> Estimate:
-    """Return the time that the missing runs take, by the finished ones of the same study where there are any.
+    """Return the time that the missing runs take, estimated from finished runs of the study if there are any.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def estimate(
     ledger : Ledger
     checked : Checked
     processes : int
-        How many run side by side.
+        Number of runs made at the same time.
     """
     waiting = set(missing)
     known: dict[tuple[str, str], list[float]] = {}
@@ -71,7 +71,7 @@ def _simulated(job: Job, checked: Checked) -> float:
 
 
 def in_words(seconds: float) -> str:
-    """Return a time as people say it.
+    """Return a time in the units that people would use.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Inputs of a finished run, compared with the inputs that it would have now."""
+"""Compares the inputs of a finished run with those that it would have now."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ WITHOUT_INFLUENCE = (
     ),
     "cosim/suites",
 )
-"""How paths of our own source begin that no number of a run depends on."""
+"""Beginnings of paths in our own source on which no number of a run depends."""
 STRATEGIES = "controllers/strategies/"
-"""Controllers, which do not know each other."""
+"""Folder of the controllers, which do not import each other."""
 CONTROLLER_PLUGINS = "cosim.controllers"
 
 _COMPARED = (
@@ -52,19 +52,19 @@ class Identity:
     source: str
     """Hash of the code that makes and analyses the run."""
     description: Mapping[str, Any]
-    """As in ``run.json``."""
+    """The compared part of ``run.json``."""
 
 
 def identity_of(inputs: Inputs, source: str) -> Identity:
-    """Return the identity of a run that is to be made."""
+    """Return the identity of a run that has yet to be made."""
     description = provenance.describe(inputs, SCHEMA_VERSION)
     kept = {key: description[key] for key in (*_COMPARED, *_NESTED)}
-    # Through JSON, as the file: tuples become lists.
+    # Converted to JSON and back, as the file is: tuples become lists.
     return Identity(inputs.run_id(), source, json.loads(json.dumps(kept)))
 
 
 def differences(wanted: Identity, description: Mapping[str, Any], source: str) -> list[str]:
-    """Return what a finished run was made from that is otherwise now; empty for the same run.
+    """Return how the inputs of a finished run differ from the present ones; empty if they do not.
 
     Parameters
     ----------
@@ -114,12 +114,12 @@ def _told(key: str, before: Any, now: Any) -> str:
 
 @cache
 def source_digest(controller: str) -> str:
-    """Return a hash of the code that a run's numbers depend on: the version of a checkout that is worked on.
+    """Return a hash of the code that a run's numbers depend on, which also tells apart edited checkouts.
 
     Parameters
     ----------
     controller : str
-        Where it is a plug-in, its module counts too.
+        If the controller is a plug-in, its module is included.
     """
     digest = hashlib.sha256()
     for path in (*_own_files(controller), *_plugin_files(controller)):

@@ -1,4 +1,4 @@
-"""Whether the runs in a folder are as they were written: of a run, a study, a check, or several of them."""
+"""Checks that the runs in a folder (of a run, a study or a check, or several) are as they were written."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from cosim.presentation.notes import unverified
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """What a folder holds."""
+    """The result of verifying a folder."""
 
     runs: int
-    """Those whose files have hashes."""
+    """Number of runs whose files have hashes."""
     damages: Sequence[str]
     """A line for each file that was altered or lost."""
     notes: Sequence[str]
@@ -32,7 +32,7 @@ def verify_folder(folder: Path) -> Verified:
     Raises
     ------
     InputError
-        When there is no such folder, or no run in it.
+        If the folder does not exist or holds no run.
     """
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
@@ -53,6 +53,6 @@ def verify_folder(folder: Path) -> Verified:
 
 
 def _folders_with(name: str, root: Path) -> list[Path]:
-    """Return the folders with such a file, sorted; runs in flight are in hidden ones, which are left out."""
+    """Return the folders with such a file, sorted; leave out hidden ones, which hold runs in progress."""
     found = sorted(path.parent for path in root.rglob(name))
     return [one for one in found if not any(part.startswith(".") for part in one.relative_to(root).parts)]

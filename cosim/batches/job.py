@@ -14,7 +14,7 @@ from cosim.running.request import RunRequest
 Pairs = tuple[tuple[str, str], ...]
 """Names and values."""
 LONGEST_LABEL = 120
-"""Of a folder's name, so that it stays below what file systems take [characters]."""
+"""Longest label in the name of a folder, to stay below the limit of file systems [characters]."""
 _UNSAFE = re.compile(r"[^A-Za-z0-9_.+=-]+")
 
 
@@ -23,23 +23,23 @@ class Configuration:
     """A scenario, a controller and their parameters: everything but the seed."""
 
     scenario: str
-    """As the study file says it; part of the identity, so that a study can move to another folder."""
+    """The scenario as the study file names it; used for the run's name, so that a study can be moved."""
     place: str
-    """Where the scenario is: a name, or an absolute path."""
+    """Where the scenario is: the name of a built-in one, or an absolute path."""
     scenario_name: str
     controller: str
     scenario_settings: Pairs
-    """Those of sensing are among them."""
+    """Settings of the scenario and of the sensing model."""
     controller_settings: Pairs
     varied: Pairs
-    """Those of the parameters that differ between configurations."""
+    """Settings that differ between the configurations of the study."""
     ego_route: tuple[str, ...] = ()
     ego_vehicle: str | None = None
     ego_share: float | None = None
     sensing: str | None = None
-    """``None``: as the scenario says."""
+    """Sensing model; ``None`` for that of the scenario."""
     record: str = EGOS
-    """Whom a run records."""
+    """Which road users a run records."""
 
     @property
     def settings(self) -> Pairs:
@@ -59,7 +59,7 @@ class Configuration:
         return f"{self.scenario_name} with {self.controller}" + (f", {varied}" if varied else "")
 
     def request(self, seed: int) -> RunRequest:
-        """Return what ``cosim run`` would be asked for."""
+        """Return the request that ``cosim run`` would get."""
         return RunRequest(
             scenario=self.place,
             controller=self.controller,
@@ -82,7 +82,7 @@ class Job:
 
     @property
     def name(self) -> str:
-        """Name of the run's folder: readable, and the same whenever the same run is asked for."""
+        """Name of the run's folder: readable, and always the same for the same request."""
         one = self.configuration
         varied = [f"{key}={value}" for key, value in one.varied]
         label = _UNSAFE.sub("_", "-".join([one.scenario_name, one.controller, *varied]))
@@ -96,11 +96,11 @@ class Job:
         return f"{label[:LONGEST_LABEL]}-seed{self.seed}-{digest}"
 
     def request(self) -> RunRequest:
-        """Return what ``cosim run`` would be asked for."""
+        """Return the request that ``cosim run`` would get."""
         return self.configuration.request(self.seed)
 
     def command(self) -> str:
-        """Return the command line that makes the same run by itself."""
+        """Return the command that makes this run on its own."""
         one = self.configuration
         words = ["cosim", "run", one.place, "--controller", one.controller, "--seed", str(self.seed)]
         for key, value in one.settings:

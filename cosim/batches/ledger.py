@@ -1,7 +1,7 @@
-"""The folder of a study: what is finished, what failed, and whether it is still the same study.
+"""The folder of a study: which runs are finished, which failed, and whether it is still the same study.
 
-A finished run appears under ``runs/`` by one renaming; whatever else is there may be cut short at any
-moment and loses nothing but the runs in flight.
+A finished run is moved to ``runs/`` by a single renaming. A batch can therefore be interrupted at any
+moment and loses only the runs in progress.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from cosim.recording import folders
 RUNS = "runs"
 FAILED = "failed"
 WORK = ".work"
-"""Runs in flight; emptied when a batch begins and ends. Who looks for runs skips hidden folders."""
+"""Folder of runs in progress, emptied when a batch begins and ends; searches for runs skip hidden folders."""
 LOCK = ".lock"
 FAILURES = "failed.csv"
 
@@ -33,7 +33,7 @@ _COLUMNS = ("run", "scenario", "controller", "seed", "attempts", "reason", "comm
 
 
 class Ledger:
-    """Reads and keeps the folder of a study.
+    """Reads and updates the folder of a study.
 
     Parameters
     ----------
@@ -43,13 +43,13 @@ class Ledger:
     Raises
     ------
     InputError
-        If the folder holds something else.
+        If the folder holds anything other than a study.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.damaged: dict[str, str] = {}
-        """Finished runs that are not as they were written, by name: which file, and what can be done."""
+        """Which file of a finished run was altered or lost, and the remedy, by name of the run."""
         folders.check_links(folder)
         try:
             if folder.is_dir():
@@ -66,13 +66,13 @@ class Ledger:
 
     @contextmanager
     def opened(self, study_file: Path, text: str | None = None) -> Iterator[None]:
-        """Keep every other batch out of the folder while inside.
+        """Lock the folder against other batches within the context.
 
         Parameters
         ----------
         study_file : Path
         text : str
-            Content of the study, where it is not what the file says.
+            Content of the study, if it differs from that of the file.
         """
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -104,11 +104,11 @@ class Ledger:
         return sorted(path.name for path in folder.iterdir() if path.is_dir())
 
     def name_of(self, folder: Path) -> str:
-        """Return the name of the run that one of the `recorded` folders is of."""
+        """Return the name of the run to which one of the `recorded` folders belongs."""
         return folder.name if folder.parent.name == RUNS else folder.parent.name
 
     def run_folder(self, name: str) -> Path:
-        """Return where a finished run is."""
+        """Return the folder of a finished run."""
         return self.folder / RUNS / name
 
     def whole(self) -> list[str]:
@@ -116,12 +116,12 @@ class Ledger:
         return [name for name in self.finished() if name not in self.damaged]
 
     def recorded(self) -> list[Path]:
-        """Return the folders of whole finished runs, and those that failed runs have left."""
+        """Return the folders of undamaged finished runs, and those that failed runs have left."""
         failed = (path.parent for path in (self.folder / FAILED).glob(f"*/{RUN}/run.json"))
         return [*(self.run_folder(name) for name in self.whole()), *sorted(failed)]
 
     def work_folder(self, job: Job, attempt: int) -> Path:
-        """Return where an attempt at a run is made."""
+        """Return the folder in which an attempt at a run is made."""
         return self.folder / WORK / f"{job.name}-{attempt}"
 
     def missing(self, jobs: Sequence[Job]) -> list[Job]:
@@ -130,7 +130,7 @@ class Ledger:
         Raises
         ------
         InputError
-            If a run is finished that the study does not have.
+            If a finished run does not belong to the study.
         """
         finished = set(self.finished())
         missing = []
@@ -147,26 +147,26 @@ class Ledger:
         return missing
 
     def verify(self, jobs: Sequence[Job], identity: Callable[[Job], Identity]) -> None:
-        """Check that the finished ones among the runs are whole, and made from what is there now.
+        """Check that the finished runs among ``jobs`` are undamaged and were made from the present inputs.
 
-        Those whose files were altered or lost since are in `damaged` then.
+        Runs whose files were altered or lost are entered in `damaged`.
 
         Parameters
         ----------
         jobs : Sequence
         identity : Callable
-            Returns what is there now.
+            Returns the identity that a run would have now.
 
         Raises
         ------
         InputError
-            Names the first run that was made from something else, and what differs.
+            If runs were made from other inputs; names the first one, and what differs.
         """
         self.find_damage()
         self.check_unchanged(jobs, identity)
 
     def check_unchanged(self, jobs: Sequence[Job], identity: Callable[[Job], Identity]) -> None:
-        """Check that the whole ones among the runs were made from what is there now; raises as `verify`."""
+        """Check that the undamaged runs were made from the present inputs; raises as `verify` does."""
         whole = set(self.whole())
         stale: list[tuple[str, list[str]]] = []
         for job in jobs:
@@ -181,12 +181,12 @@ class Ledger:
             )
 
     def keep(self, outcome: Outcome, identity: Identity) -> str:
-        """Give a run that was made its place; return why that is not possible, in one line.
+        """Move a run just made to its place; return the reason, in one line, if it cannot be kept.
 
         Raises
         ------
         OSError
-            If the disk does not take it.
+            If the files cannot be moved.
         """
         made = outcome.folder / RUN
         description, source = read_made(made)
@@ -205,7 +205,7 @@ class Ledger:
         Raises
         ------
         OSError
-            If the disk does not take it.
+            If the files cannot be written.
         """
         job, one = outcome.job, outcome.job.configuration
         target = self.folder / FAILED / job.name
@@ -229,18 +229,18 @@ class Ledger:
         write_json(target / FAILURE, content)
 
     def failures(self) -> list[dict[str, Any]]:
-        """Return the failed runs, sorted by name; one whose file is damaged has that as its reason."""
+        """Return the failed runs, sorted by name; if the file of one is damaged, that is its reason."""
         paths = sorted((self.folder / FAILED).glob("*"))
         return [read_failure(path) for path in paths if path.is_dir()]
 
     def write_failures(self) -> dict[str, str]:
-        """Write ``failed.csv``, one row for each failed run; return as `damaged_failures`."""
+        """Write ``failed.csv``, one row for each failed run; return the result of `damaged_failures`."""
         rows = [[one.get(column, "") for column in _COLUMNS] for one in self.failures()]
         write_csv(self.folder / FAILURES, _COLUMNS, rows)
         return self.damaged_failures()
 
     def damaged_failures(self) -> dict[str, str]:
-        """Return what is wrong with the failed runs that cannot be read, by name."""
+        """Return what is wrong with failed runs whose files cannot be read, by name of the run."""
         return {one["run"]: one["reason"] for one in self.failures() if one.get(DAMAGED)}
 
     def description(self, name: str) -> dict[str, Any]:
@@ -248,7 +248,7 @@ class Ledger:
         return read_made(self.run_folder(name))[0]
 
     def find_damage(self) -> None:
-        """Look at the files of every finished run; what is wrong with some is in `damaged` then."""
+        """Check the files of every finished run, and enter what is wrong with them in `damaged`."""
         for name in self.finished():
             if told := run_damages(self.run_folder(name)):
                 self.damaged[name] = _first(told)
@@ -261,7 +261,7 @@ class Ledger:
 
 
 def _is_study(folder: Path) -> bool:
-    """Return whether a folder is one of a study, also where the copy of the study file was lost."""
+    """Return whether a folder is that of a study, even if the copy of the study file was lost."""
     return (folder / STUDY_FILE).is_file() or ((folder / LOCK).is_file() and (folder / RUNS).is_dir())
 
 

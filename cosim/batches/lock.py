@@ -1,4 +1,4 @@
-"""A lock on a file that other processes respect, on every system."""
+"""A file lock that other processes respect, on every operating system."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import IO
 
 
 def take(file: IO[str]) -> None:
-    """Lock a file that is open for writing until it is closed.
+    """Lock a file that is open for writing, until it is closed.
 
     Raises
     ------

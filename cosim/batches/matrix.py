@@ -18,7 +18,7 @@ from cosim.sensing.chosen import PREFIX, name_in
 from sumo_scenarios import library
 
 EGO_KEYS = ("ego_route", "ego_vehicle", "ego_share")
-"""Who is an ego; as the flags of ``cosim run``, they replace what any scenario says."""
+"""Keys that select the egos; like the flags of ``cosim run``, they override every scenario."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Matrix:
     seeds: tuple[int, ...]
 
     def jobs(self) -> list[Job]:
-        """Return the runs, seeds varying slowest: a study that is stopped early has pairs for what it has."""
+        """Return the runs, seeds varying slowest, so that a study stopped early still has paired runs."""
         return [Job(one, seed) for seed in self.seeds for one in self.configurations]
 
 
@@ -40,20 +40,20 @@ class _Place:
     name: str
     parameters: tuple[str, ...]
     sensing: str
-    """Name of the scenario's own model."""
+    """Name of the scenario's own sensing model."""
 
 
 def build_matrix(study: StudyTable, file: Path) -> Matrix:
     """Return the runs of a study.
 
     A parameter of ``[set]`` or ``[vary]`` applies to the scenarios that have it, otherwise to the
-    controllers or sensing models that have it, as ``cosim run --set`` does; where none has it, it is left
-    out and multiplies nothing.
+    controllers or sensing models that have it, as with ``cosim run --set``. In a configuration in which
+    none has it, it is left out and does not multiply the runs.
 
     Raises
     ------
     InputError
-        For a scenario, controller or parameter that does not exist.
+        If a scenario, controller or parameter does not exist.
     """
     try:
         places = [_place(text, study, file.parent) for text in study.scenarios]
@@ -77,10 +77,10 @@ def build_matrix(study: StudyTable, file: Path) -> Matrix:
 def _place(text: str, study: StudyTable, folder: Path) -> _Place:
     place = text if library.is_built_in(text) else str((folder / text).resolve())
     if not library.is_built_in(text) and not Path(place).exists():
-        place = text  # what does not exist is answered by what does, in the user's own words
+        place = text  # so that the error message names the scenario as the user wrote it
     scenario = library.load(place)
     values = {**study.settings, **{key: some[0] for key, some in study.vary.items()}}
-    # Which egos there are decides which parameters there are.
+    # The choice of egos decides which parameters the scenario has.
     chosen = _egos(values)
     if chosen:
         scenario = library.with_egos(
@@ -157,7 +157,7 @@ def _configurations(
             record=study.record,
             **_egos(everything),
         )
-        one.request(0)  # refuses egos that exclude each other, and what no run can record
+        one.request(0)  # refuses selections of egos that exclude each other, and impossible recordings
         found.append(one)
     return found
 
@@ -178,7 +178,7 @@ def _egos(values: Mapping[str, Value]) -> dict[str, Any]:
 
 
 def _text(value: Value) -> str:
-    """Return a value of TOML as ``--set`` takes it."""
+    """Return a value of TOML in the form that ``--set`` takes."""
     if isinstance(value, bool):
         return str(value).lower()
     return repr(value) if isinstance(value, float) else str(value)

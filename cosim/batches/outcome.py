@@ -13,32 +13,32 @@ from cosim.batches.job import Job
 RUN = "run"
 """Folder of the run inside the folder of an attempt."""
 LOG = "log.txt"
-"""What the attempt wrote to its output streams, beside the run's folder."""
+"""File beside the run's folder with all that the attempt wrote to its output streams."""
 REASON = "reason.txt"
 NOTE = "job.json"
-"""How the study asked for the run; inside the run's folder."""
+"""File inside the run's folder that says how the study asked for the run."""
 LAST_LINES = 40
 LONGEST_LINE = 300
 
-# Of any of these no further run can be expected to succeed.
+# After any of these errors, no further run can be expected to succeed.
 _FULL = tuple(os.strerror(code) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One attempt at a run, over."""
+    """The outcome of one finished attempt at a run."""
 
     job: Job
     folder: Path
-    """Of the attempt."""
+    """Folder of the attempt."""
     reason: str = ""
-    """Why there is no run, in one line; empty where there is one."""
+    """Why there is no run, in one line; empty if there is one."""
     lost: bool = False
-    """Whether the attempt ended without the run being to blame for it."""
+    """Whether the attempt ended through no fault of the run."""
 
     @property
     def disk_full(self) -> bool:
-        """Whether the run failed for want of room."""
+        """Whether the run failed because the disk is full."""
         return says_full(self.reason)
 
     def last_lines(self) -> Sequence[str]:
@@ -51,5 +51,5 @@ class Outcome:
 
 
 def says_full(text: str) -> bool:
-    """Tell whether an error says that there is no room for files."""
+    """Return whether an error message says that there is no room for files."""
     return any(words in text for words in _FULL)

@@ -25,18 +25,18 @@ from cosim.batches.worker import Handling
 from cosim.recording.provenance import Inputs
 
 RUNS_PER_PROCESS = 100
-"""SUMO 1.28 keeps about a kilobyte of each personFlow of a simulation that has ended."""
+"""Processes are replaced after this many runs, as SUMO 1.28 leaks about a kilobyte per personFlow."""
 
 
 class Pool:
-    """Processes that make runs; use as a context manager. Whatever becomes of a run, its future has a result.
+    """Processes that make runs; use as a context manager. The future of a run gets a result even if it fails.
 
     Parameters
     ----------
     processes : int
     handling : Handling
     runs_per_process : int
-        After so many a process makes room for a fresh one.
+        After this many runs, a new process replaces the old one.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Pool:
 
     @property
     def processes(self) -> int:
-        """Number of runs made at a time."""
+        """Number of runs made at the same time."""
         return self._processes
 
     def capacity(self) -> int:
@@ -75,7 +75,7 @@ class Pool:
         job : Job
         folder : Path
         place : str
-            Where the scenario is on this machine; ``None``: where the job says.
+            Where the scenario is on this machine; ``None`` for the place that the job names.
         """
 
         def outcome(done: Future[None]) -> Outcome:
@@ -90,7 +90,7 @@ class Pool:
         return self._schedule(worker.check, (job, start_sumo), limit, partial(_answer, timeout_s=limit))
 
     def close(self) -> None:
-        """End the processes and what they are doing."""
+        """End the processes, including the runs that they are making."""
         if self._pool is not None:
             self._pool.stop()
             self._pool.join()
@@ -105,18 +105,18 @@ class Pool:
         return result
 
     def _running(self) -> Any:
-        """Return the pool, started afresh where all its processes died at once."""
-        # Before the processes load NumPy: two with several BLAS threads each are slower than one.
+        """Return the pool; start it first if it is new or all its processes died at once."""
+        # Set before the processes load NumPy: two of them with several BLAS threads each are slower than one.
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
             os.environ.setdefault(name, "1")
         with ExitStack() as end:
-            # Ctrl-C goes to every process of a terminal, but only this one is to act on it. The threads of
-            # the pool inherit what is blocked here, and the processes that they start.
+            # Ctrl-C goes to every process of a terminal, but only this one may act on it. The threads of the
+            # pool inherit the signals blocked here, and so do the processes that they start.
             if sys.platform != "win32":
                 before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
                 end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, before)
-            # A process on its way would outlive this one, of whose end it would complain. Blocking is not
-            # enough: a thread of a library may take the signal.
+            # If this process ended now, a child that is just starting would outlive it and print an error.
+            # Blocking is not enough: a thread of a library may take the signal.
             for number in (signal.SIGINT, signal.SIGTERM):
                 end.callback(processes.hold_back(number))
             if self._pool is not None and not self._pool.active:

@@ -1,4 +1,4 @@
-"""Everything that can be wrong with a study is found before its first run."""
+"""Checks of a study before its first run, so that errors are found early."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from cosim.errors import InputError, SimulationError
 from cosim.recording.provenance import Inputs
 
 Progress = Callable[[int, int], None]
-"""Called with how many configurations are checked, and how many there are."""
+"""Called with the number of configurations checked so far, and the number of all."""
 
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """Configurations that can be run, and what their numbers depend on."""
+    """Configurations that can be run, and the inputs on which their numbers depend."""
 
     inputs: dict[Configuration, tuple[Inputs, str]]
 
     def identity(self, job: Job) -> Identity:
-        """Return what decides the numbers of a run."""
+        """Return the inputs that determine the numbers of a run."""
         inputs, source = self.inputs[job.configuration]
         return identity_of(replace(inputs, seed=job.seed), source)
 
@@ -41,9 +41,9 @@ def check(matrix: Matrix, pool: Pool, file: Path, progress: Progress = lambda do
     Raises
     ------
     InputError
-        For the first configuration that cannot be run.
+        If a configuration cannot be run; names the first one.
     SimulationError
-        If it is interrupted.
+        If the check is interrupted.
     """
     try:
         return _checked(matrix, pool, file, progress)

@@ -1,4 +1,4 @@
-"""Progress of a batch: a bar on a terminal, a line now and then in a log."""
+"""Progress of a batch: a bar on a terminal, or a line from time to time in a log."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Show = Callable[[Tally], None]
 
 @contextmanager
 def shown_tally(log_every_s: float = LOG_EVERY_S) -> Iterator[Show]:
-    """Give a function that shows how a batch stands, on the standard error stream."""
+    """Give a function that shows the progress of a batch on the standard error stream."""
     if not sys.stderr.isatty():
         yield _log(log_every_s)
         return
@@ -36,7 +36,7 @@ def shown_tally(log_every_s: float = LOG_EVERY_S) -> Iterator[Show]:
 
 
 def shown_checks() -> Callable[[int, int], None]:
-    """Return a function that says now and then how many configurations are checked."""
+    """Return a function that reports from time to time how many configurations are checked."""
     next_line = monotonic() + CHECKS_EVERY_S
 
     def show(done: int, total: int) -> None:
@@ -92,7 +92,7 @@ def _taken_failures(tally: Tally) -> list[str]:
 
 
 def standing(tally: Tally, elapsed_s: float) -> str:
-    """Return how a batch stands, in one line.
+    """Return the progress of a batch in one line.
 
     Examples
     --------

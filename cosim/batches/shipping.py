@@ -1,4 +1,4 @@
-"""Files sent to other machines and back: those of a study's own scenarios, and finished runs."""
+"""Files sent to other machines and back: those of a study's own scenarios, and those of finished runs."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class Bundle:
 
 
 def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
-    """Return the files of every scenario that is not a built-in one, which every machine has.
+    """Return the files of every scenario that is not built in; every machine has the built-in ones.
 
-    These are the files that the run's identity covers: scenario.toml with all that it names, or a SUMO
-    configuration with its network, routes and additional files. They keep their places relative to
+    These are the files that the run's identity covers: scenario.toml with all files that it names, or a
+    SUMO configuration with its network, routes and additional files. They keep their places relative to
     each other.
     """
     entries, files = _travelling(configurations)
@@ -46,14 +46,14 @@ def bundles(configurations: Iterable[Configuration]) -> tuple[Bundle, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Common:
-    """What scenarios that are yet to be written have in common; each of them travels with the rest."""
+    """Files that scenarios yet to be written have in common; their other files are sent with each of them."""
 
     root: Path
-    """Folder below which all files of the scenarios are: that of the whole file system."""
+    """Folder below which all files of the scenarios are: the root of the file system."""
     files: frozenset[Path]
 
     def packed(self) -> bytes:
-        """Return these files."""
+        """Return an archive of these files."""
         return pack(self.root, sorted(self.files))
 
     def rest(self, configuration: Configuration) -> Bundle | None:
@@ -73,7 +73,7 @@ def common(folder: Path, configurations: Iterable[Configuration]) -> Common:
 
 
 def _travelling(configurations: Iterable[Configuration]) -> tuple[dict[str, Path], dict[str, list[Path]]]:
-    """Return by place the folder or configuration of scenarios that are not built in, and their files."""
+    """Return the folder or configuration of scenarios that are not built in, and their files, by place."""
     files: dict[str, set[Path]] = {}
     entries: dict[str, Path] = {}
     # Parameters may decide which files a scenario names; the controller does not.
@@ -145,11 +145,11 @@ def unpack(archive: bytes, folder: Path) -> None:
     Raises
     ------
     SimulationError
-        If it holds anything but plain files, or one that would be written elsewhere.
+        If it holds anything but plain files, or a file that would be written elsewhere.
     """
     root = folder.resolve()
     with tarfile.open(fileobj=io.BytesIO(archive), mode="r:gz") as files:
-        # Filters of the standard library are not in every 3.11; what ``pack`` makes is plain files.
+        # Not every Python 3.11 has the filters of the standard library; ``pack`` packs plain files only.
         for member in files:
             place = (root / member.name).resolve()
             content = files.extractfile(member) if member.isfile() else None

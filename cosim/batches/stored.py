@@ -1,4 +1,4 @@
-"""Reads what the folder of a study keeps of a run, and names what is damaged."""
+"""Reads what the folder of a study holds of a run, and reports damage."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from cosim.errors import InputError
 
 ESSENTIAL = ("run.json", NOTE, "runs.csv", "encounters.csv")
 FAILURE = "failure.json"
-"""What a failed run leaves."""
+"""File that describes a failed run."""
 DAMAGED = "damaged"
-"""Key of a failed run whose file cannot be read."""
+"""Key that marks a failed run whose file cannot be read."""
 _NEEDED = ("run", "scenario", "controller", "seed", "reason", "command")
 REMEDY = "remove the folder {folder} and repeat the command, which makes the run again"
 
@@ -40,7 +40,7 @@ def read_made(folder: Path) -> tuple[dict[str, Any], str]:
     Raises
     ------
     InputError
-        When they cannot be read; names the folder and what can be done.
+        If they cannot be read; names the folder and the remedy.
     """
     try:
         description = read_json(folder / "run.json")
@@ -51,7 +51,7 @@ def read_made(folder: Path) -> tuple[dict[str, Any], str]:
 
 
 def read_failure(folder: Path) -> dict[str, Any]:
-    """Return what is known of a failed run; if its file is damaged, that is its reason, and it is marked."""
+    """Return what is known of a failed run; one with a damaged file is marked and has that as its reason."""
     path = folder / FAILURE
     try:
         found = read_json(path)

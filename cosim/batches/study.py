@@ -18,7 +18,7 @@ from cosim.toml_files import read_toml
 Value = bool | int | float | str
 LARGEST_SEED = 2**31 - 1
 MOST_SEEDS = 1_000_000
-"""More than anybody can run; a slip of the keyboard in a range is refused instead of filling memory."""
+"""Most seeds in a range; more are probably a typing error and would fill the memory."""
 DEFAULT_TIMEOUT_S = 3600.0
 
 _RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")
@@ -56,8 +56,8 @@ def read_study(path: Path, allow_programs: bool = False) -> StudyTable:
     ----------
     path
     allow_programs
-        Whether it may name controllers by an address, whose code is executed; a file from strangers must
-        not execute anything.
+        Whether the file may name controllers by an address, whose code is executed. A file from strangers
+        must not execute anything.
 
     Raises
     ------
@@ -81,9 +81,9 @@ def study_of(content: Mapping[str, Any], name: str) -> StudyTable:
     Parameters
     ----------
     content : Mapping
-        What a study file says.
+        Content of a study file.
     name : str
-        Of the study, for messages.
+        Name of the study, for messages.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def study_of(content: Mapping[str, Any], name: str) -> StudyTable:
 
 
 def study_text(study: StudyTable) -> str:
-    """Return what a study file with this content says.
+    """Return the text of a study file with this content.
 
     Examples
     --------
@@ -118,14 +118,14 @@ def study_text(study: StudyTable) -> str:
 
 
 def toml_value(value: Any) -> str:
-    """Return how TOML writes a value, a table on one line."""
+    """Return a value as TOML writes it, with a table on one line."""
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_key(name)} = {toml_value(each)}" for name, each in value.items()) + " }"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(toml_value, value)) + "]"
     if isinstance(value, float):
         return repr(value)
-    # Texts, whole numbers and truth values are in TOML as in JSON, but for the one character.
+    # TOML writes texts, whole numbers and truth values as JSON does, except for this one character.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -158,12 +158,12 @@ def parse_seeds(seeds: str | list[int]) -> tuple[int, ...]:
 
 
 def check_seeds(seeds: str, name: str) -> None:
-    """Refuse seeds that are none, before anything expensive happens.
+    """Refuse invalid seeds before anything expensive happens.
 
     Raises
     ------
     InputError
-        ``name`` is named as who got them.
+        If the seeds are invalid; the message begins with ``name``, the option that got them.
     """
     try:
         parse_seeds(seeds)
@@ -190,7 +190,7 @@ def _from_ranges(text: str) -> list[int]:
 
 
 def _check(study: StudyTable) -> None:
-    """Refuse a matrix that is empty, or that has the same run twice."""
+    """Refuse a matrix that is empty or that has the same run twice."""
     axes: list[tuple[str, Iterable[Value]]] = [
         ("scenarios", study.scenarios),
         ("controllers", study.controllers),
@@ -210,7 +210,7 @@ def _check(study: StudyTable) -> None:
 
 
 def _check_criteria(tables: Sequence[Mapping[str, Any]]) -> None:
-    """Refuse criteria that no check could judge: a batch passes them on to one."""
+    """Refuse criteria that a check could not judge, as a batch passes them on to one."""
     from analysis.criteria.reading import CriterionError, read_criteria  # loads every metric
 
     try:
@@ -248,5 +248,5 @@ def _first_line(error: ValidationError) -> str:
 
 
 def _is_a_type(part: int | str) -> bool:
-    """Tell whether pydantic names a member of a union here, and no key."""
+    """Return whether pydantic names a member of a union here, rather than a key."""
     return part in ("bool", "int", "float", "str", "list[int]")

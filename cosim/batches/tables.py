@@ -1,4 +1,4 @@
-"""The tables of a study, from its finished runs."""
+"""Writes the tables of a study from its finished runs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ USUAL_BASELINE = "sumo"
 
 
 def get_ready() -> None:
-    """Begin to load, beside everything else, what `write` needs: statistics take more than a second."""
+    """Begin to load the modules that `write` needs in a thread, as statistics take more than a second."""
     Thread(target=importlib.import_module, args=("analysis.study.writing",), daemon=True).start()
 
 
@@ -36,12 +36,12 @@ def write(ledger: Ledger, controllers: Sequence[str]) -> dict[str, str]:
     Returns
     -------
     dict
-        Runs that are left out because they cannot be read, by name: which file, and what can be done.
+        Runs that are left out because they cannot be read, by name: which file, and the remedy.
 
     Raises
     ------
     SimulationError
-        If that is not possible.
+        If the tables cannot be written.
     """
     from analysis.study.writing import write_tables  # statistics, which a dry run does not need
 

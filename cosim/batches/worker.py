@@ -1,7 +1,7 @@
-"""Worker processes: one run after the other, each watched from outside.
+"""Worker processes: each makes one run after another, and the pool watches it.
 
-A run that fails ends its process, so that nothing of it can reach the next run; the pool starts
-another one.
+A run that fails ends its process, so that nothing of it can affect the next run. The pool then starts
+another process.
 """
 
 from __future__ import annotations
@@ -28,35 +28,35 @@ from cosim.errors import CosimError, SimulationError
 from cosim.recording.provenance import Inputs
 
 FAILED = 70
-"""Exit code of a process whose run failed, in words (``EX_SOFTWARE``)."""
+"""Exit code of a process whose run failed and that wrote down the reason (``EX_SOFTWARE``)."""
 DISK_FULL = 74
-"""The same without words, because they could not be written (``EX_IOERR``)."""
+"""Exit code of a process whose run failed and that could not write the reason (``EX_IOERR``)."""
 TELL_EVERY_S = 10.0
-"""Between two lines of a run's log [s]."""
+"""Time between two progress lines in the log of a run [s]."""
 SHARE_BEFORE_DUMP = 0.9
-"""Part of the time limit after which the log is told where the run is."""
+"""Share of the time limit after which the stack of a run is dumped to its log."""
 LONG_ENOUGH_S = 0.5
-"""For the pool to learn which run a process has, before the process ends [s]."""
+"""A process whose run fails lives at least this long, so that the pool learns which run it had [s]."""
 
 RECORDINGS = ("*.parquet", "map.json", "datapackage.json")
-"""What a batch may do without: the recording, and the description of tables that it writes itself."""
+"""Files of a run that a batch can drop: the recording, and the description of tables."""
 
 
 @dataclass(frozen=True, slots=True)
 class Handling:
-    """Settings of the execution of runs, which do not affect their numbers."""
+    """Settings of how runs are executed, which do not affect their numbers."""
 
     timeout_s: float
     drop_recordings: bool = False
 
 
 def begin(environment: Mapping[str, str]) -> None:
-    """Get a new worker process ready; what is loaded here counts for no run's time limit.
+    """Get a new worker process ready; the time to load modules here counts towards no run's time limit.
 
     Parameters
     ----------
     environment : Mapping
-        Variables of the process that asked for this one; it may be the copy of an older one.
+        Environment variables of the process that asked for this one, which may be a copy of an older process.
     """
     os.environ.clear()
     os.environ.update(environment)
@@ -66,13 +66,13 @@ def begin(environment: Mapping[str, str]) -> None:
 
 
 def check(job: Job, start_sumo: bool) -> tuple[Inputs, str] | str:
-    """Return what decides the numbers of a run and the hash of the code, or why it cannot be made.
+    """Return the inputs of a run and the hash of the code, or the reason why the run cannot be made.
 
     Parameters
     ----------
     job : Job
     start_sumo : bool
-        Whether SUMO is to read the files too.
+        Whether SUMO reads the files, too.
     """
     from cosim.running.compose import compose, inputs_of
 
@@ -90,7 +90,7 @@ def check(job: Job, start_sumo: bool) -> tuple[Inputs, str] | str:
 
 
 def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
-    """Make a run in ``folder``, or end the process.
+    """Make a run in ``folder``; end the process if the run fails.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def make(job: Job, place: str, folder: Path, handling: Handling) -> None:
     place : str
         Where the scenario is on this machine.
     folder : Path
-        Of this attempt; new.
+        Folder of this attempt; must not exist.
     handling : Handling
     """
     started = time.monotonic()
@@ -120,7 +120,7 @@ def _make(job: Job, place: str, folder: Path, handling: Handling) -> None:
     from cosim.running.execution import execute
     from cosim.running.simulation import TELEPORTED
 
-    source = source_digest(job.configuration.controller)  # as it is when the code is loaded
+    source = source_digest(job.configuration.controller)  # taken when the code is loaded
     started = time.monotonic()
     outcome = execute(replace(job.request(), scenario=place, out=folder), _heartbeat())
     if outcome.invalid_reason and not outcome.invalid_reason.startswith(TELEPORTED):
@@ -160,9 +160,9 @@ def _heartbeat() -> Callable[[float, float | None], None]:
 
 
 def _fail(folder: Path, error: BaseException, started: float) -> NoReturn:
-    """Leave the reason behind and end the process."""
+    """Write down the reason and end the process."""
     text = str(error) if isinstance(error, CosimError) else f"{type(error).__name__}: {error}"
-    text = text.replace(str(folder / RUN), "the run")  # what is told outlasts the folder
+    text = text.replace(str(folder / RUN), "the run")  # the message outlasts the folder
     code = FAILED
     try:
         traceback.print_exception(error)
@@ -174,7 +174,7 @@ def _fail(folder: Path, error: BaseException, started: float) -> NoReturn:
 
 
 def _end_with_parent() -> None:
-    """End this process as soon as the one that started it is gone, however that ended."""
+    """End this process as soon as the process that started it has ended for any reason."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         connection.wait([parent.sentinel])
@@ -183,7 +183,7 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _output_to(path: Path) -> Iterator[None]:
-    """Send both output streams to a file, what libraries write included."""
+    """Send both output streams to a file, including the output of libraries."""
     sys.stdout.flush()
     sys.stderr.flush()
     saved = [os.dup(number) for number in (1, 2)]

@@ -1,4 +1,4 @@
-"""The runs of an earlier check or batch, found again by what was asked for."""
+"""Compares runs with those of an earlier check or batch that were made for the same request."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from cosim.checks.finding import Finding
 from cosim.errors import InputError
 
 FEWEST_SEEDS = 2
-"""Fewer have no test."""
+"""Smallest number of common seeds for a test."""
 _SAME = ("egos", "inputs", "step_s", "warmup_s", "requested_duration_s", "actuation", "sensing")
-"""What must be the same then and now, in ``run.json``; the controller and the versions may differ."""
+"""Keys of ``run.json`` that must be equal in both runs; the controller and the versions may differ."""
 
 Asked = tuple[str, str, tuple[tuple[str, str], ...], str | None, int]
 
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """Valid runs of then, by what was asked for."""
+    """Valid earlier runs, by their request."""
 
     folder: Path
     runs: Mapping[Asked, tuple[StudyRun, Mapping[str, Any]]]
-    """With the content of ``run.json``."""
+    """Each run with the content of its ``run.json``."""
 
     def seeds(self, one: Configuration, seeds: Sequence[int]) -> list[int]:
-        """Return the seeds that this configuration was run with then too."""
+        """Return those of the seeds with which this configuration was run earlier."""
         return [seed for seed in seeds if _asked(Job(one, seed)) in self.runs]
 
     def then(self, one: Configuration, seeds: Sequence[int]) -> list[StudyRun]:
-        """Return the runs of then."""
+        """Return the earlier runs of a configuration with these seeds."""
         return [self.runs[_asked(Job(one, seed))][0] for seed in seeds]
 
 
@@ -52,7 +52,7 @@ def read_baseline(folder: Path) -> Baseline:
     Raises
     ------
     InputError
-        If there is none, or they cannot be read.
+        If the folder has no runs, or they cannot be read.
     """
     if not folder.is_dir():
         raise InputError(f"--baseline {folder}: no such folder")
@@ -76,7 +76,7 @@ def read_baseline(folder: Path) -> Baseline:
 
 
 def check_common(baseline: Baseline, matrices: Sequence[Matrix]) -> None:
-    """Refuse a baseline that has too little in common with what is to be run.
+    """Refuse a baseline that has too little in common with the runs to be made.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def check_same_road(baseline: Baseline, batches: Sequence[Batch]) -> None:
     Raises
     ------
     InputError
-        Names the first difference.
+        If they were; names the first difference.
     """
     for batch in batches:
         for one in batch.matrix.configurations:
@@ -119,7 +119,7 @@ def check_same_road(baseline: Baseline, batches: Sequence[Batch]) -> None:
 def compare(
     baseline: Baseline, evaluations: Sequence[tuple[Evaluation, Batch]], level: float, command: str
 ) -> list[Finding]:
-    """Return a finding for each configuration that has a baseline, and each key measure."""
+    """Return a finding for each configuration that has a baseline and for each key measure."""
     origins: list[Finding] = []
     pairings: list[Pairing] = []
     for evaluation, batch in evaluations:
@@ -173,7 +173,7 @@ def _asked(job: Job) -> Asked:
 
 
 def _different(now: Identity, then: Mapping[str, Any]) -> str:
-    """Return the first thing that makes the runs of then and now no pairs, empty if there is none."""
+    """Return the first difference because of which the runs cannot be paired; empty if there is none."""
     mine = now.description
     for key in _SAME:
         if mine[key] == then.get(key):

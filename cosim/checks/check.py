@@ -1,4 +1,4 @@
-"""A check from its targets to its files: everything is checked first, then run, then judged."""
+"""A check: all targets are validated first, then run, then judged, and the files are written."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from cosim.recording import folders
 
 DEFAULT_LEVEL = 0.05
 _OURS = (CRITERIA.file, PACKAGE, MANIFEST, PAGE, DATA, WORKBOOK)
-"""What a check and a report of it leave in the check's folder."""
+"""Files that a check and its report write to the check's folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class CheckRequest:
     level: float = DEFAULT_LEVEL
 
     def command(self) -> str:
-        """Return the command line that judges the same again, in a new folder."""
+        """Return the command that repeats the check in a new folder."""
         words = ["cosim", "check", *self.targets]
         wishes = self.wishes
         for controller in wishes.controllers:
@@ -71,9 +71,9 @@ class Result:
     folder: Path
     findings: tuple[Finding, ...]
     stopped: str
-    """Why it ended early; empty if it did not."""
+    """Why the check ended early; empty if it did not."""
     evaluations: tuple[Evaluation, ...]
-    """What the findings are made of, for each target."""
+    """The evaluation of each target, from which the findings come."""
 
     @property
     def exit_code(self) -> int:
@@ -83,7 +83,7 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """Targets whose every configuration was tried."""
+    """Targets whose configurations have all been checked, ready to be run."""
 
     request: CheckRequest
     folder: Path
@@ -91,7 +91,7 @@ class Check:
     baseline: Baseline | None
 
     def run(self, shown: Callable[[], Shown]) -> Result:
-        """Make the runs that are missing, judge all, and write the files."""
+        """Make the missing runs, judge all runs, and write the files."""
         stopped, command = "", self.request.command()
         evaluations: list[tuple[Evaluation, Batch]] = []
         for target, batch in self.parts:
@@ -111,12 +111,12 @@ class Check:
 def prepared(
     request: CheckRequest, progress: Callable[[int, int], None] = lambda done, total: None
 ) -> Iterator[Check]:
-    """Check everything that can be wrong, and give the check; nothing is written yet.
+    """Check everything that can be wrong, and yield the check; nothing is written yet.
 
     Raises
     ------
     InputError
-        For a target, a criterion, a baseline or a folder with which a check must not begin.
+        If a target, a criterion, the baseline or the folder cannot be used.
     """
     if not 0.0 < request.level < 1.0:
         raise InputError(f"--level: expected a probability above 0 and below 1, got {request.level:g}")
@@ -170,12 +170,12 @@ def _free_folder(targets: Sequence[Target]) -> Path:
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse a folder with anything in it but what an earlier check has left.
+    """Refuse a folder that holds anything but the files of an earlier check.
 
     Raises
     ------
     InputError
-        One line.
+        If the folder cannot be used; the message is one line.
     """
     folders.check_links(folder)
     try:

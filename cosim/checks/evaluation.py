@@ -1,4 +1,4 @@
-"""Holds the finished runs of a target against its criteria."""
+"""Judges the finished runs of a target by its criteria."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Evaluation:
     stopped : str
         Why the batch ended early; empty if it did not.
     command : str
-        Makes the whole check again.
+        Command that repeats the whole check.
     """
 
     def __init__(self, target: Target, batch: Batch, stopped: str, command: str) -> None:
@@ -51,11 +51,11 @@ class Evaluation:
 
     @property
     def configurations(self) -> Sequence[Configuration]:
-        """What was run."""
+        """Configurations that were run."""
         return self._batch.matrix.configurations
 
     def findings(self) -> list[Finding]:
-        """Return everything, in a fixed order."""
+        """Return all findings, in a fixed order."""
         return [row for one in self.configurations for row in self._configuration(one)]
 
     def made(self, one: Configuration) -> list[Made]:
@@ -63,7 +63,7 @@ class Evaluation:
         return [self._made(Job(one, seed)) for seed in self._batch.matrix.seeds]
 
     def origin(self, one: Configuration) -> Finding:
-        """Return a finding that holds only its origin."""
+        """Return a finding that only says which configuration it is about."""
         varied = " ".join(f"{key}={value}" for key, value in one.varied)
         return Finding(
             target=self.target.name,
@@ -101,7 +101,7 @@ class Evaluation:
 
     @cached_property
     def verdicts(self) -> Mapping[Job, Verdict]:
-        """Return the verdicts on all valid runs; some cases are held against the standard one beside them."""
+        """Return the verdicts on all valid runs; some cases are compared with a standard case."""
         from cosim.suites import judging
 
         groups: dict[object, list[tuple[Job, Case, Verdict]]] = {}

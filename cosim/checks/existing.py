@@ -1,4 +1,4 @@
-"""Judges runs that are there, without simulating any: ``cosim check --results``."""
+"""Judges existing runs without simulating any: ``cosim check --results``."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ _Key = tuple[str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Results:
-    """Folder with runs, and the file whose criteria they are held against."""
+    """A folder with runs, and the file with the criteria that judge them."""
 
     folder: Path
     criteria: Path | None = None
-    """``None``: those of the study file beside the runs, otherwise those of each scenario."""
+    """``None`` for the criteria of the study file beside the runs or, without one, those of each scenario."""
 
     def command(self) -> str:
-        """Return the command line that judges the same again."""
+        """Return the command that judges the same runs again."""
         words = ["cosim", "check", "--results", str(self.folder)]
         return shlex.join(words + ([] if self.criteria is None else ["--criteria", str(self.criteria)]))
 
@@ -60,9 +60,9 @@ def judge_results(results: Results) -> list[Finding]:
     Raises
     ------
     InputError
-        If there is no run, a run cannot be read, or there is no criterion for any of them.
+        If there is no run, a run cannot be read, or no run has a criterion.
     SimulationError
-        If what is known of a failed run cannot be read.
+        If the file that describes a failed run cannot be read.
     """
     folder = results.folder
     if not folder.is_dir():
@@ -121,7 +121,7 @@ def _findings(
 
 
 def _studies(folder: Path) -> list[Path]:
-    """Return the folders whose runs belong together: of a check its targets, otherwise the folder itself."""
+    """Return the folders whose runs belong together: the targets of a check, otherwise the folder itself."""
     if (folder / STUDY_FILE).is_file():
         return [folder]
     targets = sorted(path.parent for path in folder.glob(f"*/{STUDY_FILE}"))
@@ -139,12 +139,12 @@ def _read(place: Path) -> Study:
 
 
 def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
-    """Return the runs of each configuration, those that failed in a batch among them."""
+    """Return the runs of each configuration, including those that failed in a batch."""
     found: dict[_Key, list[Made]] = {}
     labels: dict[object, str] = {}
     for run in study.runs:
         if run.folder.is_relative_to(place / FAILED):
-            continue  # what a failed run has left: its own file says why it failed
+            continue  # files of a failed run, whose own file says why it failed
         reason = "" if run.valid else run.invalid_reason or "the run did not end"
         note = _noted(run.folder)
         label = labels[_asked_for(run.scenario_id, run.controller, note)] = _label(study, run)
@@ -179,7 +179,7 @@ def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
 
 
 def _asked_for(scenario: str, controller: str, note: Mapping[str, Any]) -> object:
-    """Return what tells the configurations of a study apart, in a run and in one that failed alike."""
+    """Return what distinguishes the configurations of a study, for finished and for failed runs."""
     return scenario, controller, tuple(sorted(note.get("varied", {}).items()))
 
 
@@ -194,7 +194,7 @@ def _relative(folder: Path, root: Path) -> str:
 
 
 def _noted(folder: Path) -> Mapping[str, Any]:
-    """Return how a study asked for a run; nothing for a run that no study asked for."""
+    """Return how a study asked for a run; empty for a run that no study asked for."""
     try:
         return dict(read_json(folder / NOTE))
     except (OSError, ValueError):
@@ -213,14 +213,14 @@ def _criteria(
         if study is not None and study.criteria:
             every = criteria_of_tables(study.criteria, str(file))
         else:
-            # The study says where its scenarios are as seen from its own file, which was elsewhere.
+            # A study names its scenarios relative to its original file, which was in another folder.
             places = dict.fromkeys(str(one.description["place"]) for one in made if one.description["place"])
             every = _of_scenario([*places, *([scenario] if study is None else study.scenarios)], scenario)
     return tuple(one for one in every if one.applies_to(scenario, controller))
 
 
 def _of_scenario(references: Sequence[str], scenario: str) -> tuple[Criterion, ...]:
-    """Return the criteria of the scenario with that name; none where it is no longer there."""
+    """Return the criteria of the scenario with that name; none if it no longer exists."""
     for reference in references:
         try:
             if library.load(reference).name == scenario:
@@ -231,7 +231,7 @@ def _of_scenario(references: Sequence[str], scenario: str) -> tuple[Criterion, .
 
 
 def _with_cases(found: list[tuple[Finding, Made]]) -> Iterator[Finding]:
-    """Return the verdicts on the runs of test protocols, which their notes name."""
+    """Return the verdicts on those runs whose notes name a case of a test protocol."""
     from cosim.suites import judging
 
     groups: dict[tuple[str, int], list[tuple[Finding, Made, judging.Case, judging.Verdict]]] = {}

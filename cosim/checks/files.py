@@ -1,4 +1,4 @@
-"""The files of a check: criteria.csv with its dictionary, JUnit XML, and the summary of a CI step."""
+"""Writes the files of a check: criteria.csv with its dictionary, JUnit XML, and the summary of a CI step."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ PACKAGE = "datapackage.json"
 
 
 def write_findings(folder: Path, findings: Sequence[Finding], junit: Path | None) -> None:
-    """Write the files; what else the folder's dictionary and manifest name stays in them.
+    """Write the files; other entries of the folder's dictionary and manifest are kept.
 
     Raises
     ------
     InputError
         If the folder cannot be made.
     SimulationError
-        If they cannot be written.
+        If the files cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -50,12 +50,12 @@ def write_findings(folder: Path, findings: Sequence[Finding], junit: Path | None
 
 
 def check_junit(path: Path | None) -> None:
-    """Refuse a folder in the place of the file.
+    """Refuse a path that is a folder rather than a file.
 
     Raises
     ------
     InputError
-        One line.
+        If it is a folder; the message is one line.
     """
     if path is not None and path.is_dir():
         raise InputError(f"--junit {path}: expected a file, this is a folder")
@@ -65,4 +65,4 @@ def _described(path: Path) -> list[dict[str, object]]:
     try:
         return list(read_json(path)["resources"])
     except (OSError, ValueError, KeyError, TypeError):
-        return []  # there is none, or it was damaged: it is written anew
+        return []  # the file is missing or damaged and will be written anew

@@ -1,4 +1,4 @@
-"""Findings of a check: one criterion and its subject."""
+"""Findings of a check, each on one criterion and its subject."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Finding:
     value: float | None = None
     margin: float | None = None
     counts: bool = True
-    """Whether it decides the exit code; true of all that passed."""
+    """Whether the finding affects the exit code; true for all that passed."""
     seed: int | None = None
     run: str | None = None
     encounter_id: int | None = None
@@ -48,12 +48,12 @@ class Finding:
 
     @property
     def failed(self) -> bool:
-        """Whether it decides for exit code 1."""
+        """Whether the finding leads to exit code 1."""
         return self.counts and self.status in ("fail", "undefined")
 
     @property
     def invalid(self) -> bool:
-        """Whether it decides for exit code 3."""
+        """Whether the finding leads to exit code 3."""
         return self.status == "invalid"
 
     @property
@@ -83,14 +83,14 @@ class Finding:
 
     @property
     def where(self) -> str:
-        """Who, when and where, of what failed; empty where that is not known."""
+        """Road users, time and place of a failure; empty if they are not known."""
         if self.ego_id is None or self.moment_s is None:
             return self.place or ""
         person = "" if self.ped_id is None else f" and pedestrian {self.ped_id}"
         return f"ego {self.ego_id}{person}, {self.moment_s:.1f} s, {self.place}"
 
     def row(self) -> dict[str, Any]:
-        """Return the row."""
+        """Return the row of ``criteria.csv``."""
         return asdict(self)
 
 

@@ -1,4 +1,4 @@
-"""Holds runs that were made against criteria: one finding for each thing judged."""
+"""Judges finished runs by criteria, with one finding for each thing judged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from cosim.suites.judging import Case, Verdict
 
 MOST_SEEDS = 10
-"""Named in a note."""
+"""Largest number of seeds that a note names."""
 
 Statistics = Mapping[tuple[str, str, str], Cells]
 """Rows of configs.csv by config_id, measure and kind."""
@@ -33,20 +33,20 @@ class Made:
 
     seed: int
     command: str
-    """Makes the run again."""
+    """Command that makes the run again."""
     folder: Path | None
-    """Of a run that went to its end; ``None`` for others."""
+    """Folder of a run that went to its end; ``None`` for other runs."""
     place: str
-    """Folder in that of the check."""
+    """Folder relative to that of the check."""
     reason: str
-    """Why it is not valid; empty for a valid run."""
+    """Why the run is not valid; empty for a valid run."""
     description: Mapping[str, Any]
 
 
 def judged_statistic(
     origin: Finding, criterion: Criterion, made: Sequence[Made], statistics: Statistics
 ) -> Finding:
-    """Return the finding on a configuration with all its runs."""
+    """Return the finding on a configuration over all its runs."""
     about = _about(origin, criterion)
     valid = [run for run in made if not run.reason]
     about = replace(about, n_runs=len(valid))
@@ -92,7 +92,7 @@ def validity(origin: Finding, run: Made) -> Finding:
 
 
 def judged_rows(origin: Finding, criterion: Criterion, run: Made) -> Iterator[Finding]:
-    """Return a finding for each row that is judged, or one that says why there is none."""
+    """Return a finding for each row that is judged, or a single one that says why there is no row."""
     about = of_run(_about(origin, criterion), run)
     if run.reason or run.folder is None:
         yield replace(about, status="invalid", note=run.reason)
@@ -130,13 +130,13 @@ def _of_encounter(judged: Finding, row: Cells) -> Finding:
 
 
 def with_culprit(judged: Finding, folder: Path, run: Cells) -> Finding:
-    """Return the finding on a run; one that failed says who, when and where.
+    """Return the finding on a run; if it failed, add the road users, time and place.
 
     Parameters
     ----------
-    judged : on the run
-    folder : of the run
-    run : its row of runs.csv
+    judged : finding on the run
+    folder : folder of the run
+    run : row of the run in runs.csv
     """
     if judged.status != "fail":
         return judged
@@ -169,7 +169,7 @@ def about_case(origin: Finding, case: Case, run: Made) -> Finding:
 
 
 def with_verdict(about: Finding, case: Case, verdict: Verdict) -> Finding:
-    """Return the finding with the verdict of a protocol; what could not be prevented does not count."""
+    """Return the finding with the verdict of a protocol; impacts that could not be prevented do not count."""
     notes = [f"expected {case.group.rule.replace('_', ' ')}", verdict.note]
     limit, speed = case.highest_impact_kmh, verdict.impact_speed_kmh
     if limit is not None:

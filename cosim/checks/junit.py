@@ -1,4 +1,4 @@
-"""A check as JUnit XML: one test suite a target, one test case a criterion and what it judges."""
+"""A check as JUnit XML: one test suite for each target, one test case for each criterion and its subject."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from xml.etree import ElementTree
 from analysis.files import completing
 from cosim.checks.finding import Finding
 
-# Characters that XML 1.0 has not, wherever a name or a reason has them from.
+# Characters that XML 1.0 does not allow; names and reasons may contain them.
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 _OF_ALL = {"failures": "failure", "errors": "error"}
-"""Attributes, and the elements that they count; the schema that Jenkins publishes has no other one here."""
+"""Attributes and the elements that they count; the schema that Jenkins publishes allows no others here."""
 _OF_SUITE = {**_OF_ALL, "skipped": "skipped"}
 
 
@@ -73,7 +73,7 @@ def _judged_encounter(one: Finding) -> int | None:
 
 
 def details(one: Finding) -> list[str]:
-    """Return what has to be known of a finding to look into it, line by line."""
+    """Return all that is needed to look into a finding, line by line."""
     lines = [one.sentence, f"judged: {one.subject}"]
     if one.ego_id:
         pedestrian = "" if one.ped_id is None else f", pedestrian {one.ped_id}"

@@ -1,4 +1,4 @@
-"""JSON schemas of the files that users write, from the models that read them.
+"""JSON schemas of the files that users write, generated from the models that read them.
 
 ``python -m cosim.checks.schemas docs/schemas`` writes them all.
 """
@@ -51,7 +51,7 @@ def file_name(name: str) -> str:
 
 
 def text(name: str) -> str:
-    """Return a schema as it is written to a file."""
+    """Return the text of a schema file."""
     return json_text(schema(name))
 
 

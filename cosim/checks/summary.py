@@ -1,4 +1,4 @@
-"""Summary of a check for readers: a table of criteria, and the failures."""
+"""Summary of a check for people: a table of criteria, and the failures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cosim.checks.finding import VALID, Finding, exit_code
 from cosim.checks.junit import details
 
 MOST_FAILURES = 30
-"""Shown one by one; all are in criteria.csv."""
+"""Most failures that are shown one by one; criteria.csv has all of them."""
 MOST_ROWS = 200
 STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
@@ -25,22 +25,22 @@ _WORDS = {0: "passed", 1: "failed", 3: "invalid"}
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One criterion of a target over all that it judges."""
+    """One criterion of a target, over everything that it judges."""
 
     target: str
     criterion: str
     judged: int
     passed: int
     failed: int
-    """Undefined ones among them."""
+    """Number of failed findings, including undefined ones."""
     not_counted: int
     invalid: int
     worst: Finding | None
-    """The one nearest to failing, or furthest beyond; ``None`` where nothing tells."""
+    """The finding nearest to failing, or furthest beyond; ``None`` if that is not known."""
 
     @property
     def worst_text(self) -> str:
-        """Value and threshold of the worst one."""
+        """Value and unit of the worst finding."""
         one = self.worst
         if one is None or one.value is None:
             return "–"
@@ -52,7 +52,7 @@ def lines(findings: Sequence[Finding]) -> list[Line]:
     """Return one line for each criterion of each target, in the order of the findings."""
     groups: dict[tuple[str, str, str], list[Finding]] = {}
     for one in findings:
-        # The cases of a protocol are one criterion each; a table has a line for all of them.
+        # Each case of a protocol is a criterion of its own; the table has one line for all of them.
         name = "protocol" if one.scope == "case" else one.criterion_id
         groups.setdefault((one.target, one.scope, name), []).append(one)
     return [
@@ -71,7 +71,7 @@ def lines(findings: Sequence[Finding]) -> list[Line]:
 
 
 def _worst(group: Sequence[Finding]) -> Finding | None:
-    """Return the one with the smallest margin; without margins the one with the highest value."""
+    """Return the finding with the smallest margin; without margins, the case with the highest value."""
     margins = [(one.margin, one) for one in group if one.margin is not None]
     if margins:
         return min(margins, key=lambda pair: pair[0])[1]
@@ -104,14 +104,14 @@ def table(findings: Sequence[Finding]) -> Table:
 
 
 def failures(findings: Sequence[Finding]) -> list[str]:
-    """Return what failed, one line each, the worst kind first."""
+    """Return the failures, one line each, with invalid runs first."""
     wrong = _wrong(findings)
     said = [f"{one.criterion_id}: {one.subject}: {one.sentence}" for one in wrong[:MOST_FAILURES]]
     return said + ([f"… and {len(wrong) - MOST_FAILURES} more"] if len(wrong) > MOST_FAILURES else [])
 
 
 def append_step_summary(findings: Sequence[Finding], environment: Mapping[str, str] = os.environ) -> None:
-    """Append the check to the summary of a GitHub Actions step, where there is one."""
+    """Append the check to the summary of a GitHub Actions step, if there is one."""
     path = environment.get(STEP_SUMMARY)
     if path:
         with Path(path).open("a", encoding="utf-8") as file:
@@ -131,7 +131,7 @@ def markdown(findings: Sequence[Finding]) -> str:
 
 
 def _wrong(findings: Sequence[Finding]) -> list[Finding]:
-    """Return what is to be looked into: of an invalid run once that it is, and all that failed."""
+    """Return the findings to look into: one for each invalid run, and all that failed."""
     invalid = [one for one in findings if one.invalid and (one.metric == VALID or one.seed is None)]
     return invalid + [one for one in findings if one.failed]
 

@@ -1,4 +1,4 @@
-"""Targets of a check: a scenario, a study or a suite becomes a study and the criteria of its runs."""
+"""Targets of a check: turns a scenario, a study or a suite into a study with the criteria of its runs."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ class Wishes:
     """Options of the command line for every target."""
 
     controllers: tuple[str, ...] = ()
-    """None: as a study says, otherwise the default one."""
+    """If empty, those of the study or, without one, the default controller."""
     seeds: str | None = None
     settings: Mapping[str, str] = field(default_factory=dict)
     criteria: Path | None = None
-    """A file whose criteria take the place of the target's own."""
+    """A file whose criteria replace those of the target."""
     part: str | None = None
-    """Of the target's scenarios or cases only those whose name has this in it or matches this pattern."""
+    """Selects the scenarios or cases of a target whose names contain this text or match this pattern."""
     run_timeout_s: float | None = None
 
     def narrows(self) -> bool:
-        """Return whether a criterion may be left without a run to judge."""
+        """Return whether the options may leave a criterion without a run to judge."""
         return bool(self.controllers or self.part)
 
 
@@ -53,20 +53,20 @@ class Target:
     """Something to check."""
 
     name: str
-    """Of its folder and of its test suite."""
+    """Name of its folder and of its test suite."""
     study: Path
-    """The study file, or what stands for one in messages."""
+    """The study file, or a name to use in its place in messages."""
     table: StudyTable
     changed: bool
-    """Whether the table is not what a file says."""
+    """Whether the table differs from that of a file."""
     matrix: Matrix
     criteria: Mapping[Configuration, tuple[Criterion, ...]]
     cases: Mapping[str, Case]
-    """Of a suite, by the reference of the scenario."""
+    """Cases of a suite, by the reference of the scenario."""
 
 
 def expanded(text: str) -> tuple[str, ...]:
-    """Return the study files of a folder that is no scenario, as those of a search; others as they are.
+    """Return the study files in a folder, such as that of a search; return any other target unchanged.
 
     Parameters
     ----------
@@ -80,12 +80,12 @@ def expanded(text: str) -> tuple[str, ...]:
 
 
 def read_target(text: str, wishes: Wishes) -> Target:
-    """Return what is to be run for a target, and what it is held against.
+    """Return the runs of a target and the criteria that judge them.
 
     Raises
     ------
     InputError
-        For a target that does not exist, a wrong criterion, or none; for a part that nothing matches.
+        If the target does not exist, a criterion is wrong or judges no run, or nothing matches ``part``.
     """
     if text.startswith(SUITE):
         return _suite(text, wishes)
@@ -107,7 +107,7 @@ def _scenario(text: str, wishes: Wishes) -> Target:
 
 
 def _study(path: Path, wishes: Wishes) -> Target:
-    # Controllers of the command line take the place of the file's.
+    # Controllers of the command line replace those of the file.
     said = read_study(path, allow_programs=bool(wishes.controllers))
     own = _read(said.criteria, str(path)) if said.criteria and wishes.criteria is None else None
     scenarios = _part(said.scenarios, wishes, str(path))
@@ -128,7 +128,7 @@ def _study(path: Path, wishes: Wishes) -> Target:
 
 
 def _suite(text: str, wishes: Wishes) -> Target:
-    from cosim.suites import judging  # loaded by those who ask for a suite
+    from cosim.suites import judging  # loaded only if a suite is asked for
 
     every = {one.name: one for one in judging.cases(text)}
     cases = {every[name].reference: every[name] for name in _part(list(every), wishes, text)}
@@ -149,7 +149,7 @@ def _table(scenarios: Sequence[str], name: str, wishes: Wishes) -> StudyTable:
 
 
 def _values(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Return settings as a study file has them: texts, but for the share, which is a number there."""
+    """Return settings in the form of a study file: as texts, except for the share, which is a number."""
     found: dict[str, Any] = dict(settings)
     if "ego_share" in found:
         try:
@@ -178,7 +178,7 @@ def _with_criteria(
     own: tuple[Criterion, ...] | None,
     cases: Mapping[str, Case] | None = None,
 ) -> Target:
-    """Find out which criteria hold for which configuration; ``own`` as ``None``: as each scenario says."""
+    """Return the target with its criteria; if ``own`` is ``None``, each scenario brings its own."""
     matrix = build_matrix(table, study)
     whole = own
     if wishes.criteria is not None:
@@ -199,7 +199,7 @@ def _applying(criteria: Sequence[Criterion], one: Configuration) -> tuple[Criter
 
 
 def criteria_of_scenario(reference: str, name: str) -> tuple[Criterion, ...]:
-    """Return the criteria that a scenario brings along; none for a SUMO configuration."""
+    """Return the criteria of a scenario; none for a SUMO configuration."""
     table = library.load(reference).table
     return criteria_of_tables(table.criteria, name) if table is not None and table.criteria else ()
 
@@ -210,7 +210,7 @@ def criteria_of_tables(tables: Sequence[Mapping[str, Any]], where: str) -> tuple
     Raises
     ------
     InputError
-        For one that is wrong; ``where`` is named.
+        If a criterion is wrong; the message begins with ``where``.
     """
     criteria = _read(tables, where)
     _check_controllers(criteria, where)
@@ -225,7 +225,7 @@ def _read(tables: Sequence[Mapping[str, Any]], where: str) -> tuple[Criterion, .
 
 
 def _check_names(criteria: Sequence[Criterion], matrix: Matrix, wishes: Wishes, where: str) -> None:
-    """Refuse criteria that judge no run; those of a narrowed target may be without one."""
+    """Refuse criteria that judge no run, unless the options narrow the target."""
     _check_controllers(criteria, where)
     scenarios = sorted({one.scenario_name for one in matrix.configurations})
     controllers = sorted({one.controller for one in matrix.configurations})

@@ -1,1 +1,1 @@
-"""Inspection of a SUMO network and its demand for a study of crossings; runs no simulation."""
+"""Inspects a SUMO network and its demand for a study of crossings, without running a simulation."""

@@ -1,4 +1,4 @@
-"""Objects carried over to a mended network, and those that could not be."""
+"""Counts the objects that are carried over to a mended network, and those that cannot be."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 
 NAMED = 3
-"""So many ids of what was left out are said."""
+"""Number of ids of omitted objects that are named."""
 
 
 class Carried:
@@ -18,7 +18,7 @@ class Carried:
         self._left_out: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
 
     def renumbered(self, kind: str) -> None:
-        """Count one that names a lane which has another number now."""
+        """Count an object that names a lane whose number has changed."""
         self._renumbered[kind] += 1
 
     def moved(self, kind: str) -> None:
@@ -26,11 +26,11 @@ class Carried:
         self._moved[kind] += 1
 
     def left_out(self, kind: str, name: str, why: str) -> None:
-        """Note one that is not in the copy."""
+        """Note an object that is not in the copy."""
         self._left_out[kind, why].append(name)
 
     def lines(self) -> list[str]:
-        """Return one line for each kind that was carried over, and for each reason to leave one out."""
+        """Return one line for each kind that was changed, and for each kind and reason of omission."""
         kinds = dict.fromkeys([*self._renumbered, *self._moved])
         said = [f"{kind}: {', '.join(self._changes(kind))}" for kind in kinds]
         for (kind, why), names in self._left_out.items():
@@ -45,7 +45,7 @@ class Carried:
 
 
 def _some(names: list[str]) -> str:
-    """Return the first names.
+    """Return the first three names.
 
     >>> _some(["a", "b", "c", "d"])
     "'a', 'b', 'c', …"

@@ -1,4 +1,4 @@
-"""Lane numbers and positions at which vehicles and people begin and end, in a mended network."""
+"""Adapts the lane numbers and positions at which vehicles and people begin and end to a mended network."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SEVERAL = "it is on several edges, whose lanes are numbered differently now"
 class Ends:
     """Carries over departLane, arrivalLane, departPos and arrivalPos.
 
-    A lane number means a lane of the first or the last edge, so routes are remembered by their ids.
+    A lane number refers to a lane of the first or last edge, so routes are remembered by their ids.
     """
 
     def __init__(self, shift: LaneShift, carried: Carried) -> None:
@@ -29,7 +29,7 @@ class Ends:
         self._routes: dict[str, list[list[str]]] = {}
 
     def remember(self, element: Element) -> None:
-        """Take note of the routes in an element."""
+        """Remember the routes in an element."""
         for route in element.iter("route"):
             if route.get("id"):
                 self._routes[route.get("id", "")] = [route.get("edges", "").split()]
@@ -38,11 +38,11 @@ class Ends:
                 self._routes[choice.get("id", "")] = self._choices(choice)
 
     def carry_vehicle(self, element: Element, on: str = "") -> None:
-        """Change the numbers of a vehicle, a trip or a flow.
+        """Change the lane numbers and positions of a vehicle, a trip or a flow.
 
         Parameters
         ----------
-        on : the edge that they are on, where it is not for the route to say
+        on : edge to which they refer, if the route does not give it
         """
         routes = [[on]] if on else self._ways(element)
         for end, default in (("depart", 0), ("arrival", -1)):
@@ -52,7 +52,7 @@ class Ends:
             self._position(element, f"{end}Pos", edges)
 
     def carry_person(self, element: Element) -> None:
-        """Change the positions of a person or a container and of their stages."""
+        """Change the positions of a person or a container, and of their stages."""
         stages = list(element)
         self._position(
             element, "departPos", {edge for stage in stages[:1] for edge in self._stage(stage)[:1]}
@@ -70,7 +70,7 @@ class Ends:
         numbers = {self._shift.index(edge, int(text)) for edge in edges}
         kind = f"{key} of {element.tag}"
         if len(numbers) != 1 or None in numbers:
-            # SUMO chooses a lane then, which is not always the one that was meant.
+            # SUMO then chooses a lane, not always the one that was meant.
             del element.attrib[key]
             self._carried.left_out(kind, element.get("id", "?"), _SEVERAL if len(numbers) > 1 else _UNKNOWN)
         elif numbers != {int(text)}:
@@ -88,7 +88,7 @@ class Ends:
             self._carried.moved(f"{key} of {element.tag}")
 
     def _ways(self, element: Element) -> list[list[str]]:
-        """Return the routes that a vehicle may have, or the ends of a trip."""
+        """Return the possible routes of a vehicle, or the ends of a trip."""
         if element.get("route"):
             return self._routes.get(element.get("route", ""), [])
         choice = element.find("routeDistribution")
@@ -107,7 +107,7 @@ class Ends:
         return given + [way for name in named for way in self._routes.get(name, [])]
 
     def _stage(self, stage: Element) -> list[str]:
-        """Return the edges of a stage of a plan, or what is given of them."""
+        """Return the edges of a stage of a plan, as far as they are given."""
         if stage.get("route"):
             return [edge for route in self._routes.get(stage.get("route", ""), []) for edge in route]
         edge = stage.get("edge") or stage.get("lane", "").rpartition("_")[0]
@@ -117,7 +117,7 @@ class Ends:
 
 
 def _edge_number(text: str | None, default: int) -> int | None:
-    """Return the place of an edge in a route; ``None`` for a word such as ``random``."""
+    """Return the index of an edge in a route; ``None`` for a word such as ``random``."""
     if text is None:
         return default
     return int(text) if text.isdecimal() else None

@@ -1,4 +1,4 @@
-"""Copies of route and additional files that fit a mended network; the files themselves are not touched."""
+"""Writes copies of route and additional files that fit a mended network; the originals are not touched."""
 
 from __future__ import annotations
 
@@ -25,20 +25,21 @@ STOPPING_PLACES = {
     "chargingStation": "chargingStation",
     "overheadWireSegment": "overheadWireSegment",
 }
-"""By element the attribute in which a stop or a stage names it."""
+"""Attribute with which a stop or a stage names a stopping place, by element of the place."""
 _ALONE = ("stop", "access", "closingLaneReroute", "parkingAreaReroute")
-"""They are left out alone; other parts take what they belong to with them."""
+"""Parts that can be left out alone; if another part cannot be carried over, its whole element is left out."""
 _IN_PARTS = ("rerouter", "calibrator")
-"""What their ``file`` says can stand in the element itself."""
+"""Elements into which the content of their ``file`` can be moved."""
 _INPUTS = ("file", "imgFile")
 
 
 class CarryOver:
-    """Writes the copies; additional files first, because they define what routes name.
+    """Writes the copies; additional files must come first, because they define objects that routes name.
 
     Parameters
     ----------
-    folder : where the copies will be read, so that names of further files lead there
+    before, after : the network before and after mending
+    folder : folder in which the copies will be read; names of further files are relative to it
     """
 
     def __init__(self, before: Network, after: Network, folder: Path) -> None:
@@ -51,11 +52,12 @@ class CarryOver:
         self._gone: defaultdict[str, set[str]] = defaultdict(set)
 
     def write(self, path: Path, target: Path, root: str) -> None:
-        """Write the copy of a file, included ones in their place.
+        """Write the copy of a file, with the content of included files in their place.
 
         Parameters
         ----------
-        root : name of its root element
+        path, target : the file, and its copy
+        root : name of the root element
         """
         with target.open("w", encoding="utf-8", newline="\n") as file:
             file.write(f"<{root}>\n")
@@ -67,7 +69,7 @@ class CarryOver:
             file.write(f"</{root}>\n")
 
     def _carry(self, element: Element) -> bool:
-        """Change an element, and return whether it stays."""
+        """Change an element, and return whether it is kept."""
         self._ends.remember(element)
         why = self._why_signals_differ(element) or self._parts(element, element.tag in ON_FOOT)
         if why:
@@ -83,7 +85,7 @@ class CarryOver:
         return True
 
     def _parts(self, element: Element, on_foot: bool) -> str:
-        """Change an element and all in it, and return why that is not possible; nothing where it is."""
+        """Change an element and its parts; return why that is not possible, or nothing if it is."""
         why = self._names_what_is_gone(element)
         why = why or self._places.carry(element, on_foot or element.tag == "access")
         if why:
@@ -105,7 +107,7 @@ class CarryOver:
         return "" if gone is None else f"it needs {gone!r}, which is left out"
 
     def _why_signals_differ(self, element: Element) -> str:
-        """Return why a signal program does not fit; nothing for other elements."""
+        """Return why a signal program does not fit; empty if it does, and for other elements."""
         if element.tag == "wautJunction" and element.get("junctionID", "") in self._gone["tlLogic"]:
             return "its signal program is left out"
         if element.tag != "tlLogic":
@@ -115,7 +117,7 @@ class CarryOver:
         return f"its crossings have signals now, {needed} in all, for which it has none" * (fewest < needed)
 
     def _with_files(self, element: Element, folder: Path) -> None:
-        """Let names of input files lead to them from the copy; outputs are written beside it."""
+        """Make names of input files relative to the folder of the copy; outputs are written beside it."""
         for part in element.iter():
             for key in _INPUTS:
                 path = folder / part.get(key, "")
@@ -129,7 +131,7 @@ class CarryOver:
 
 
 def _calibrated(element: Element) -> str:
-    """Return the edge of a calibrator, where its flows begin; nothing for other elements."""
+    """Return the edge of a calibrator, on which its flows begin; empty for other elements."""
     if element.tag != "calibrator":
         return ""
     return element.get("edge", "") or element.get("lane", "").rpartition("_")[0]
@@ -140,7 +142,7 @@ def _name(element: Element, part: Element) -> str:
 
 
 def _signals(network: Network) -> dict[str, int]:
-    """Return how many signals each traffic light has, those of crossings included."""
+    """Return how many signals each traffic light has, including those of crossings."""
     last: defaultdict[str, int] = defaultdict(int)
     for group in network.connections.values():
         for one in group:

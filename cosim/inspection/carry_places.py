@@ -1,4 +1,4 @@
-"""Elements that stand at a place on a lane: stops, detectors, signs, in a mended network."""
+"""Adapts elements at a place on a lane, such as stops, detectors and signs, to a mended network."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from cosim.inspection.lane_shift import LaneShift
 Element = ElementTree.Element
 
 SHORTEST_M = 10.0
-"""A stretch that reached beyond the lane's end keeps so much of its length, and is moved back for it."""
+"""A stretch that would reach beyond the end of its lane is moved back to keep at least this length [m]."""
 FIRST_M = 1.0
-"""A stretch without a start ends here at the earliest; SUMO takes none without extent."""
+"""Smallest end of a stretch without a start, as SUMO does not accept a stretch of length zero [m]."""
 _STARTS = ("pos", "startPos")
 _WITH_LENGTH = ("laneAreaDetector", "e2Detector")
-"""They may give a length instead of an end; of a parking area it is that of one space."""
+"""Elements that may give a length instead of an end; the length of a parking area is that of one space."""
 _NO_LANE = "its lane is not in the network"
 
 
 class Places:
-    """Carries over the lanes that an element names and the positions that it gives along them.
+    """Carries over the lanes that an element names, and its positions along them.
 
-    Which element it is does not matter to a lane: SUMO calls it ``lane`` or ``lanes`` everywhere, but for
-    the lane that a rerouter closes.
+    All kinds of elements are treated alike: SUMO calls the attribute ``lane`` or ``lanes`` everywhere, except
+    for the lane that a rerouter closes.
     """
 
     def __init__(self, shift: LaneShift, carried: Carried) -> None:
@@ -31,11 +31,12 @@ class Places:
         self._carried = carried
 
     def carry(self, element: Element, on_foot: bool = False) -> str:
-        """Change an element, and return why it cannot be carried over; nothing where it can.
+        """Change an element; return why it cannot be carried over, or nothing if it can.
 
         Parameters
         ----------
-        on_foot : it is a place for people, who have left the road for its sidewalk
+        element : the element
+        on_foot : whether it is a place for people, who now walk on the sidewalk instead of the road
         """
         key = _key(element)
         if key:
@@ -75,7 +76,7 @@ class Places:
     def _stretch(
         self, element: Element, changed: dict[str, float], lanes: tuple[str, str], reach: float | None
     ) -> None:
-        """Move a stretch of which too little would be on its lane."""
+        """Move a stretch back if too little of it would be on its lane."""
         before = self._shift.before.lanes[lanes[0]].length
         length = self._shift.after.lanes[lanes[1]].length
         first = next((key for key in _STARTS if key in changed), "startPos")
@@ -101,7 +102,7 @@ class Places:
         self._write(element, places, changed)
 
     def _write(self, element: Element, was: dict[str, float | None], now: dict[str, float]) -> None:
-        """Set the positions that are others now; SUMO has two decimals of a lane's length."""
+        """Set the positions that have changed; SUMO gives lengths of lanes with two decimals."""
         different = {key: place for key, place in now.items() if abs(place - (was[key] or 0.0)) > 0.005}
         for key, place in different.items():
             element.set(key, f"{place:.2f}")
@@ -110,7 +111,7 @@ class Places:
 
 
 def _key(element: Element) -> str:
-    """Return the attribute in which an element names lanes; nothing where it names none."""
+    """Return the attribute in which an element names lanes; empty if it names none."""
     if element.tag == "closingLaneReroute":
         return "id"
     return next((key for key in ("lane", "lanes") if element.get(key)), "")
@@ -124,7 +125,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _from_start(position: float | None, length: float) -> float:
-    """Return a position counted from the lane's start; without one the lane's end [m]."""
+    """Return a position counted from the start of the lane; the lane's end if none is given [m]."""
     if position is None:
         return length
     return position if position >= 0.0 else length + position

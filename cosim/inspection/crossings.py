@@ -1,4 +1,4 @@
-"""Findings on crossings, and on the routes that pass them."""
+"""Findings on crossings and on the routes that pass them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAMES = {
     CrossingKind.UNMARKED: "without priority",
     CrossingKind.SIGNAL: "with signals",
 }
-"""What the kinds are called in texts."""
+"""Names of the kinds in texts."""
 
 Counts = dict[tuple[CrossingKind, int], int]
 """Number of crossings by kind and by lanes crossed."""
@@ -32,7 +32,7 @@ def counted(ways: Ways) -> Counts:
 
 
 def crossings(network: Network, counts: Counts, net_file: Path) -> Finding:
-    """Say how many crossings there are of each kind."""
+    """Report how many crossings there are of each kind."""
     kinds: Counter[CrossingKind] = Counter()
     for (kind, _), count in counts.items():
         kinds[kind] += count
@@ -44,7 +44,7 @@ def crossings(network: Network, counts: Counts, net_file: Path) -> Finding:
 
 
 def impossible_routes(cars: Passing | None) -> list[Finding]:
-    """Say so where cars of the demand have a route that is not possible."""
+    """Report cars of the demand whose route is not possible."""
     if cars is None or not cars.impossible:
         return []
     text = f"{cars.impossible:,.0f} cars of the demand have edges that do not exist or are not connected"
@@ -52,7 +52,7 @@ def impossible_routes(cars: Passing | None) -> list[Finding]:
 
 
 def ego_routes(routes: Sequence[EgoRoute], cars: Passing | None, any_crossing: bool) -> Finding:
-    """Say whether a car can drive over a crossing, and how many of the demand do."""
+    """Report whether a car can drive over a crossing, and how many cars of the demand do."""
     if not routes:
         where = "no car can drive over any of the crossings" if any_crossing else "there is no crossing"
         return Finding("ego routes", Level.MISSING, where)

@@ -1,4 +1,4 @@
-"""Vehicles and pedestrians of route and additional files; nothing is simulated."""
+"""Counts the vehicles and pedestrians of route and additional files, without simulating them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DEFAULT_CLASSES = {
     "DEFAULT_BIKETYPE": "bicycle",
     "DEFAULT_TAXITYPE": "taxi",
 }
-"""Vehicle types that SUMO has without being told."""
+"""Vehicle types that SUMO defines itself."""
 CAR = "passenger"
 _RIDERS = ("vehicle", "trip", "flow")
 _WALKERS = ("person", "personFlow")
@@ -29,28 +29,28 @@ _POISSON = re.compile(r"exp\(([^)]+)\)")
 
 @dataclass(slots=True)
 class Demand:
-    """Content of the files, in expected numbers over the simulated time."""
+    """Content of the files, as expected numbers over the simulated time."""
 
     vehicles: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     """Expected number by vehicle class."""
     persons: float = 0.0
     ways: defaultdict[tuple[str, ...], float] = field(default_factory=lambda: defaultdict(float))
-    """Expected number of passenger cars by the edges that are given: a whole route, or its ends."""
+    """Expected number of passenger cars by their given edges: a whole route, or its ends."""
     ignored: dict[Path, list[str]] = field(default_factory=dict)
-    """By route file: ids that SUMO leaves out, because one before them departs later."""
+    """Ids that SUMO ignores because an earlier entry departs later, by route file."""
     closed: dict[str, None] = field(default_factory=dict)
     """Lanes that rerouters close in the simulated time, in the order of the files."""
     lane_change_models: dict[str, str] = field(default_factory=dict)
-    """Those that vehicle types in use name, by type, where they are not the sublane model's."""
+    """Lane-change models of vehicle types in use, by type, if they are not those of the sublane model."""
 
 
 def read_demand(source: Source) -> Demand:
-    """Return the demand of a configuration; none for a network alone.
+    """Return the demand of a configuration; empty for a network alone.
 
     Raises
     ------
     InputError
-        If a rate of a flow is no number.
+        If a rate of a flow is not a number.
     """
     reader = _Reader(source.begin_s, math.inf if source.end_s is None else source.end_s)
     for path in source.additional_files:
@@ -171,7 +171,7 @@ class _Reader:
         return ()
 
     def _count(self, element: ElementTree.Element, depart: float | None) -> float:
-        """Return how many are expected to depart in the simulated time."""
+        """Return how many vehicles or persons are expected to depart in the simulated time."""
         if element.tag in ("vehicle", "trip", "person"):
             return float(depart is None or self._begin_s <= depart < self._end_s)
         begins, ends, rate = depart or 0.0, seconds(element.get("end", "")) or math.inf, _rate(element)
@@ -184,12 +184,12 @@ class _Reader:
                 return number * float(self._begin_s <= begins < self._end_s)
             rate = number / (ends - begins)
         duration = max(min(ends, self._end_s) - max(begins, self._begin_s), 0.0)
-        # A flow without an end in a run without one: an hour's worth of it.
+        # If neither the flow nor the run has an end, count one hour of the flow.
         return rate * (3600.0 if math.isinf(duration) else duration)
 
 
 def _rate(element: ElementTree.Element) -> float:
-    """Return how many of a flow depart in a second [1/s]."""
+    """Return the rate of departures of a flow [1/s]."""
     for key in ("vehsPerHour", "perHour"):
         if element.get(key):
             return float(element.get(key, "0")) / 3600.0

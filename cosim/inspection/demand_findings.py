@@ -39,7 +39,7 @@ def persons(source: Source, demand: Demand) -> Finding:
 
 
 def sorting(demand: Demand) -> list[Finding]:
-    """Name the route files of which SUMO drops a part; none if it reads everything."""
+    """Name the route files of which SUMO drops entries; empty if it reads everything."""
     return [
         Finding(
             "route order",
@@ -66,7 +66,7 @@ def lane_change_model(demand: Demand) -> list[Finding]:
 
 
 def closed_lanes(demand: Demand) -> list[Finding]:
-    """Name lanes that are closed during the run, of which no ego is told."""
+    """Name lanes that are closed during the run; egos do not learn of this."""
     if not demand.closed:
         return []
     some = ", ".join(list(demand.closed)[:3]) + (", …" if len(demand.closed) > 3 else "")

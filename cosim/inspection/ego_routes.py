@@ -1,4 +1,4 @@
-"""Routes on which an ego meets crossings: up to five, the most worthwhile ones first."""
+"""Suggests up to five routes on which an ego meets crossings, the one with the most crossings first."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from cosim.sumo.network import NetCrossing
 from cosim.sumo.quickest import route_to
 
 MOST = 5
-"""Routes that are suggested at most."""
+"""Largest number of routes that are suggested."""
 REACH_M = 1000.0
-"""A route goes on so far before and behind the crossing that it is made for, where the network does."""
+"""Routes extend this far before and behind the crossing for which they are made, where possible [m]."""
 MOST_ORIGINS = 300
-"""Routes of the demand are looked for from at most so many edges."""
+"""Largest number of edges from which routes of the demand are searched."""
 _PREFERENCE = {CrossingKind.ZEBRA: 0, CrossingKind.UNMARKED: 1, CrossingKind.SIGNAL: 2}
 
 
@@ -32,20 +32,20 @@ class EgoRoute:
 
 @dataclass(frozen=True, slots=True)
 class Passing:
-    """Number of cars of the demand that drive over a crossing."""
+    """Expected numbers of cars of the demand, and of those that drive over a crossing."""
 
     cars: float
-    """Whose route is known, expected number."""
+    """Cars whose route is known."""
     passing: float
     impossible: float = 0.0
-    """Whose edges do not exist, or have no way for cars between them."""
+    """Cars whose edges do not exist, or have no way for cars between them."""
 
 
 def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
-    """Return routes over crossings; each goes over one at least that those before it do not.
+    """Return routes over crossings; each is made for a crossing that the routes made before it do not cover.
 
-    Zebras come first, then crossings without priority, then those with signals; of each kind those over
-    the most lanes.
+    Routes are made for zebras first, then for crossings without priority, then for those with signals; within
+    a kind, those over the most lanes come first.
     """
     routes: list[EgoRoute] = []
     covered: set[str] = set()
@@ -65,7 +65,7 @@ def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
 
 
 def passing(ways: Ways, demand: Demand) -> Passing:
-    """Return how many cars of the demand drive over a crossing, on the fastest way between what is given."""
+    """Return how many cars of the demand drive over a crossing, on the fastest way between given edges."""
     cars = over = impossible = 0.0
     trees: dict[str, Mapping[str, str]] = {}
     for given, count in sorted(demand.ways.items()):
@@ -83,7 +83,7 @@ def passing(ways: Ways, demand: Demand) -> Passing:
 def _filled(
     ways: Ways, given: tuple[str, ...], trees: dict[str, Mapping[str, str]]
 ) -> tuple[str, ...] | None:
-    """Return a route with the edges between those that are given; ``None`` where there is none."""
+    """Return a route with the edges between the given ones filled in; ``None`` if there is no such route."""
     if any(edge not in ways.network.edges for edge in given):
         return None
     route = given[:1]
@@ -105,12 +105,12 @@ def _rank(ways: Ways, crossing: NetCrossing) -> tuple[int, int, str]:
 
 
 def lanes_crossed(ways: Ways, crossing: NetCrossing) -> int:
-    """Return how many lanes for passenger cars a crossing crosses."""
+    """Return how many lanes for passenger cars a crossing spans."""
     return len(ways.network.lanes_over(crossing, CAR))
 
 
 def _best_movement(ways: Ways, crossing: NetCrossing) -> Movement | None:
-    """Return the movement over a crossing that goes straight on and has the most lanes."""
+    """Return the best movement over a crossing: straight on if possible, with the most lanes."""
     near = [
         movement
         for edge in sorted(crossing.edges)
@@ -121,7 +121,7 @@ def _best_movement(ways: Ways, crossing: NetCrossing) -> Movement | None:
 
 
 def _route_over(ways: Ways, middle: Movement) -> tuple[str, ...]:
-    """Return a route with a movement in its middle that goes through no junction twice."""
+    """Return a route with a movement in its middle, which goes through no junction twice."""
     edges = [middle.source, middle.target]
     passed = {middle.junction}
     length = ways.length(middle.target)

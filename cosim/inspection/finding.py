@@ -11,7 +11,7 @@ class Level(StrEnum):
 
     GOOD = "good"
     NOTE = "note"
-    """Worth knowing."""
+    """Useful to know, but harmless."""
     DANGER = "danger"
     """A run works, but its numbers do not mean what the user would expect."""
     MISSING = "missing"
@@ -26,4 +26,4 @@ class Finding:
     level: Level
     text: str
     command: str = ""
-    """Fixes it; empty if nothing has to be fixed or no command can."""
+    """Command that fixes the problem; empty if there is none, or no command can fix it."""

@@ -1,4 +1,4 @@
-"""Findings on where SUMO draws people and cars: waiting places, bends, and what a turning car sweeps."""
+"""Findings on where SUMO places people and cars: waiting places, bends, and areas swept by turning cars."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ HALF_CAR = 0.9
 PERSON = 0.25
 """Radius of a person [m]."""
 LENGTH, REAR_OVERHANG = 4.5, 0.95
-"""Of a passenger car [m]."""
+"""Length and rear overhang of a passenger car [m]."""
 TIGHTEST = 3.8
-"""Radius that the middle of a passenger car's rear axle can drive: 2.6 m / tan 0.6 rad [m]."""
+"""Smallest radius that the middle of a passenger car's rear axle can drive: 2.6 m / tan 0.6 rad [m]."""
 OUTSIDE = 0.3
-"""SUMO's people wait so far before the crossing [m]."""
+"""SUMO's pedestrians wait this far before the crossing [m]."""
 STRIPE = 0.32
-"""Half of the lateral place that SUMO gives a person [m]."""
+"""Half the width that SUMO gives a pedestrian [m]."""
 SWEPT = 0.2
-"""A car that reaches less into a walking area than this does not count [m]."""
+"""Cars that reach less than this into a walking area do not count [m]."""
 _APPROACH = 12.0
-"""A way through a junction is looked at together with so much of the lanes before and behind it [m]."""
+"""Length of the lanes before and behind a junction that is examined with a way through it [m]."""
 
 
 def waiting_places(network: Network) -> list[Finding]:
     """Return findings on crossings where waiting pedestrians stand in a car lane.
 
-    That is where the place of a waiting person is nearer to a car lane's centre line than half a car and the
-    person's radius, 1.15 m.
+    They do if their place is nearer to a car lane's centre line than half the width of a car plus the radius
+    of a person, 1.15 m in all.
     """
     ends = [(name, end) for name in network.crossings for end in (0, -1)]
     if not ends:
@@ -65,8 +65,8 @@ def waiting_at(crossing: NetCrossing, end: int) -> FloatArray:
 
     Parameters
     ----------
-    crossing : from its first point to its last
-    end : 0 or −1
+    crossing : the crossing
+    end : 0 for the first point of its axis, −1 for the last
     """
     tip, inner = (crossing.axis[0], crossing.axis[1]) if end == 0 else (crossing.axis[-1], crossing.axis[-2])
     outward = (tip - inner) / max(float(np.hypot(*(tip - inner))), 1e-9)
@@ -75,7 +75,7 @@ def waiting_at(crossing: NetCrossing, end: int) -> FloatArray:
 
 
 def tight_bends(network: Network) -> list[Finding]:
-    """Say which ways through junctions bend more than a passenger car can."""
+    """Report ways through junctions that bend more tightly than a passenger car can drive."""
     ways = list(_turning(network))
     if not ways:
         return []
@@ -94,7 +94,7 @@ def tight_bends(network: Network) -> list[Finding]:
 
 
 def swept_walking_areas(network: Network) -> list[Finding]:
-    """Say which ways take the body of a turning car over a walking area, where people stand."""
+    """Report ways on which the body of a turning car reaches over a walking area, where people stand."""
     areas: dict[str, list[FloatArray]] = {}
     for area in network.walking_areas.values():
         areas.setdefault(area.name[1:].rpartition("_w")[0], []).append(area.outline)
@@ -134,7 +134,7 @@ def swept(path: Path) -> FloatArray:
 
 
 def _turning(network: Network) -> Iterator[tuple[Connection, Path, float]]:
-    """Yield the ways of cars through junctions, their paths, and the smallest radius of each [m]."""
+    """Yield each way of cars through a junction, with its path and its smallest radius [m]."""
     for source, connections in network.connections.items():
         if source.startswith(":") or not network.lanes[source].permissions.allows(CAR):
             continue
@@ -153,7 +153,7 @@ def _turning(network: Network) -> Iterator[tuple[Connection, Path, float]]:
 
 
 def _last(shape: FloatArray, length: float) -> FloatArray:
-    """Return the last part of a shape, so long or a little more."""
+    """Return the last part of a shape, of the given length [m]."""
     pieces = np.hypot(*np.diff(shape, axis=0).T)
     gone = np.cumsum(pieces[::-1])
     count = int(np.searchsorted(gone, length)) + 1
@@ -166,20 +166,20 @@ def _last(shape: FloatArray, length: float) -> FloatArray:
 
 
 def _car_segments(network: Network) -> FloatArray:
-    """Return the pieces of all centre lines of car lanes, (n, 4) [m]."""
+    """Return the segments of the centre lines of all car lanes, (n, 4) [m]."""
     shapes = [lane.shape for lane in network.lanes.values() if lane.permissions.allows(CAR)]
     return np.concatenate([np.zeros((0, 4)), *(np.hstack([shape[:-1], shape[1:]]) for shape in shapes)])
 
 
 def _nearest(points: FloatArray, segments: FloatArray) -> float:
-    """Return the smallest distance of any point from any piece [m]."""
+    """Return the smallest distance of any point from any segment [m]."""
     if not len(segments):
         return math.inf
     return min((distance_to_pieces(x, y, segments) for x, y in points.tolist()), default=math.inf)
 
 
 def _some(names: Sequence[str]) -> str:
-    """Return the first names, each once.
+    """Return the first three different names.
 
     >>> _some(["a", "b", "b", "c", "d"])
     'a, b, c, …'

@@ -1,4 +1,4 @@
-"""All checks of a network and its demand, and the verdict."""
+"""Makes all checks of a network and its demand, and gives the verdict."""
 
 from __future__ import annotations
 
@@ -45,34 +45,34 @@ class Inspection:
 
 
 def inspect(path: Path) -> Inspection:
-    """Look at a network or a SUMO configuration.
+    """Inspect a network or a SUMO configuration.
 
     Raises
     ------
     InputError
-        If it, or a file that it names, is missing or not what it should be.
+        If the file, or a file that it names, is missing or invalid.
     """
     return inspect_source(read_source(path))
 
 
 def crossing_ids(path: Path) -> frozenset[str]:
-    """Return the ids of the crossings of a network, or of that of a SUMO configuration.
+    """Return the ids of the crossings of a network, or of the network of a SUMO configuration.
 
     Raises
     ------
     InputError
-        As `inspect`.
+        As for `inspect`.
     """
     return frozenset(read_network(read_source(path).net_file).crossings)
 
 
 def inspect_source(source: Source) -> Inspection:
-    """Look at a network and the demand that goes with it.
+    """Inspect a network and the demand that goes with it.
 
     Raises
     ------
     InputError
-        If a file is not what it should be.
+        If a file is invalid.
     """
     network = read_network(source.net_file)
     demand = read_demand(source)

@@ -1,7 +1,7 @@
-"""Which lane of a mended network is which lane of the one before, and where a place on it is now.
+"""Maps the lanes of a network, and positions on them, to those of the mended network.
 
-A sidewalk becomes lane 0 of its edge, so the other lanes move up; and where a junction grows, the lanes that
-end at it become shorter.
+A new sidewalk becomes lane 0 of its edge, so the numbers of the other lanes increase. If a junction grows,
+the lanes that end at it become shorter.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.network import NetLane, Network
 
 FURTHEST_M = 2.5
-"""A lane that is drawn further than this from the old one is another lane."""
+"""Lanes farther apart than this are different lanes [m]."""
 _CLASSES = ("passenger", "bus", "bicycle", "truck", "tram", "rail", "ship")
-"""Who tells lanes apart; people on foot do not, because a sidewalk takes them off the other lanes."""
+"""Classes whose permissions distinguish lanes; without pedestrians, whom a sidewalk takes off the others."""
 _OTHERS_M = 100.0
-"""What it counts if others may use a lane [m]."""
+"""Distance that is added if different classes may use two lanes [m]."""
 
 
 class LaneShift:
-    """The way from a network to the same one with sidewalks and crossings.
+    """Maps lanes and positions of a network to those of the same network with sidewalks and crossings.
 
     Parameters
     ----------
-    before : the network that the demand was written for
-    after : it has the same edges, which may have more lanes
+    before : the network for which the demand was written
+    after : the mended network, with the same edges, which may have more lanes
     """
 
     def __init__(self, before: Network, after: Network) -> None:
@@ -40,12 +40,12 @@ class LaneShift:
         self._lanes = cache(self._matched)
 
     def lane(self, name: str) -> str | None:
-        """Return what a lane is called now; ``None`` where there is no such lane."""
+        """Return the new name of a lane; ``None`` if there is no such lane."""
         old = self.before.lanes.get(name)
         return None if old is None else self._lanes(old.edge).get(name)
 
     def lane_on_foot(self, name: str) -> str | None:
-        """Return the new lane of pedestrians of a lane: the same one, or the sidewalk of its edge."""
+        """Return the new lane for the pedestrians of a lane: the same lane, or the sidewalk of its edge."""
         new = self.lane(name)
         if new is None or self.after.lanes[new].permissions.allows(ON_FOOT):
             return new
@@ -53,15 +53,15 @@ class LaneShift:
         return next((one for one in names if self.after.lanes[one].permissions.allows(ON_FOOT)), None)
 
     def index(self, edge: str, index: int) -> int | None:
-        """Return the number that a lane of an edge has now."""
+        """Return the new number of a lane of an edge; ``None`` if there is no such lane."""
         names = self.before.edges.get(edge, ())
         new = self.lane(names[index]) if 0 <= index < len(names) else None
         return None if new is None else self.after.lanes[new].index
 
     def place(self, old: str, new: str, position: float) -> float:
-        """Return the position on a lane of now that is nearest to a place on a lane of before [m].
+        """Return the position on a new lane that is nearest to a position on an old one [m].
 
-        A negative one counts from the lane's end, and still does: it is cut to the lane's length.
+        A negative position counts from the end of the lane; it is kept, but cut to the new lane's length.
         """
         source, target = self.before.lanes[old], self.after.lanes[new]
         if position < 0.0:
@@ -71,7 +71,7 @@ class LaneShift:
         return min(_nearest(target, _point(source, position)), target.length)
 
     def place_on_edge(self, edge: str, position: float) -> float:
-        """Return the same for a place on an edge; its lanes are as long as each other."""
+        """Return the new position for one on an edge; it is valid on all lanes of the edge [m]."""
         lanes = self.before.edges.get(edge, ())
         new = self.lane(lanes[0]) if lanes else None
         if new is None:
@@ -81,7 +81,7 @@ class LaneShift:
         return max(min(place, shortest), -shortest)
 
     def _matched(self, edge: str) -> dict[str, str]:
-        """Return the new names of an edge's lanes: the lanes in the same order that lie nearest."""
+        """Return the new names of an edge's lanes: the most similar new lanes in the same order."""
         old = [self.before.lanes[name] for name in self.before.edges[edge]]
         new = [self.after.lanes[name] for name in self.after.edges.get(edge, ())]
         if len(new) < len(old):
@@ -98,7 +98,7 @@ class LaneShift:
 
 
 def _difference(old: NetLane, new: NetLane) -> float:
-    """Return how unlike two lanes are [m]."""
+    """Return how different two lanes are, as a distance [m]."""
     others = any(old.permissions.allows(one) != new.permissions.allows(one) for one in _CLASSES)
     return _distance(old, new) + _OTHERS_M * others
 
@@ -110,7 +110,7 @@ def _distance(old: NetLane, new: NetLane) -> float:
 
 
 def _stations(lane: NetLane) -> NDArray[np.float64]:
-    """Return SUMO's position at each point of the shape [m]; a lane may be longer than it is drawn."""
+    """Return SUMO's position at each point of the shape; a lane may be longer than it is drawn [m]."""
     drawn = arc_lengths(lane.shape)
     return drawn * (lane.length / max(float(drawn[-1]), 1e-9))
 

@@ -1,4 +1,4 @@
-"""A network given the crossings and sidewalks that it lacks, and demand that fits it."""
+"""Adds missing crossings and sidewalks to a network, and fits the demand to it."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
 
 
 def mend(found: Inspection, work: Path, folder: Path) -> tuple[Inspection, list[str]]:
-    """Return what is found once netconvert has guessed crossings, and lines that say what was done.
+    """Let netconvert guess crossings; return the inspection of the result, and lines that say what was done.
 
     Parameters
     ----------
-    found : a network without crossings
-    work : where the network and the copies of files are written
-    folder : where they will be read
+    found : inspection of a network without crossings
+    work : folder to which the network and the copies of files are written
+    folder : folder in which they will be read
 
     Raises
     ------
@@ -64,7 +64,7 @@ def _copies(carrier: CarryOver, paths: Iterable[Path], work: Path, root: str) ->
 
 
 def _guess(net_file: Path, options: Iterable[str], target: Path) -> None:
-    """Write the network with crossings; without netconvert's comment, which has the date and paths."""
+    """Write the network with crossings, without netconvert's comment, which contains the date and paths."""
     try:
         program = netconvert()
         environment = {**os.environ, "SUMO_HOME": str(sumo_home())}

@@ -1,4 +1,4 @@
-"""Findings on a configuration's options: those that harm a run, and those that ``cosim run`` overrides."""
+"""Findings on the options of a configuration that harm a run or that ``cosim run`` overrides."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sumo_scenarios.schema import LONGEST_STEP_S, SHORTEST_STEP_S
 from sumo_scenarios.sumo_options import is_true
 
 COARSE_STEP_S = 0.2
-"""In a longer step a pedestrian moves by more than their radius [s]."""
+"""Steps longer than this are too coarse, as pedestrians move by more than their radius in one step [s]."""
 NO_INTERACTION = "noninteracting"
 
 
@@ -42,7 +42,7 @@ def pedestrian_model(source: Source) -> list[Finding]:
 
 
 def mesoscopic(source: Source) -> list[Finding]:
-    """Report a simulation of queues, in which no vehicle has a place on its lane."""
+    """Report a mesoscopic simulation of queues, in which vehicles have no position on their lanes."""
     if not is_true(source.options, "mesosim"):
         return []
     text = "vehicles have no place in their lane, and no run is possible; remove mesosim"

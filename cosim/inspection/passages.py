@@ -1,4 +1,4 @@
-"""Every way of a car over a crossing: from where, how, and over which edges."""
+"""All ways of cars over a crossing: where they come from, their manoeuvre, and their edges."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cosim.sumo.network_file import read_network
 
 MANOEUVRES = {"s": "straight", "l": "left", "L": "left", "r": "right", "R": "right"}
 ONWARD_M = 30.0
-"""A route goes on so far behind the crossing, where the network does."""
+"""Routes continue this far behind the crossing if the network allows it [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Passage:
     target: str
     manoeuvre: str
     edges: tuple[str, ...]
-    """Route that begins with the approach."""
+    """Route, beginning with the approach."""
 
     @property
     def name(self) -> str:
@@ -43,12 +43,12 @@ def passages(ways: Ways, crossings: Sequence[str], shortest_m: float, longest_m:
     Parameters
     ----------
     ways
-        Of the network.
+        Ways of cars through the network.
     crossings
-        Ids; none: all.
+        Ids of crossings; empty for all.
     shortest_m, longest_m
-        A route begins so far before the junction. An approach is made longer by the edges before it; where
-        one edge alone is longer than allowed, there is no passage.
+        Limits of the length of the approach, from the beginning of the route to the junction. A short
+        approach is extended by the edges before it. If its last edge alone is too long, there is no passage.
     """
     wanted = set(crossings) or set(ways.network.crossings)
     found = []
@@ -65,7 +65,7 @@ def passages(ways: Ways, crossings: Sequence[str], shortest_m: float, longest_m:
 
 
 def _route(ways: Ways, movement: Movement, shortest_m: float, longest_m: float) -> tuple[str, ...]:
-    """Return the edges of a passage; none where no approach has a fitting length."""
+    """Return the edges of a passage; empty if no approach has a fitting length."""
     edges = [movement.source, movement.target]
     approach = ways.length(movement.source)
     while approach < shortest_m:
@@ -87,7 +87,7 @@ def _route(ways: Ways, movement: Movement, shortest_m: float, longest_m: float) 
 
 
 def _best(movements: Sequence[Movement], edges: Sequence[str], source: bool) -> str | None:
-    """Return the next edge of a route, straight on where possible."""
+    """Return the next edge of a route, straight on if possible."""
     possible = sorted(
         (one.direction != "s", one.source if source else one.target)
         for one in movements

@@ -1,4 +1,4 @@
-"""A map of the network: roads, sidewalks, crossings by kind, and the suggested routes."""
+"""Draws a map of the network: roads, sidewalks, crossings by kind, and the suggested routes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cosim.inspection.inspection import Inspection
 from cosim.inspection.roads import is_sidewalk
 from cosim.sumo.network import NetLane, Network
 
-# Okabe and Ito's colours, which colour-blind readers can tell apart; the shape says the kind too.
+# Colours of Okabe and Ito, which colour-blind readers can tell apart; the markers show the kind, too.
 MARKS: Final = {
     CrossingKind.ZEBRA: ("#0072B2", "o"),
     CrossingKind.UNMARKED: ("#D55E00", "^"),

@@ -11,7 +11,7 @@ from cosim.sumo.network import NetLane, Network
 
 ON_FOOT = "pedestrian"
 _TOWN_SPEED_MPS = 19.5
-"""Roads up to 70 km/h get a sidewalk by the command that is suggested."""
+"""Speed limit up to which the suggested command gives roads a sidewalk: 70 km/h [m/s]."""
 
 
 def car_edges(network: Network) -> list[str]:
@@ -30,7 +30,7 @@ def any_sidewalk(network: Network) -> bool:
 
 
 def roads(network: Network) -> Finding:
-    """Say how many edges there are for cars, and how many with several lanes."""
+    """Report how many edges are for cars, and how many of these have several lanes."""
     edges = car_edges(network)
     several = [edge for edge in edges if len(network.allowed_lanes(edge, CAR)) > 1]
     if not edges:
@@ -42,7 +42,7 @@ def roads(network: Network) -> Finding:
 
 
 def sidewalks(network: Network, net_file: Path) -> Finding:
-    """Say how many roads have a sidewalk."""
+    """Report how many roads have a sidewalk."""
     edges = car_edges(network)
     with_one = [edge for edge in edges if any(map(is_sidewalk, _lanes(network, edge)))]
     alone = [edge for edge in network.roads if edge not in edges and _has_walkers(network, edge)]
@@ -53,7 +53,7 @@ def sidewalks(network: Network, net_file: Path) -> Finding:
 
 
 def permissions(network: Network) -> Finding:
-    """Say where people walk on the same lanes as cars drive on."""
+    """Report edges on which people walk on the lanes of cars."""
     edges = car_edges(network)
     shared = [
         edge
@@ -73,7 +73,7 @@ def permissions(network: Network) -> Finding:
 
 
 def guess_command(network: Network, net_file: Path, sidewalks: bool) -> str:
-    """Return netconvert's command that adds crossings, and sidewalks too where there are none."""
+    """Return the netconvert command that adds crossings and, with ``sidewalks``, sidewalks."""
     return shlex.join(
         [
             *("netconvert", "--sumo-net-file", str(net_file)),
@@ -84,7 +84,7 @@ def guess_command(network: Network, net_file: Path, sidewalks: bool) -> str:
 
 
 def guess_options(network: Network, sidewalks: bool) -> list[str]:
-    """Return the options of that command that say what is guessed."""
+    """Return the options of that command that control what netconvert guesses."""
     speeds = sorted(network.lanes[network.edges[edge][-1]].speed for edge in car_edges(network)) or [13.89]
     speed = max([one for one in speeds if one <= _TOWN_SPEED_MPS] or speeds)
     walks = ["--sidewalks.guess", "--sidewalks.guess.max-speed", f"{speed:g}"] if sidewalks else []
@@ -92,7 +92,7 @@ def guess_options(network: Network, sidewalks: bool) -> list[str]:
 
 
 def with_crossings(net_file: Path) -> str:
-    """Return what a network is called once it has crossings.
+    """Return the file name of a network once it has crossings.
 
     >>> with_crossings(Path("a/town.net.xml.gz"))
     'town-crossings.net.xml'

@@ -1,7 +1,7 @@
-"""A scenario folder made from what was looked at: copies of the files, and what they lack.
+"""Makes a scenario folder from an inspected network: copies of its files, and what they lack.
 
-An additional file that names further files is not copied but named where it is: its names are relative. Where
-the network is mended, every file is a copy that fits the mended one.
+An additional file that names further files is not copied but referred to, as its names are relative. If the
+network is mended, every file is a copy that fits the mended network.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from sumo_scenarios.file_names import joined_names
 from sumo_scenarios.sumo_options import kept_options
 
 CONFIGURATION = "scenario.sumocfg"
-"""Of a scenario that is made from a network alone; a configuration keeps its name."""
+"""Configuration of a scenario that is made from a network alone; an existing one keeps its name."""
 STEP_S = 0.1
-"""What a note on the step length advises, and what it is where none is given [s]."""
+"""Step length unless the configuration gives a suitable one [s]."""
 WARMUP_S = 60.0
 LONGEST_S = 900.0
-"""Of the scenario; its configuration may go on for longer [s]."""
+"""Longest duration of the scenario; its configuration may go on for longer [s]."""
 PERSONS_PER_HOUR = 150.0
-"""At each crossing, in each direction."""
+"""Pedestrians at each crossing in each direction [1/h]."""
 CARS_PER_HOUR = 300.0
-"""On each suggested route."""
+"""Cars on each suggested route [1/h]."""
 _INPUTS = ("net-file", "route-files", "additional-files")
 _OF_THE_RUN = ("begin", "end", "step-length", "seed", "random", "remote-port", "demo", "start", "quit-on-end")
 
 
 def write_scaffold(found: Inspection, folder: Path) -> list[str]:
-    """Write scenario.toml, a configuration and copies of its input files; return what else is to be said.
+    """Write scenario.toml, a configuration and copies of its input files; return notes for the user.
 
-    A network without crossings is mended: the copies are then those that fit the mended one. Persons are
-    added where the demand has none, and cars where it has none.
+    A network without crossings is mended, and the copies fit the mended network. Persons and cars are each
+    added if the demand has none.
 
     Raises
     ------
@@ -61,8 +61,8 @@ def _scaffold(found: Inspection, given: Inspection, folder: Path) -> None:
 
     Parameters
     ----------
-    found : what it is made of
-    given : what the user has: the same, or the network before it was mended
+    found : inspection of the network from which the folder is made
+    given : inspection of the user's network: the same one, or that before mending
     """
     net = given.source.net_file
     if not found.routes:
@@ -82,7 +82,7 @@ def _scaffold(found: Inspection, given: Inspection, folder: Path) -> None:
 
 
 def _blocking(found: Inspection) -> bool:
-    """Whether something is missing that a scaffold cannot add."""
+    """Return whether something is missing that a scaffold cannot add."""
     added = ("persons", "step length", "sidewalks")
     return any(one.level == "missing" and one.check not in added for one in found.findings)
 
@@ -115,7 +115,7 @@ def _write(found: Inspection, walks: Iterable[Walk], folder: Path, given: Inspec
 
 
 def _copy(path: Path, folder: Path, taken: set[str]) -> str:
-    """Copy a file under a name that is free, and return the name."""
+    """Copy a file under a name that is not taken, and return the name."""
     name, number = path.name, 1
     while name in taken:
         number += 1
@@ -159,7 +159,7 @@ def _routes(lines: Iterable[str]) -> str:
 
 def _configuration(found: Inspection, net: str, routes: list[str], additional: list[str]) -> str:
     source = found.source
-    # A configuration's own step is kept where nothing is said against it.
+    # The step of a configuration is kept if there is no finding against it.
     kept = "step-length" in source.options and any(
         one.check == "step length" and one.level == "good" for one in found.findings
     )
@@ -175,7 +175,7 @@ def _configuration(found: Inspection, net: str, routes: list[str], additional: l
 
 
 def _kept(options: Mapping[str, str]) -> dict[str, str]:
-    """Return the options that neither name files nor belong to one run or its window."""
+    """Return the options that neither name files nor apply to a single run or its window."""
     return {
         key: value
         for key, value in kept_options(options).items()

@@ -1,4 +1,4 @@
-"""Which files a network or a SUMO configuration stands for."""
+"""The files that belong to a network or a SUMO configuration."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Source:
     path: Path
     net_file: Path
     configured: bool = False
-    """Whether it is a configuration; a network alone has neither demand nor options."""
+    """Whether the source is a configuration; a network alone has neither demand nor options."""
     route_files: tuple[Path, ...] = ()
     additional_files: tuple[Path, ...] = ()
     options: Mapping[str, str] = field(default_factory=dict)
@@ -29,7 +29,7 @@ class Source:
 
     @property
     def name(self) -> str:
-        """The file's name without what says its kind: ``town`` of ``town.net.xml.gz``.
+        """The file's name without suffixes: ``town`` for ``town.net.xml.gz``.
 
         >>> Source(Path("a/town.net.xml.gz"), Path("a/town.net.xml.gz")).name
         'town'
@@ -43,7 +43,7 @@ def read_source(path: Path) -> Source:
     Raises
     ------
     InputError
-        If a file is missing or broken, or the root element is that of something else.
+        If a file is missing or broken, or its root element is that of another kind of file.
     """
     try:
         root = check_xml(path)

@@ -1,4 +1,4 @@
-"""Walks that lead over a crossing, from the sidewalk on one side to the one on the other."""
+"""Walks over a crossing, from the sidewalk on one side to that on the other."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from cosim.inspection.roads import is_sidewalk
 from cosim.sumo.network import NetCrossing, NetLane, Network
 
 APPROACH_M = 20.0
-"""People come in so far before a crossing, and leave so far behind it."""
+"""People appear this far before a crossing, and leave this far behind it [m]."""
 NEAR_M = 30.0
-"""A sidewalk further than this from a crossing's end does not lead to it."""
+"""Sidewalks farther than this from the end of a crossing do not lead to it [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """From a place on one sidewalk to one on another."""
+    """A walk from a place on one sidewalk to a place on another."""
 
     origin: str
-    """Edge."""
+    """Edge on which the walk begins."""
     depart_m: float
-    """Position along that edge."""
+    """Position along that edge [m]."""
     destination: str
     arrival_m: float
 
@@ -51,7 +51,7 @@ def _walk(crossing: NetCrossing, sidewalks: list[NetLane]) -> Walk | None:
 
 
 def _nearest(point: NDArray[np.float64], sidewalks: list[NetLane], other: str) -> tuple[str, float] | None:
-    """Return the edge whose sidewalk begins or ends nearest to a point, and the place to walk from."""
+    """Return the edge whose sidewalk begins or ends nearest to a point, and the position to walk from."""
     best: tuple[float, str, float] | None = None
     for lane in sidewalks:
         if lane.edge == other:

@@ -22,7 +22,7 @@ class Movement:
     target: str
     junction: str
     direction: str
-    """As SUMO has it: s, l, r, t and so on."""
+    """Direction as given by SUMO: s, l, r, t and so on."""
 
 
 class Ways:
@@ -44,12 +44,12 @@ class Ways:
             self.backward[movement.target].append(movement)
 
     def seconds(self, edge: str) -> float:
-        """Return the shortest time that an edge takes a car [s]."""
+        """Return the shortest time in which a car passes an edge [s]."""
         lane = self.network.lanes[self.network.edges[edge][-1]]
         return lane.length / max(lane.speed, 0.1)
 
     def length(self, edge: str) -> float:
-        """Return how long an edge is [m]."""
+        """Return the length of an edge [m]."""
         return self.network.lanes[self.network.edges[edge][0]].length
 
     def crossed(self, movement: Movement) -> list[NetCrossing]:
@@ -67,7 +67,7 @@ class Ways:
         return list(found.values())
 
     def fastest(self, origin: str) -> dict[str, str]:
-        """Return, for every edge that can be reached from one, the edge before it on the fastest route."""
+        """Return, for every edge reachable from ``origin``, the edge before it on the fastest route."""
         return quickest(origin, lambda edge: (one.target for one in self.onward[edge]), self.seconds)
 
 

@@ -1,4 +1,4 @@
-"""The elements of a route or additional file one after the other, however large it is."""
+"""Reads the elements of a route or additional file one after another, so that it may be of any size."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 
 
 def elements(path: Path) -> Iterator[tuple[Path, ElementTree.Element]]:
-    """Yield the root's children, those of included files in their place, each with the file it stands in.
+    """Yield the root's children, each with the file it is in; included files are read in their place.
 
-    Packed files are read as plain ones are.
+    Compressed files are read like plain ones.
     """
     with path.open("rb") as source:
         packed = source.read(2) == b"\x1f\x8b"

@@ -1,1 +1,1 @@
-"""Pedestrians that no simulator has: where they walk is computed here, from the time and what they see."""
+"""Scripted pedestrians: their walks are computed here, not by SUMO, from the time and what they see."""

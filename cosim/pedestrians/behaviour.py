@@ -12,21 +12,21 @@ import numpy as np
 from cosim.arrays import FloatArray
 
 RADIUS = 0.25
-"""Of a pedestrian's disc [m]."""
+"""Radius of a pedestrian's disc [m]."""
 STANDING = 0.1
-"""Slower vehicles stand [m/s]."""
+"""Below this speed, a vehicle counts as standing [m/s]."""
 BESIDE = 3.0
-"""Places this near to the middle of a body or to its tail are beside or behind it, and not on its way [m]."""
+"""Points this near to the middle axis or the tail of a body are beside or behind it, not on its way [m]."""
 SHORTEST = 1e-9
-"""A shorter part of a walk is what rounding left of it [s]."""
+"""Shorter parts of a walk are rounding errors and are dropped [s]."""
 
 Way = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Places (n, 2) -> along and across (left positive) from a vehicle's front bumper, along its way [m]."""
+"""Maps points (n, 2) to positions along and across (left positive) a way, from the front bumper [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoadUser:
-    """A vehicle as it really is."""
+    """The true state of a vehicle."""
 
     name: str
     x: float
@@ -40,9 +40,10 @@ class RoadUser:
     """Where it will drive; ``None``: straight on."""
 
     def sees(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return along and across of places (n, 2), from the front bumper [m].
+        """Return positions of points (n, 2) along and across the vehicle's way, from its front bumper [m].
 
-        Beside and right behind the body they are told from the body: it may stand askew on its way.
+        For points beside and right behind the body, the body's own axes are used instead, as the body may
+        be at an angle to its way.
 
         >>> RoadUser("ego", 10.0, 0.0, 0.0, 5.0).sees(np.array([[30.0, 2.0]]))
         (array([20.]), array([2.]))
@@ -57,21 +58,21 @@ class RoadUser:
         return np.where(beside, ahead, along), np.where(beside, aside, across)
 
     def ahead(self, x: float, y: float) -> tuple[float, float]:
-        """Return along and across of one place, from the front bumper [m]."""
+        """Return the position of one point along and across the way, from the front bumper [m]."""
         along, across = self.sees(np.array([[x, y]]))
         return float(along[0]), float(across[0])
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """The world at one instant, as far as pedestrians look at it."""
+    """What pedestrians see of the world at one instant."""
 
     time: float
     egos: Sequence[RoadUser] = ()
     others: Sequence[RoadUser] = ()
-    """Vehicles that are no egos."""
+    """Vehicles other than egos."""
     green: Mapping[str, bool] = field(default_factory=dict)
-    """By crossing with a signal: whether it shows green to pedestrians."""
+    """Whether the signal of a crossing shows green to pedestrians, by crossing."""
 
     @property
     def vehicles(self) -> list[RoadUser]:
@@ -79,34 +80,34 @@ class Scene:
         return [*self.egos, *self.others]
 
     def ego(self, name: str) -> Sequence[RoadUser]:
-        """Return the ego of that name if it is there; all egos for the empty name."""
+        """Return the ego of that name if it is present; all egos if the name is empty."""
         return [one for one in self.egos if not name or one.name == name]
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A part of a walk along a line: constant acceleration, from a speed on, for a time."""
+    """A part of a walk along a line, with constant acceleration from an initial speed."""
 
     duration: float
     speed: float
-    """At its beginning; negative walks back [m/s]."""
+    """Speed at the beginning; negative when walking back [m/s]."""
     acceleration: float = 0.0
 
     def after(self, elapsed: float) -> tuple[float, float]:
-        """Return way [m] and speed [m/s] after a part of the leg."""
+        """Return distance walked [m] and speed [m/s] after a time within the leg."""
         return self.speed * elapsed + 0.5 * self.acceleration * elapsed**2, (
             self.speed + self.acceleration * elapsed
         )
 
     @property
     def length(self) -> float:
-        """Way to its end; negative backwards [m]."""
+        """Distance walked over the whole leg; negative when walking back [m]."""
         return self.after(self.duration)[0]
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """One pedestrian at one instant; all that a behaviour remembers."""
+    """One pedestrian at one instant; behaviours keep nothing else between steps."""
 
     x: float
     y: float
@@ -115,7 +116,7 @@ class State:
     started: float | None = None
     """Time of the start; ``None`` while waiting for it [s]."""
     legs: tuple[Leg, ...] = ()
-    """The walk from then on, as presently planned."""
+    """The walk from the start on, as currently planned."""
     ended: float | None = None
     """Time of arrival at the end of the path [s]."""
 
@@ -129,7 +130,7 @@ class Behaviour(Protocol):
     """The behaviour of one pedestrian: a pure function of their state, the time and the scene."""
 
     def first(self, scene: Scene) -> State | None:
-        """Return the state at the appearance; ``None`` before it."""
+        """Return the state when the pedestrian appears; ``None`` before that."""
         ...
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
@@ -170,7 +171,7 @@ def duration_of(legs: Sequence[Leg]) -> float:
 
 
 def reached(legs: Sequence[Leg], way: float) -> float:
-    """Return when a walk has come a way forward for the first time; inf if it never does [s].
+    """Return after what time a walk first reaches a distance ``way``; inf if it never does [s].
 
     >>> reached((Leg(2.0, 0.0, 0.5), Leg(10.0, 1.0)), 2.0)
     3.0
@@ -220,9 +221,10 @@ def remaining(legs: Sequence[Leg], elapsed: float) -> tuple[Leg, ...]:
 
 
 def paused(legs: Sequence[Leg], elapsed: float, duration: float) -> tuple[Leg, ...]:
-    """Return a walk that pauses at a time; one that stands then already stands for longer.
+    """Return a walk with a pause at a given time; a pause that ends just then is prolonged instead.
 
-    Whoever waits for a gap pauses again at every step: with a leg for each, every step would take longer.
+    A pedestrian who waits for a gap pauses again at every step. With a new leg for each pause, the list of
+    legs would grow and every step would take longer to compute.
 
     >>> paused((Leg(2.0, 1.0), Leg(0.5, 0.0)), 2.5, 0.5)
     (Leg(duration=2.0, speed=1.0, acceleration=0.0), Leg(duration=1.0, speed=0.0, acceleration=0.0))

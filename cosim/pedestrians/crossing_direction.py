@@ -21,23 +21,24 @@ FURTHEST = 2.5
 
 @dataclass(frozen=True, slots=True)
 class CrossingDirection:
-    """E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m), for a short way and for a near goal.
+    """E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m), with U1 short ways, U2 near goals.
 
-    This moves the people of the world. The controllers that reckon with a choice of direction have a model
+    This model moves the simulated pedestrians. Controllers that predict a choice of direction have a model
     and parameters of their own (``controllers/prediction/direction_choice.py``), which must not be used
-    here: they would know the truth. Both begin with the same values, so that results stay as they were
-    published.
+    here: the controllers would know the truth. The default values of both are the same, so that published
+    results can be reproduced.
 
     Parameters
     ----------
-    length_weight : α, of the utility U1 of a short way
-    scale : m; the smaller, the surer the choice
+    length_weight : α, the weight of the utility U1 of a short way
+    scale : m; the smaller it is, the more certain the choice
 
     Notes
     -----
-    [LiLuZhang]_; α = 0.4 is the paper's. Its formulas of U1 and U2 are lost: U1 = (λ1 − L) / (λ1 − W) with
-    the length L of the way over a road of width W and the longest way λ1 = 2 W, and U2 = 1 − (d / λ2)² with
-    the distance d from where the opposite kerb is reached to the goal and λ2 = 2.5 W are ours, and so is m.
+    The model and α = 0.4 are from [LiLuZhang]_. The paper's formulas of U1 and U2 are not available. Those
+    used here are our own: U1 = (λ1 − L) / (λ1 − W), with the length L of the way over a road of width W and
+    the longest way λ1 = 2 W; and U2 = 1 − (d / λ2)², with λ2 = 2.5 W and the distance d to the goal from
+    the point where the pedestrian reaches the opposite kerb. The value of m is our own, too.
     """
 
     length_weight: float = 0.4
@@ -48,9 +49,9 @@ class CrossingDirection:
 
         Parameters
         ----------
-        width : of the road from kerb to kerb [m]
-        goal_along : how far the goal is along the road, in the direction of the cars [m]
-        goal_beyond : how far it is behind the opposite kerb [m]
+        width : width of the road from kerb to kerb [m]
+        goal_along : distance to the goal along the road, in the direction of the cars [m]
+        goal_beyond : distance of the goal behind the opposite kerb [m]
         """
         length = width / np.sin(ANGLES)
         distance = np.hypot(goal_along - width / np.tan(ANGLES), goal_beyond)

@@ -1,4 +1,4 @@
-"""Manner ``hesitating``: stops on the way and then walks on."""
+"""Manner ``hesitating``: the pedestrian stops on the way and then walks on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cosim.pedestrians.manner import Pace
 
 @dataclass(frozen=True, slots=True)
 class Hesitating:
-    """Stands for ``pause`` [s] after ``after`` [m]."""
+    """The pedestrian stands for ``pause`` [s] after walking ``after`` [m]."""
 
     after: float
     pause: float
@@ -24,5 +24,5 @@ class Hesitating:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Go on."""
+        """Return ``None``: the pedestrian does not react."""
         return None

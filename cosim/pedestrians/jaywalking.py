@@ -17,9 +17,9 @@ class Roadside:
 
     Parameters
     ----------
-    x, y : its right border [m]
-    heading : of the road [rad]
-    width : from its right to its left border, all lanes for vehicles of both directions [m]
+    x, y : a point on the right border [m]
+    heading : heading of the road [rad]
+    width : distance from the right to the left border, across all vehicle lanes of both directions [m]
     """
 
     x: float
@@ -28,21 +28,21 @@ class Roadside:
     width: float
 
     def point(self, along: float, left: float) -> tuple[float, float]:
-        """Return a place ahead of the right border and to the left of it [m]."""
+        """Return the point at a distance along the road and to the left of the right border [m]."""
         east, north = math.cos(self.heading), math.sin(self.heading)
         return self.x + along * east - left * north, self.y + along * north + left * east
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """The intention of a pedestrian at the roadside.
+    """Where a pedestrian at the roadside wants to cross to.
 
     Parameters
     ----------
     from_left : whether the start is on the left of the road
-    setback : how far from its border [m]
+    setback : distance of the start from the border of the road [m]
     goal_along : offset of the goal along the road, in the direction of the edge [m]
-    goal_beyond : how far it is behind the other border [m]
+    goal_beyond : distance of the goal behind the other border [m]
     """
 
     from_left: bool
@@ -58,8 +58,8 @@ def jaywalk_line(
 
     Notes
     -----
-    The direction is drawn once, at the start, from the model of [LiLuZhang]_. There the cars that count
-    drive one way; here they are those of the edge, also for somebody who comes from its left.
+    The direction is drawn once, at the start, from the model of [LiLuZhang]_. In the paper, the cars drive
+    one way only. Here, their direction is that of the edge, even for pedestrians who come from its left.
     """
     angle = model.draw(road.width, wish.goal_along, wish.goal_beyond, generator)
     along, across = math.cos(angle), math.sin(angle) * (-1.0 if wish.from_left else 1.0)

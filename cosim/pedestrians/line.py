@@ -14,9 +14,9 @@ from cosim.pedestrians.behaviour import RADIUS, STANDING, RoadUser
 LOOK_AHEAD = 3.0
 """Length of the walk ahead that a pedestrian announces [m]."""
 SPACING = 0.5
-"""[m]"""
+"""Greatest distance between the points at which a line is compared with a vehicle's way [m]."""
 SIDE = 0.3
-"""Nobody walks past a vehicle's front nearer than this [m]."""
+"""Pedestrians do not walk past the front of a vehicle nearer than this [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,17 +24,20 @@ class Meeting:
     """The place where a vehicle's way crosses a line."""
 
     along: float
-    """From the front bumper to the line; negative when it has passed it [m]."""
+    """Distance from the front bumper to the line; negative once the bumper has passed the line [m]."""
     enters: float
-    """Distance along the line at which the disc enters what the body sweeps [m]."""
+    """Distance along the line at which the disc enters the area that the body sweeps [m]."""
     middle: float
     leaves: float
     nearest: float
-    """As ``along``, of the nearest place between entering and leaving: a line may be oblique [m]."""
+    """Like ``along``, at the nearest point between ``enters`` and ``leaves``: lines may be oblique [m]."""
     furthest: float
 
     def arrival(self, vehicle: RoadUser) -> float:
-        """Return the time until the front bumper is at the line; inf if it stands or has passed [s]."""
+        """Return the time until the front bumper is at the line [s].
+
+        It is 0 for a vehicle that is on the line, and inf for one that stands before it or has passed it.
+        """
         if self.furthest + vehicle.length < 0.0:
             return math.inf
         if self.nearest <= RADIUS + SIDE:
@@ -42,14 +45,16 @@ class Meeting:
         return (self.nearest - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
 
     def leaves_gap(self, vehicle: RoadUser, enters: float, gap: float) -> bool:
-        """Return whether the vehicle leaves a gap for a pedestrian who enters its swept area in a time.
+        """Return whether the vehicle leaves a gap for a pedestrian who will enter its swept area.
 
-        It does if it would be there at least ``gap`` later, if it is past by then, or if it stands.
+        It does if it arrives at least ``gap`` after the pedestrian enters, if it has passed by then, or if
+        it stands.
 
         Parameters
         ----------
-        vehicle : of this meeting
-        enters, gap : [s]
+        vehicle : the vehicle of this meeting
+        enters : time until the pedestrian enters the swept area [s]
+        gap : smallest gap that the pedestrian accepts [s]
         """
         arrival = self.arrival(vehicle)
         if math.isinf(arrival) or arrival >= enters + gap:
@@ -60,7 +65,7 @@ class Meeting:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """From a place to a place [m].
+    """A straight line from a start to an end [m].
 
     >>> Line(0.0, 0.0, 0.0, 8.0).point(2.0)
     (0.0, 2.0)
@@ -73,42 +78,42 @@ class Line:
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length of the line [m]."""
         return math.dist((self.x, self.y), (self.end_x, self.end_y))
 
     @property
     def direction(self) -> tuple[float, float]:
-        """Unit vector."""
+        """Unit vector along the line."""
         return (self.end_x - self.x) / self.length, (self.end_y - self.y) / self.length
 
     def point(self, way: float) -> tuple[float, float]:
-        """Return the place after a way along it [m]."""
+        """Return the point at a distance along the line [m]."""
         east, north = self.direction
         return self.x + way * east, self.y + way * north
 
     def shifted(self, along: float, left: float) -> Line:
-        """Return the line beside it: further ahead and to the left of its direction [m]."""
+        """Return the line moved ahead along its direction and to the left of it [m]."""
         east, north = self.direction
         dx, dy = along * east - left * north, along * north + left * east
         return Line(self.x + dx, self.y + dy, self.end_x + dx, self.end_y + dy)
 
     def onward(self, way: float) -> FloatArray:
-        """Return places on the next metres, (n, 2) [m]."""
+        """Return the points on the next metres after a distance along the line, (n, 2) [m]."""
         steps = np.arange(0.0, LOOK_AHEAD + 1e-9, 0.5)
         reached = np.minimum(way + steps, max(self.length, way))
         return np.array([self.point(float(one)) for one in reached])
 
     def meeting(self, vehicle: RoadUser, across: float = 0.0) -> Meeting | None:
-        """Return where the line first crosses a vehicle's way; ``None`` where it does not.
+        """Return where the line first crosses a vehicle's way; ``None`` if it does not.
 
         Parameters
         ----------
-        vehicle : with its way
-        across : what part of the front bumper is to meet the line, left of its middle positive [m]
+        vehicle : the vehicle, with its way
+        across : point of the front bumper that is to meet the line, left of the middle positive [m]
 
         Notes
         -----
-        Looked for at points 0.5 m apart; between two of them the line is straight in the vehicle's frame.
+        The line is examined at points 0.5 m apart, and taken as straight in the vehicle's frame between them.
         """
         ways, places = _evenly_on(self)
         along, beside = vehicle.sees(places)
@@ -118,7 +123,7 @@ class Line:
         half = 0.5 * vehicle.width + RADIUS
         outside = np.abs(beside) - half
         before, after = ways <= middle, ways >= middle
-        # Backwards from the middle, and forwards, to where the disc is outside what the body sweeps.
+        # Search from the middle backwards and forwards for where the disc is outside the swept area.
         enters = _first_zero(ways[before][::-1], outside[before][::-1])
         leaves = _first_zero(ways[after], outside[after])
         first = 0.0 if enters is None else enters
@@ -129,14 +134,14 @@ class Line:
 
 @lru_cache(maxsize=1024)
 def _evenly_on(line: Line) -> tuple[FloatArray, FloatArray]:
-    """Return distances along a line, and the places there, shape (n, 2) [m]."""
+    """Return evenly spaced distances along a line, and the points there, shape (n, 2) [m]."""
     ways = np.linspace(0.0, line.length, max(math.ceil(line.length / SPACING), 1) + 1)
     east, north = line.direction
     return ways, np.column_stack([line.x + ways * east, line.y + ways * north])
 
 
 def _first_zero(places: FloatArray, values: FloatArray) -> float | None:
-    """Return the first place at which values, straight between places, are zero; ``None`` if nowhere."""
+    """Return the first place at which values, linear between places, are zero; ``None`` if there is none."""
     if len(values) and values[0] == 0.0:
         return float(places[0])
     change = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))

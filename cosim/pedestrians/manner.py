@@ -11,12 +11,12 @@ from cosim.pedestrians.behaviour import Leg, RoadUser
 from cosim.pedestrians.line import Line
 
 SHORTEST_RAMP = 1e-6
-"""Over a shorter acceleration distance the speed is reached at once [m]."""
+"""Below this acceleration distance, pedestrians reach their speed at once [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """Speed, and the way on which it is reached with constant acceleration."""
+    """A speed, and the distance over which it is reached with constant acceleration."""
 
     speed: float
     """[m/s]"""
@@ -24,9 +24,9 @@ class Pace:
     """[m]"""
 
     def legs(self, length: float) -> tuple[Leg, ...]:
-        """Return a walk over a length [m].
+        """Return a walk of a given length [m].
 
-        The acceleration is v² / (2 s): after s the speed is v.
+        The acceleration is v² / (2 s), so that the speed is v after the acceleration distance s.
 
         >>> Pace(2.0, 1.0).legs(5.0)
         (Leg(duration=1.0, speed=0.0, acceleration=2.0), Leg(duration=2.0, speed=2.0, acceleration=0.0))
@@ -42,7 +42,7 @@ class Pace:
         return (first, Leg(rest, self.speed)) if rest > 0.0 else (first,)
 
     def time(self, length: float) -> float:
-        """Return how long a length takes [s].
+        """Return how long a walk of a given length takes [s].
 
         >>> Pace(2.0, 1.0).time(5.0)
         3.0
@@ -58,27 +58,27 @@ class Manner(Protocol):
 
         Parameters
         ----------
-        pace : speed at the start
-        length : of the path [m]
+        pace : speed and acceleration distance
+        length : length of the path [m]
         """
         ...
 
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Return another plan because of an ego; ``None`` to go on as planned.
+        """Return a new plan if an ego causes one; ``None`` to go on as planned.
 
         Parameters
         ----------
         legs, elapsed : the plan, and the time since its start [s]
-        length : of the path [m]
-        arrival : time until an ego that has not passed would reach the line; inf without one [s]
+        length : length of the path [m]
+        arrival : time until the first ego that has not passed reaches the line; inf without one [s]
         """
         ...
 
 
 def soonest_arrival(line: Line, egos: Sequence[RoadUser]) -> float:
-    """Return the time until the first ego would be at the line [s]."""
+    """Return the time until the first ego reaches the line; inf if none does [s]."""
     meetings = [(line.meeting(ego), ego) for ego in egos]
     return min(
         (met.arrival(ego) for met, ego in meetings if met is not None and met.along > 0.0), default=math.inf

@@ -1,4 +1,4 @@
-"""From the tables of a scenario to people: everything random about them is drawn here, from the seed."""
+"""Creates the pedestrians that the tables of a scenario describe; the seed decides all that is random."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ from sumo_scenarios.pedestrian_tables import (
 from sumo_scenarios.trajectories import read_trajectories
 
 ON_THE_ROAD = 2.0
-"""Gap that is enough for somebody who is on the road already [s]."""
+"""Largest gap that a pedestrian who is already on the road needs [s]."""
 
 
 class Places(Protocol):
-    """Finds the positions in the world of the places that a description names."""
+    """Finds the positions in the world of the places that a scenario names."""
 
     def on_lane(self, lane: str, along: float, across: float) -> tuple[float, float]:
-        """Return a place along and across a lane [m]."""
+        """Return the point at a distance along and across a lane [m]."""
         ...
 
     def roadside(self, edge: str, opposite: str, along: float) -> Roadside:
-        """Return the road at a place along an edge [m]."""
+        """Return the cross-section of the road at a distance along an edge [m]."""
         ...
 
     def crossing(self, name: str) -> Line:
@@ -58,7 +58,7 @@ class Places(Protocol):
         ...
 
     def check_inside(self, points: FloatArray) -> int | None:
-        """Return the first of the points (n, 2) that is too far from the network; ``None`` for none."""
+        """Return the index of the first point (n, 2) too far from the network; ``None`` if none is."""
         ...
 
 
@@ -68,7 +68,7 @@ class Scripted:
 
     name: str
     kind: str
-    """Kind of the table that describes them."""
+    """Kind of the scenario table that describes the pedestrian."""
     behaviour: Behaviour
 
 
@@ -77,15 +77,15 @@ class Population:
 
     Parameters
     ----------
-    tables : what the scenario says
-    places : where that is
-    seed : of the run
+    tables : tables of the scenario
+    places : finds the positions that the tables name
+    seed : seed of the run
     begin, end : simulated time of the end of the warm-up and of the run [s]
 
     Raises
     ------
     ValueError
-        In one line, for a place that does not exist and a trajectory that leaves the network.
+        If a place does not exist or a trajectory leaves the network. The message is one line.
     """
 
     def __init__(
@@ -100,22 +100,22 @@ class Population:
             if isinstance(table, TrajectoryTable):
                 fixed += self._recorded(table)
             elif isinstance(table, WalkerTable):
-                # Tried once: what cannot be is found before the run begins.
+                # Create them once as a trial, so that impossible tables are found before the run begins.
                 self._walkers(table, "try", begin, "")
                 if not table.start.by_ego:
                     for number, time in enumerate(self._times(table, end)):
                         fixed += self._walkers(table, str(number), time, "")
         self.fixed: tuple[Scripted, ...] = tuple(fixed)
-        """Those who come whether or not an ego does."""
+        """Pedestrians who appear independently of the egos."""
         self.signals = frozenset(
             table.crossing
             for table in self._tables
             if isinstance(table, CrossingTable) and table.start.signal
         )
-        """Crossings whose signals somebody waits for."""
+        """Crossings whose signals pedestrians wait for."""
 
     def for_ego(self, ego: str) -> tuple[Scripted, ...]:
-        """Return the pedestrians who wait for an ego; the same for the same seed and name."""
+        """Return the pedestrians who wait for an ego; the same ones for the same seed and name."""
         return tuple(
             one
             for table in self._tables
@@ -150,7 +150,7 @@ class Population:
         return times
 
     def _walkers(self, table: WalkerTable, instance: str, time: float, ego: str) -> list[Scripted]:
-        """Return one pedestrian, or those of one group."""
+        """Return one pedestrian, or all members of one group."""
 
         def draw(what: str, distribution: Distribution | None) -> float | None:
             return None if distribution is None else distribution.draw(self._stream(table, instance, what))
@@ -226,7 +226,7 @@ class Population:
         return start
 
     def _stream(self, table: PedestrianTable, instance: str, what: str) -> np.random.Generator:
-        """Return random numbers for one purpose: what else is drawn, or not, does not move them."""
+        """Return a generator for one purpose, whose numbers do not depend on what else is drawn."""
         digest = hashlib.sha256(f"{self._seed}|{table.name}|{instance}|{what}".encode()).digest()
         return np.random.default_rng(int.from_bytes(digest[:16], "big"))
 
@@ -235,7 +235,7 @@ Draw = Callable[[str, Distribution | None], float | None]
 
 
 def _start(table: StartTable, draw: Draw, line: Line, legs: tuple[Leg, ...], time: float, ego: str) -> Start:
-    """Return the start without its conditions."""
+    """Return the start without the conditions on gaps and signals."""
     distance = draw("ego_distance_m", table.ego_distance_m)
     arrival = draw("ego_arrival_s", table.ego_arrival_s)
     overlap = draw("overlap", table.overlap)
@@ -263,5 +263,5 @@ def _manner(table: MannerTable, draw: Draw) -> Manner:
 
 
 def _beside(member: int, spacing: float) -> float:
-    """Return how far to the left of the first a member of a group walks [m]: 0, 1, −1, 2, −2 … spacings."""
+    """Return how far to the left of the first a group member walks: 0, 1, −1, 2, −2 … spacings [m]."""
     return spacing * ((member + 1) // 2) * (1 if member % 2 else -1)

@@ -18,7 +18,7 @@ class Recorded:
 
     Parameters
     ----------
-    points : time, x and y (n, 3) [s, m]; the person is present from the first time to the last
+    points : time, x and y (n, 3); the person is present from the first time to the last [s, m]
     start : simulated time of the recording's time 0 [s]
     """
 
@@ -36,7 +36,7 @@ class Recorded:
         x, y = (float(np.interp(local, times, self.points[:, axis])) for axis in (1, 2))
         if not times[0] <= local <= times[-1]:
             return x, y, 0.0, 0.0
-        # At a point the velocity is that of the piece leading to it: that of the previous step.
+        # At a point, the velocity is that of the piece that leads to it, as in the previous step.
         last = min(max(int(np.searchsorted(times, local - 1e-9, side="left")), 1), len(times) - 1)
         (t0, x0, y0), (t1, x1, y1) = self.points[last - 1].tolist(), self.points[last].tolist()
         return x, y, (x1 - x0) / (t1 - t0), (y1 - y0) / (t1 - t0)

@@ -1,4 +1,4 @@
-"""Manner ``running``: starts to run along the way, or because an ego approaches."""
+"""Manner ``running``: the pedestrian starts to run at some point, or because an ego approaches."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from cosim.pedestrians.manner import Pace
 
 @dataclass(frozen=True, slots=True)
 class Running:
-    """Runs after a distance, or as soon as an ego would reach the line within a time, whichever comes first.
+    """The pedestrian runs after a distance or when an ego is about to reach the line, whichever comes first.
 
     Parameters
     ----------
-    speed : of running [m/s]
-    after : [m]
-    ego_within : [s]
+    speed : running speed [m/s]
+    after : distance walked before running [m]
+    ego_within : they run as soon as an ego would reach the line within this time [s]
     """
 
     speed: float
@@ -33,7 +33,7 @@ class Running:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Run the rest if an ego is near and the pedestrian does not run yet."""
+        """Return a plan that runs the rest if an ego is near and the pedestrian does not run yet."""
         way, speed = travelled(legs, elapsed)
         if arrival > self.ego_within or abs(speed - self.speed) < 1e-9 or way >= length - 1e-9:
             return None

@@ -14,13 +14,13 @@ class Start(Protocol):
     """Decides when a pedestrian sets off."""
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the instant, if it comes before ``until``; it may lie between two steps [s]."""
+        """Return the instant of the start if it comes before ``until``; it may lie between two steps [s]."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class AtTime:
-    """At a time [s]."""
+    """Start at a given time [s]."""
 
     time: float
 
@@ -31,16 +31,16 @@ class AtTime:
 
 @dataclass(frozen=True, slots=True)
 class EgoNear:
-    """When an ego's front bumper is a distance, or a time at its speed, from where it crosses the line.
+    """Start when an ego's front bumper is a distance, or a time at its speed, from where it crosses the line.
 
-    A line that no way crosses counts from its beginning.
+    If the ego's way does not cross the line, the distance to the beginning of the line counts.
 
     Parameters
     ----------
-    line : to walk along
-    distance : [m]
-    arrival : [s]
-    ego : name; empty for any
+    line : the line to walk along
+    distance : distance of the front bumper from the line [m]
+    arrival : time in which the ego would reach the line at its speed [s]
+    ego : name of the ego; empty for any
     """
 
     line: Line
@@ -49,7 +49,7 @@ class EgoNear:
     ego: str = ""
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the instant at which the first ego is there, should it keep its speed."""
+        """Return the instant at which the first ego is that near, if it keeps its speed."""
         instants = [self._of(vehicle, scene.time) for vehicle in scene.ego(self.ego)]
         found = [instant for instant in instants if instant is not None and instant < until]
         return min(found, default=None)
@@ -69,16 +69,16 @@ class EgoNear:
 class Impact:
     """Start so that an ego that keeps its speed hits the pedestrian with a given point of its front bumper.
 
-    The pedestrian has walked to that point of its width when the front bumper touches their disc:
-    t_start = t + (d − r) / v − t_walk, with d the distance of the front bumper from the line.
+    The pedestrian reaches that point of the ego's width when the front bumper touches their disc:
+    t_start = t + (d − r) / v − t_walk, where d is the distance of the front bumper from the line.
 
     Parameters
     ----------
-    line : to walk along
+    line : the line to walk along
     overlap : share of the ego's width, from the side that the pedestrian comes from
-    legs : of the planned walk
-    speed : nominal, of the ego; ``None``: its own [m/s]
-    ego : name; empty for any
+    legs : legs of the planned walk
+    speed : nominal speed of the ego; ``None`` for its actual speed [m/s]
+    ego : name of the ego; empty for any
     """
 
     line: Line
@@ -88,7 +88,7 @@ class Impact:
     ego: str = ""
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the instant for the first ego that it comes for."""
+        """Return the earliest instant of all egos, if it comes before ``until``."""
         found = [self._of(vehicle, scene.time) for vehicle in scene.ego(self.ego)]
         return min((instant for instant in found if instant is not None and instant < until), default=None)
 
@@ -117,8 +117,8 @@ class WhenClear:
     Parameters
     ----------
     start : the earliest start
-    line : to walk along
-    gap : [s]
+    line : the line to walk along
+    gap : smallest accepted gap [s]
     speed : expected walking speed [m/s]
     """
 
@@ -128,7 +128,7 @@ class WhenClear:
     speed: float
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the other start's instant, if the road is clear."""
+        """Return the instant of the other start if the road is clear."""
         instant = self.start.instant(scene, until)
         if instant is None or any(self._blocks(vehicle) for vehicle in scene.vehicles):
             return None
@@ -143,13 +143,13 @@ class WhenClear:
 
 @dataclass(frozen=True, slots=True)
 class WhileSignal:
-    """As soon after another start as the signal of a crossing shows red, or green; off is neither."""
+    """Start after another start, once a signal shows red, or green; a signal that is off shows neither."""
 
     start: Start
     crossing: str
     green: bool
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the other start's instant, if the signal shows it."""
+        """Return the instant of the other start if the signal shows the awaited colour."""
         instant = self.start.instant(scene, until)
         return instant if scene.green.get(self.crossing) is self.green else None

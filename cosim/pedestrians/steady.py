@@ -1,4 +1,4 @@
-"""Manner ``steady``: walks at constant speed."""
+"""Manner ``steady``: the pedestrian walks at constant speed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cosim.pedestrians.manner import Pace
 
 @dataclass(frozen=True, slots=True)
 class Steady:
-    """Walks to the end of the path at constant speed, regardless of vehicles."""
+    """The pedestrian walks to the end of the path at constant speed, regardless of vehicles."""
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
         """Return the walk."""
@@ -19,5 +19,5 @@ class Steady:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Go on."""
+        """Return ``None``: the pedestrian does not react."""
         return None

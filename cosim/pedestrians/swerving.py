@@ -1,4 +1,4 @@
-"""Manner ``social_force``: walks at a varying pace towards the end of the line, pushed away by vehicles."""
+"""Manner ``social_force``: walking at a varying speed to the end of the line, pushed away by vehicles."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from cosim.pedestrians.walker import Walker
 from cosim.pedestrians.walking_model import Aim, MiddleAxis, Motion, WalkingModel
 
 LONGEST_STEP = 0.05
-"""[s]"""
+"""Longest integration step of the walking model [s]."""
 TICK = 1e-3
-"""Random numbers belong to instants, rounded to this [s]."""
+"""Each random number belongs to an instant, rounded to a multiple of this [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Swerving:
-    """The manner ``social_force``: a pedestrian who is pushed off the line by the nearest vehicle.
+    """A pedestrian of manner ``social_force``, whom the nearest vehicle pushes off the line.
 
     Parameters
     ----------
-    walker : line, pace, start and end; its manner is not used
-    seed : of the speed variation
-    model : of walking; v̄ is the walker's own speed
+    walker : line, pace, start and end of the walk; its manner is not used
+    seed : seed of the speed variation
+    model : model of walking; its v̄ is the walker's speed
 
     Notes
     -----
-    Eqs. (37)-(43) of [Wu2023]_. The paper has one car; here it is the nearest of all vehicles.
+    Eqs. (37)-(43) of [Wu2023]_. The paper has one car; here, the nearest of all vehicles takes its place.
     """
 
     walker: Walker
@@ -44,13 +44,13 @@ class Swerving:
         return self.walker.first(scene)
 
     def next(self, state: State, scene: Scene, until: float) -> State | None:
-        """Return a later state, in steps of at most 0.05 s; vehicles go straight on meanwhile."""
+        """Return a later state, in steps of at most 0.05 s; vehicles are taken to go straight on."""
         started = state.started
         if started is None:
             started = self.walker.start.instant(scene, until)
             if started is None:
                 return state
-            # Sets off at full speed, as the other manners do.
+            # The pedestrian sets off at full speed, as in the other manners.
             east, north = self.walker.line.direction
             pace = self.walker.pace.speed
             state = replace(state, x_speed=pace * east, y_speed=pace * north, started=started)
@@ -89,7 +89,7 @@ class Swerving:
 
 
 def _nearest(state: State, vehicles: Sequence[RoadUser], passed: float) -> MiddleAxis | None:
-    """Return the vehicle whose middle axis is nearest, moved straight on for a time [s]."""
+    """Return the nearest middle axis of a vehicle, after all vehicles went straight on for a time [s]."""
     axes = [_axis(one, passed) for one in vehicles]
     return min(axes, key=lambda axis: math.hypot(*axis.to(state.x, state.y)), default=None)
 

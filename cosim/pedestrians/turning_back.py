@@ -1,4 +1,4 @@
-"""Manner ``turning_back``: turns around on the way and goes back to the start."""
+"""Manner ``turning_back``: the pedestrian turns around on the way and goes back to the start."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from cosim.pedestrians.manner import Pace
 
 @dataclass(frozen=True, slots=True)
 class TurningBack:
-    """Turns after a distance, or as soon as an ego would reach the line in a time, whichever comes first.
+    """The pedestrian turns after a distance or when an ego is about to reach the line, whichever comes first.
 
     Parameters
     ----------
-    after : [m]
+    after : distance walked before turning [m]
     pause : standing time before going back [s]
-    speed : of going back; ``None``: the speed so far [m/s]
-    ego_within : [s]
+    speed : speed of going back; ``None`` for the speed so far [m/s]
+    ego_within : they turn as soon as an ego would reach the line within this time [s]
     """
 
     after: float = math.inf
@@ -27,7 +27,7 @@ class TurningBack:
     ego_within: float = 0.0
 
     def legs(self, pace: Pace, length: float) -> tuple[Leg, ...]:
-        """Return a walk there and back; a walk that ends before the turn has none."""
+        """Return a walk there and back; a path that ends before the turn is walked to its end."""
         if self.after >= length:
             return pace.legs(length)
         return (*pace.legs(self.after), *self._back(self.after, pace.speed))
@@ -35,7 +35,7 @@ class TurningBack:
     def react(
         self, legs: tuple[Leg, ...], elapsed: float, length: float, arrival: float
     ) -> tuple[Leg, ...] | None:
-        """Turn if an ego is near and the pedestrian has not turned yet."""
+        """Return a plan that turns back if an ego is near and the pedestrian has not turned yet."""
         way, speed = travelled(legs, elapsed)
         turned = any(leg.speed < 0.0 for leg in legs) and speed <= 0.0
         if arrival > self.ego_within or turned or way >= length - 1e-9 or way <= 0.0:

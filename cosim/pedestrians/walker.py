@@ -1,4 +1,4 @@
-"""A pedestrian who waits at the beginning of a line, walks along it, and goes away at its end."""
+"""A pedestrian who waits at the beginning of a line, walks along it and disappears at its end."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from cosim.pedestrians.manner import Manner, Pace, soonest_arrival
 from cosim.pedestrians.start import Start
 
 COMES_INTO_VIEW_M = 120.0
-"""Whose start an ego decides is there when it is this near [m]."""
+"""A pedestrian whose start depends on an ego appears when the ego is this near [m]."""
 COMES_INTO_VIEW_S = 5.0
-"""... or when it would make them set off within this time [s]."""
+"""... or when the ego would make them set off within this time [s]."""
 STOPS_BEFORE = 0.3
 """A watchful pedestrian stops this long before entering a vehicle's path [s]."""
 ASIDE = 8.0
-"""Vehicles that cannot be nearer than this in time are not looked at in detail [m]."""
+"""Vehicles that stay farther away than this while they matter are not looked at in detail [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +27,14 @@ class Walker:
 
     Parameters
     ----------
-    line : where
-    pace, manner : how
-    start : when
-    length : of the walk; at most that of the line [m]
-    stay : time standing at its end [s]
-    appears : time of appearance [s]; with ``ego``, not before that ego is near
-    ego : the ego whose approach triggers the start; empty for none
-    watches : gap needed to step in front of a vehicle; ``None``: does not look again [s]
+    line : the line to walk along
+    pace, manner : how the pedestrian walks
+    start : when they set off
+    length : length of the walk; at most that of the line [m]
+    stay : time that they stand at the end [s]
+    appears : earliest time of appearance; with ``ego``, they wait until that ego is near [s]
+    ego : name of the ego whose approach triggers the start; empty for none
+    watches : gap needed to step in front of a vehicle; ``None`` if they do not look again on the way [s]
     """
 
     line: Line
@@ -80,7 +80,7 @@ class Walker:
         return State(x, y, speed * east, speed * north, started, legs)
 
     def onward(self, state: State, time: float) -> FloatArray:
-        """Return the next metres of the walk, backwards after turning; the present place if standing."""
+        """Return the next metres of the walk, towards the start after turning back."""
         if state.started is None:
             return self.line.onward(0.0)
         way, speed = travelled(state.legs, time - state.started)
@@ -90,7 +90,7 @@ class Walker:
         return Line(self.line.x, self.line.y, *self.line.point(max(goal, 1e-3))).onward(way)
 
     def _paused(self, legs: tuple[Leg, ...], scene: Scene, elapsed: float, step: float) -> tuple[Leg, ...]:
-        """Return the plan, with a pause of one step before stepping in front of an approaching vehicle."""
+        """Return the plan, with a pause of one step if the walk would enter an approaching vehicle's path."""
         way, speed = travelled(legs, elapsed)
         later = travelled(legs, elapsed + step + STOPS_BEFORE)[0]
         if self.watches is None or later == way:
@@ -103,7 +103,7 @@ class Walker:
             meeting = self.line.meeting(vehicle)
             if meeting is None:
                 continue
-            # On the way back, they come from the other side.
+            # On the way back, they enter the vehicle's path from the other side.
             missing = meeting.enters - way if later > way else way - meeting.leaves
             if not 0.0 < missing <= abs(later - way):
                 continue

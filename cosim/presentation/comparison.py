@@ -1,4 +1,4 @@
-"""The comparison of two controllers on the same seeds, from the folders of their runs."""
+"""Compares two controllers on the same seeds, from the folders of their runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cosim.errors import InputError
 
 @dataclass(frozen=True, slots=True)
 class CompareRequest:
-    """Request of a user for a comparison."""
+    """A user's request for a comparison."""
 
     folder: Path
     alt: str
@@ -28,14 +28,14 @@ class CompareRequest:
     """Names of measures; empty for the key ones."""
     scenario: str | None = None
     each: bool = False
-    """One table for every setting of a scenario."""
+    """Whether to make one table for each setting of a scenario."""
     chosen: tuple[Path, ...] | None = None
-    """Folders of the runs; ``None``: all below the folder."""
+    """Folders of the runs; ``None`` for all runs below the folder."""
 
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One table: a scenario, or one setting of it."""
+    """One table of a comparison, on a scenario or on one setting of it."""
 
     rows: Sequence[Mapping[str, Any]]
     pairs: Pairs
@@ -52,12 +52,12 @@ class Comparison:
 
     folder: Path
     base: str
-    """Label, as the analysis writes it."""
+    """Label of the controller, as the analysis writes it."""
     alt: str
     measures: Mapping[str, Measure]
     tables: Sequence[Compared]
     left_out: Sequence[Condition]
-    """Those without a seed in common that has valid runs."""
+    """Conditions in which no common seed has valid runs."""
     study: Study
 
     def write(self) -> Path:
@@ -66,7 +66,7 @@ class Comparison:
         Raises
         ------
         InputError
-            If it cannot be written.
+            If the file cannot be written.
         """
         path = self.folder / f"comparison-{_file_name(self.base)}-{_file_name(self.alt)}.csv"
         try:

@@ -1,4 +1,4 @@
-"""A recorded run as figures, and one of its encounters as a film."""
+"""Draws a recorded run as figures, and one of its encounters as a film."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ def write_figures(
 
     Parameters
     ----------
-    folder : of the run
-    ego : whose trip; ``None`` for the first ego's
-    encounter : its number; ``None`` for the whole trip
+    folder : folder of the run
+    ego : ego whose trip is drawn; ``None`` for the first ego
+    encounter : number of the encounter; ``None`` for the whole trip
     out : empty or new folder; ``None`` for ``plots`` in that of the run
-    kind : of the files, one of `FORMATS`
+    kind : format of the files, one of `FORMATS`
 
     Raises
     ------
     InputError
-        For bad input, a folder that cannot be written to, and without matplotlib.
+        If the input is bad, the folder cannot be written to, or matplotlib is not installed.
     """
     require_matplotlib("cosim plot")
     if kind not in FORMATS:
         raise InputError(f"--format: expected {' or '.join(FORMATS)}, got {kind!r}")
     folders.check(out)
-    # What draws is loaded where it is known to be installed.
+    # The modules that draw are loaded only now that matplotlib is known to be installed.
     from analysis.encounters.case import prepare
     from analysis.plots.figures import draw_figures
     from analysis.plots.scene import choose
@@ -50,14 +50,14 @@ def write_replay(folder: Path, encounter: int, out: Path) -> int:
 
     Parameters
     ----------
-    folder : of the run
-    encounter : its number
-    out : the film; its ending says of what kind
+    folder : folder of the run
+    encounter : number of the encounter
+    out : file of the film; its suffix decides the format
 
     Raises
     ------
     InputError
-        For bad input, a file that cannot be written, and without matplotlib or what that kind needs.
+        If the input is bad, the file cannot be written, or matplotlib or what the format needs is missing.
     """
     require_matplotlib("cosim replay")
     from analysis.encounters.case import prepare

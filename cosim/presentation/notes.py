@@ -1,4 +1,4 @@
-"""Notes that a user needs beside the numbers of a run, a line each."""
+"""Notes that a user needs beside the numbers of a run, one line each."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from analysis.files import read_json
 from analysis.sealing import has_hashes
 
 BESIDE_THE_LANE = 2.0
-"""An ego farther from its lane's centre line is reported [m]."""
+"""Egos farther than this from their lane's centre line are reported [m]."""
 COARSE_STEP_S = 0.2
-"""In a longer step a pedestrian moves by more than their radius [s]."""
+"""Steps longer than this are too coarse, as pedestrians move by more than their radius in one step [s]."""
 JUDGED_STEP_S = 0.1
-"""What a user is advised to take [s]."""
+"""Recommended step length [s]."""
 
 
 def run_notes(description: Mapping[str, Any]) -> list[str]:
-    """Return the notes on a run that is described by its ``run.json``."""
+    """Return the notes on a run, given the content of its ``run.json``."""
     step_s = float(description["step_s"])
     advised = f"{JUDGED_STEP_S:g}"
     coarse = (
@@ -29,14 +29,14 @@ def run_notes(description: Mapping[str, Any]) -> list[str]:
 
 
 def outputs_notes(descriptions: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return one line on the outputs that runs did not let SUMO write; none where there are none."""
+    """Return one line on the outputs that runs did not let SUMO write; empty if there are none."""
     names = list(dict.fromkeys(name for one in descriptions for name in one.get("outputs_left_out", ())))
     text = f"{len(names)} outputs of SUMO that the inputs ask for were not written"
     return [_with_first(text, names)] if names else []
 
 
 def unverified(folders: Iterable[Path]) -> list[str]:
-    """Return the note on finished runs whose files have no hashes, so that nothing can be said about them."""
+    """Return the note on finished runs whose files have no hashes, and so cannot be verified."""
     listed = list(folders)
     without = [folder for folder in listed if not has_hashes(folder) and _ended(folder)]
     if not without:
@@ -46,7 +46,7 @@ def unverified(folders: Iterable[Path]) -> list[str]:
 
 
 def _ended(folder: Path) -> bool:
-    """Return whether a run was not cut off; what cannot be read is told where it is read."""
+    """Return whether a run was not cut off; unreadable files are reported elsewhere."""
     try:
         return read_json(folder / "run.json").get("wall_s") is not None
     except (OSError, ValueError):
@@ -54,7 +54,7 @@ def _ended(folder: Path) -> bool:
 
 
 def _mishaps(description: Mapping[str, Any]) -> list[str]:
-    """Return in one line each what the coupling could not do."""
+    """Return what the coupling could not do, one line each."""
     found = []
     given_up, not_taken = description["egos_given_up"], description["cars_not_taken"]
     if given_up:

@@ -1,4 +1,4 @@
-"""Short tables of the results of runs, read from the CSV files only."""
+"""Short tables of the results of runs, read only from the CSV files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cosim.errors import SimulationError
 
 Row = Mapping[str, str]
 
-# Label, column of runs.csv, format; a column that an analysis does not write is left out.
+# Label, column of runs.csv, format; columns that an analysis does not write are left out.
 _LINES = (
     ("egos", "ego_count", "{:.0f}"),
     ("encounters", "n_encounters", "{:.0f}"),
@@ -95,7 +95,7 @@ def comparison_table(
 
 
 def number(row: Row, column: str) -> float | None:
-    """Return a value of the row; ``None`` where it is undefined or the column does not exist."""
+    """Return a value of the row; ``None`` if it is undefined or the column does not exist."""
     text = row.get(column, "")
     return float(text) if text else None
 

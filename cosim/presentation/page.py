@@ -1,4 +1,4 @@
-"""The report of runs as a page to look at."""
+"""Writes the report of runs as a web page."""
 
 from __future__ import annotations
 
@@ -53,5 +53,5 @@ def write_page(
 
 
 def _unavailable(error: ModuleNotFoundError) -> Exception:
-    """Return an error that says which extra to install."""
+    """Return an error that says which packages to install."""
     return InputError(f"{error.name} is not installed; run: pip install matplotlib Jinja2")

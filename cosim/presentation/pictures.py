@@ -1,4 +1,4 @@
-"""Requirements of drawing: matplotlib, and a picture's name of a known format."""
+"""Checks the requirements of drawing: matplotlib, and a file name with a known format."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ FORMATS = ("png", "svg")
 
 
 def require_matplotlib(what: str) -> None:
-    """Raise `InputError` where matplotlib is not installed."""
+    """Raise `InputError` if matplotlib is not installed."""
     if importlib.util.find_spec("matplotlib") is None:
         raise InputError(f"{what} needs matplotlib: pip install matplotlib")
 
 
 def check_picture(path: Path, formats: tuple[str, ...] = FORMATS) -> None:
-    """Raise `InputError` for a file that no picture can be written to, by its ending or its folder."""
+    """Raise `InputError` if no picture can be written to a file because of its suffix or its folder."""
     if path.suffix.lower().removeprefix(".") not in formats:
         endings = " or ".join(f".{name}" for name in formats)
         raise InputError(f"{path}: expected a file name that ends in {endings}")

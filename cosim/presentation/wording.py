@@ -1,4 +1,4 @@
-"""The comparison of two controllers as text: a sentence, a table and what has to be known to read it."""
+"""Puts the comparison of two controllers into words: a sentence, a table, and notes on how to read it."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _delay(rows: Sequence[Row]) -> str:
     ends = f"{row['ci95_lo']:+.1f} … {row['ci95_hi']:+.1f}"
     interval = f"95 % {ends}"
     if row["n_family"] > 1:
-        # The interval knows nothing of the other tests, but the verdict does.
+        # The interval does not account for the other tests, but the verdict does.
         p = p_value(row["p_holm"])
         interval = f"95 % alone {ends}; p {p}, corrected for {row['n_family']} tests"
     return f"{word} ({row['diff_mean']:+.1f} s, {interval}){next_step}"
@@ -95,7 +95,7 @@ def table(rows: Sequence[Row], measures: Mapping[str, Measure]) -> Table:
 
 
 def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[str]:
-    """Return what a reader has to know beside the table."""
+    """Return notes that help to read the table."""
     first = rows[0]
     said = [
         "Mean differences, paired by seed, those of shares in percentage points. The 95 % interval is that "
@@ -131,7 +131,7 @@ def notes(rows: Sequence[Row], pairs: Pairs, runs: Sequence[StudyRun]) -> list[s
 
 
 def _contacts(name: str, runs: Sequence[StudyRun]) -> list[str]:
-    """Return a sentence on what kind of contacts there were; nothing without any."""
+    """Return a sentence on the kinds of contacts; empty if there were none."""
     total, spared, crossing, carriageway, beside, appeared = (
         sum(run.numbers.get(f"n_collisions{kind}", 0.0) for run in runs)
         for kind in (
@@ -153,7 +153,7 @@ def _contacts(name: str, runs: Sequence[StudyRun]) -> list[str]:
 
 
 def _label(measure: Measure) -> str:
-    """Return the text of a line; shares are in percent, and rates say what they are per."""
+    """Return the label of a line; shares are in percent, and rates name their reference."""
     if measure.kind != "mean" or measure.unit == "1":
         return measure.text
     return f"{measure.text} [{measure.unit.replace('^2', '²').replace('^3', '³')}]"

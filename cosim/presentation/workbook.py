@@ -1,4 +1,4 @@
-"""The CSV files of a folder as one Excel workbook: units in the headings, a sheet of definitions."""
+"""Writes CSV files as one Excel workbook, with units in the headings and a sheet of definitions."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ WORKBOOK = "tables.xlsx"
 PACKAGE = "datapackage.json"
 DEFINITIONS = "definitions"
 LONGEST = 1_048_576
-"""Rows that a sheet can have, the heading among them."""
+"""Largest number of rows in a sheet, including the heading."""
 _EPOCH = datetime(1980, 1, 1)
-"""Date of everything in the file: the same tables give the same bytes."""
+"""Date of everything in the file, so that the same tables give the same bytes."""
 _MODIFIED = re.compile(rb"(<dcterms:modified[^>]*>)[^<]*")
 
 
@@ -29,14 +29,14 @@ def write_workbook(folders: Sequence[Path], out: Path) -> Path:
 
     Parameters
     ----------
-    folders : each with a ``datapackage.json``; of tables of one name the first one counts
+    folders : folders with a ``datapackage.json`` each; if tables have the same name, the first one is used
     out : folder of the workbook
 
     Raises
     ------
     InputError
-        Without openpyxl, without any table, for a table that cannot be read or is too long for a sheet, and
-        where the file cannot be written.
+        If openpyxl is not installed, there is no table, a table cannot be read or is too long for a sheet, or
+        the file cannot be written.
     """
     try:
         from openpyxl import Workbook
@@ -103,7 +103,7 @@ def _fill(sheet: Any, path: Path, fields: Sequence[Mapping[str, Any]]) -> None:
         for name, text in zip(header, row, strict=True):
             cell = WriteOnlyCell(sheet, _value(text, str(kinds.get(name, {}).get("type", "string"))))
             if isinstance(cell.value, str):
-                cell.data_type = "s"  # a text is none of a spreadsheet's formulas
+                cell.data_type = "s"  # so that a spreadsheet does not take a text for a formula
             cells.append(cell)
         sheet.append(cells)
 

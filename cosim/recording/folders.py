@@ -1,4 +1,4 @@
-"""Folders of runs; files of two runs are never mixed."""
+"""Folders of runs; the files of two runs are never mixed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cosim.errors import InputError
 
 DEFAULT_PARENT = Path("runs")
 _UNSAFE = re.compile(r"[^A-Za-z0-9_.=-]+")
-"""What addresses of controllers have and names of folders should not."""
+"""Characters that addresses of controllers may contain and names of folders should not."""
 
 
 def check(out: Path | None, flag: str = "--out") -> None:
@@ -21,7 +21,7 @@ def check(out: Path | None, flag: str = "--out") -> None:
     Raises
     ------
     InputError
-        When ``out`` is a file or a folder with something in it; ``flag`` is named as what gave it.
+        If ``out`` is a file, or a folder that is not empty; the message names ``flag``.
     """
     if out is None:
         return
@@ -37,12 +37,12 @@ def check(out: Path | None, flag: str = "--out") -> None:
 
 
 def check_links(out: Path, flag: str = "--out") -> None:
-    """Refuse a folder that is, or is below, a link to something that is not there.
+    """Refuse a folder that is, or is below, a broken link.
 
     Raises
     ------
     InputError
-        With the link and where it leads.
+        If there is such a link; the message names it and its target.
     """
     for place in (out, *out.parents):
         if place.is_symlink() and not place.exists():
@@ -58,7 +58,7 @@ def create(out: Path | None, scenario: str, controller: str, seed: int) -> Path:
 
 
 def plain(controller: str) -> str:
-    """Return a controller as a part of a folder's name; its address may have slashes, dots and blanks.
+    """Return a controller's name or address as part of a folder's name, without slashes and blanks.
 
     >>> plain("../../patient.py"), plain("vo_mpc")
     ('patient.py', 'vo_mpc')
@@ -89,17 +89,17 @@ def create_named(out: Path | None, name: str) -> Path:
 
 @contextmanager
 def left_as_it_was(folder: Path, existed: bool) -> Iterator[None]:
-    """Take away what was put into a new or empty folder on bad input.
+    """Remove what was written to a new or empty folder if the input turns out to be bad.
 
     Parameters
     ----------
     folder
-    existed : whether the user had it, so that it stays
+    existed : whether the folder existed before; it is kept then
 
     Raises
     ------
     InputError
-        The one that was raised within.
+        The error that was raised within the context.
     """
     empty = not folder.is_dir() or not any(folder.iterdir())
     try:
@@ -113,7 +113,7 @@ def left_as_it_was(folder: Path, existed: bool) -> Iterator[None]:
 
 
 def discard(folder: Path) -> None:
-    """Remove the folder of a run that never made a step, with the files this tool has put there."""
+    """Remove the folder of a run that never made a step, with the files that this tool wrote there."""
     for path in folder.iterdir():
         path.unlink()
     folder.rmdir()

@@ -1,4 +1,4 @@
-"""Rows to a Parquet file in chunks, so that memory stays flat however long a run is."""
+"""Writes rows to a Parquet file in chunks, so that the use of memory does not grow with a run's length."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from numpy.typing import NDArray
 Column = Sequence[Any] | NDArray[np.float64]
 
 PART = ".part"
-"""A table that is not complete yet: a stream of record batches, readable wherever it breaks off."""
+"""Suffix of a table in progress: a stream of record batches, which is readable wherever it breaks off."""
 NEW = ".new"
-"""The Parquet file until it is complete."""
+"""Suffix of the Parquet file until it is complete."""
 AT_RISK = 32
-"""The rows of this part of a chunk are lost at most where the process ends without a word."""
+"""A crash of the process loses at most the rows of one chunk divided by this."""
 ROWS_PER_CHUNK = 8192
 _NO_MEMORY = "Allocation error"
-"""Said by zstd, which pyarrow takes for an error of the file."""
+"""Message of zstd when memory runs out, which pyarrow reports as an error of the file."""
 _REPEATED = 3
-"""A dictionary is worth it for numbers that occur more often than this."""
+"""Numbers that occur more often than this on average are stored with a dictionary."""
 
 
 class ParquetSink:
-    """One table on its way to disk.
+    """Writes one table to disk.
 
-    Rows go to ``<path>.part``; ``close`` makes the file of them, so that a file with its final name is
-    always complete: where rows could not be written, the part stays a part. The bytes depend on the rows
-    alone. What a process that crashed has left behind is made a file by `recover`.
+    Rows go to ``<path>.part``, and ``close`` converts that to the final file. A file with its final name is
+    therefore always complete; if rows could not be written, the part remains a part. The bytes depend on
+    the rows alone. `recover` converts the part that a crashed process left behind.
     """
 
     def __init__(self, path: Path, schema: pa.Schema, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
@@ -48,13 +48,13 @@ class ParquetSink:
         self._in_chunk = 0
         self._batches = 1
         self._chunk_ends: list[int] = []
-        """How many batches are written when a chunk of the file ends."""
+        """Number of batches written at the end of each chunk of the file."""
         self._file = pa.OSFile(str(self._part), "wb")
         self._stream = pa.ipc.new_stream(self._file, schema)
         self._open = True
         self._whole = True
-        """Whether all rows so far are written."""
-        # The schema is written with the first batch: an empty table is a table too.
+        """Whether no write has failed so far."""
+        # The schema is written with the first batch, so that an empty table is valid, too.
         try:
             self._write([pa.array([], type=field.type) for field in schema])
         except OSError:
@@ -62,13 +62,13 @@ class ParquetSink:
             raise
 
     def add_row(self, row: Sequence[Any]) -> None:
-        """Add one row, its values in the order of the schema."""
+        """Add one row with its values in the order of the schema."""
         self._check_width(len(row))
         self._rows.append(row)
         self._count(1)
 
     def add_columns(self, columns: Sequence[Column]) -> None:
-        """Add as many rows as each of the columns is long, in the order of the schema."""
+        """Add rows given as columns of equal length, in the order of the schema."""
         self._check_width(len(columns))
         count = len(columns[0])
         if any(len(column) != count for column in columns):
@@ -78,19 +78,19 @@ class ParquetSink:
             return
         self._add_pieces()
         for pieces, column in zip(self._pieces, columns, strict=True):
-            # An array may be filled anew before it is written.
+            # The caller may overwrite the array before it is written.
             pieces.append(column.copy() if isinstance(column, np.ndarray) else column)
         self._count(count)
 
     def close(self) -> None:
-        """Write what is left and make the file; a second call does nothing.
+        """Write the remaining rows and make the file; a second call does nothing.
 
         Raises
         ------
         OSError
-            If there is no room, for the rows or for the file.
+            If there is no room for the rows or the file.
         MemoryError
-            If there is no memory to make the file; the rows that are written are still there.
+            If there is not enough memory to make the file; the rows already written are kept.
         """
         if not self._open:
             return
@@ -119,7 +119,7 @@ class ParquetSink:
             self._flush()
 
     def _add_pieces(self) -> None:
-        """Turn the rows since the last columns into columns."""
+        """Turn the rows that were added one by one into columns."""
         for pieces, column in zip(self._pieces, zip(*self._rows, strict=True), strict=False):
             pieces.append(column)
         self._rows = []
@@ -140,18 +140,18 @@ class ParquetSink:
 
 
 def recover(part: Path) -> None:
-    """Make a file of what a process that has crashed had written of a table.
+    """Make the file of a table from what a crashed process had written.
 
     Parameters
     ----------
-    part : its ``<path>.part``
+    part : the ``<path>.part`` of the table
 
     Raises
     ------
     ArrowInvalid
-        When not even its beginning was written.
+        If not even the beginning of the part was written.
     OSError
-        When the file cannot be written; what was written of the table is still there.
+        If the file cannot be written; the part is kept.
     MemoryError
         Likewise.
     """
@@ -165,15 +165,15 @@ def _convert(
 
     Parameters
     ----------
-    part, path : from and to
-    chunk_ends : number of the batches before each end of a chunk; after the last of them every chunk ends
-        with ``rows_per_chunk`` rows or more
-    batches : so many are to be in the stream; ``None``: as many as are whole
+    part, path : the stream, and the file to make
+    chunk_ends : number of batches before each end of a chunk; after the last one, a chunk ends as soon as
+        it has ``rows_per_chunk`` rows
+    batches : expected number of batches; ``None`` for as many as are complete
 
     Raises
     ------
     OSError
-        When the file is not complete; it has not its name then, and the stream is still there.
+        If the file is not complete; it does not get its final name then, and the stream is kept.
     MemoryError
         Likewise.
     """
@@ -191,7 +191,7 @@ def _convert(
 
 
 def _copy(part: Path, to: Path, ends: set[int], rows_per_chunk: int, batches: int | None) -> None:
-    """Write the batches of a stream as a Parquet file, and make sure that it holds all of them."""
+    """Write the batches of a stream to a Parquet file, and check that it holds all of them."""
     rows = count = 0
     with pa.OSFile(str(part), "rb") as file:
         stream = pa.ipc.open_stream(file)
@@ -224,7 +224,7 @@ def _copy(part: Path, to: Path, ends: set[int], rows_per_chunk: int, batches: in
 
 
 def _writer(to: Path, first: pa.Table) -> pq.ParquetWriter:
-    """Return what writes a file; columns whose numbers seldom repeat in its first chunk get no dictionary."""
+    """Return a writer; columns whose numbers seldom repeat in the first chunk get no dictionary."""
     repeated = [
         field.name
         for field in first.schema
@@ -243,7 +243,7 @@ def _writer(to: Path, first: pa.Table) -> pq.ParquetWriter:
 
 
 def _whole(stream: Any) -> Iterator[pa.RecordBatch]:
-    """Yield the batches of a stream as far as they are whole."""
+    """Yield the batches of a stream up to the first incomplete one."""
     while True:
         try:
             yield stream.read_next_batch()
@@ -252,7 +252,7 @@ def _whole(stream: Any) -> Iterator[pa.RecordBatch]:
 
 
 def _array(pieces: Sequence[Column], kind: pa.DataType) -> pa.Array:
-    """Return one column of its pieces; numbers in arrays are not made Python's one by one."""
+    """Return a column made of its pieces; if all are arrays, numbers are not converted one by one."""
     arrays = [piece for piece in pieces if isinstance(piece, np.ndarray)]
     if len(arrays) == len(pieces):
         return pa.array(np.concatenate(arrays), type=kind)

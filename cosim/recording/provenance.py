@@ -1,4 +1,4 @@
-"""Provenance of a run's numbers: ``run.json`` and the identity of a run."""
+"""Where a run's numbers come from: ``run.json`` and the identity of a run."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from typing import Any
 from analysis.recording.extent import EGOS
 
 PERFECT = "perfect"
-"""Sensing that tells egos the truth."""
+"""Name of the sensing model that tells egos the truth."""
 _DISTRIBUTIONS = ("libsumo", "numpy", "osqp", "qpsolvers", "scipy", "daqp", "piqp", "proxsuite", "clarabel")
-"""What may change a run's numbers, besides this tool; absent ones are left out."""
+"""Packages besides this tool that may change a run's numbers; those not installed are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inputs:
-    """Everything that decides the numbers of a run; equal inputs give equal files."""
+    """Everything that determines the numbers of a run; equal inputs give equal files."""
 
     scenario: str
     scenario_parameters: Mapping[str, Any]
@@ -36,20 +36,20 @@ class Inputs:
     step_s: float
     warmup_s: float
     duration_s: float | None
-    """``None``: until the scenario ends."""
+    """Duration of the run [s]; ``None`` if it lasts until the scenario ends."""
     actuation: str
     files: Mapping[str, str]
-    """Name to SHA-256 of what SUMO reads; the names are part of no identity."""
+    """SHA-256 of the files that SUMO reads, by name; the names are not part of the identities."""
     sensing: str = PERFECT
     sensing_parameters: Mapping[str, Any] = field(default_factory=dict)
     controller_files: Mapping[str, str] = field(default_factory=dict)
-    """Name to SHA-256 of what a controller outside the catalogue is made of; the names are part of no
-    identity."""
+    """SHA-256 of the files of a controller outside the catalogue, by name; the names are not part of the
+    identities."""
     record: str = EGOS
-    """Whom the run records; changes no number of an ego, so it is part of no identity."""
+    """Which road users the run records; not part of the identities, as it changes no number of an ego."""
 
     def config_id(self) -> str:
-        """Return the identity of everything but the seed: the controller's name and a hash."""
+        """Return the identity of all inputs except the seed: the controller's name and a hash."""
         return f"{self.controller}-{_digest(self._content(), 8)}"
 
     def run_id(self) -> str:
@@ -57,7 +57,7 @@ class Inputs:
         return _digest({**self._content(), "seed": self.seed, "versions": versions()}, 16)
 
     def _content(self) -> dict[str, Any]:
-        # Runs have the identities that they had before there was a choice of sensing.
+        # Default sensing is left out, so that runs keep the identities from before sensing could be chosen.
         sensing = {"sensing": self.sensing, "sensing_parameters": dict(self.sensing_parameters)}
         outside = sorted(self.controller_files.values())
         return {
@@ -77,7 +77,7 @@ class Inputs:
 
 
 def describe(inputs: Inputs, schema_version: str) -> dict[str, Any]:
-    """Return what ``run.json`` says before the first step; the rest is filled in at the end."""
+    """Return the content of ``run.json`` before the first step; the rest is filled in at the end."""
     return {
         "run_id": inputs.run_id(),
         "scenario_id": inputs.scenario,
@@ -139,7 +139,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def tool_version() -> str:
-    """Return the version of this tool, ``uninstalled`` when it runs from bare sources."""
+    """Return the version of this tool; ``uninstalled`` if it runs from bare sources."""
     try:
         return metadata.version("sumo-cosim")
     except metadata.PackageNotFoundError:
@@ -148,16 +148,16 @@ def tool_version() -> str:
 
 @cache
 def git_sha() -> str | None:
-    """Return the commit of the checkout that runs, with ``-dirty`` after changes; ``None`` outside one."""
+    """Return the commit of the running checkout, with ``-dirty`` after changes; ``None`` without one."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
-        return None  # installed, perhaps below somebody else's checkout
+        return None  # the tool is installed, perhaps inside the checkout of another project
     return commit_of(root)
 
 
 def commit_of(root: Path) -> str | None:
-    """Return the commit of a checkout, with ``-dirty`` after changes; ``None`` where git cannot tell."""
-    # Other ways to ask write the checkout's index, and leave a lock there when the run is ended meanwhile.
+    """Return the commit of a checkout, with ``-dirty`` after changes; ``None`` if git cannot tell."""
+    # Other commands write the index of the checkout and leave a lock there if the run ends meanwhile.
     asked = ["status", "--porcelain=v2", "--branch", "--untracked-files=no"]
     command = ["git", "--no-optional-locks", "-C", str(root), *asked]
     try:
@@ -174,7 +174,7 @@ def commit_of(root: Path) -> str | None:
 
 
 def _writable(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values with infinite ones as the texts that ``--set`` takes; JSON has no such number."""
+    """Return the values with infinite ones as the texts that ``--set`` takes, as JSON has no infinity."""
     return {
         key: str(value) if isinstance(value, float) and not math.isfinite(value) else value
         for key, value in values.items()

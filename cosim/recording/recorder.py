@@ -1,4 +1,4 @@
-"""The recorder, which writes during the run; ``analysis/recording/columns.py`` names the columns."""
+"""The recorder, which writes while the run goes on; ``analysis/recording/columns.py`` names the columns."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from cosim.step.world import MapArea, Mishaps, Snapshot
 PLANS_PER_SECOND = 2.0
 """Rate at which plans are kept for replay [1/s of simulated time]."""
 PLANS_PER_CHUNK = 1024
-"""A plan's row is long: thousands that wait to be written would be most of what a process holds."""
+"""Rows of plans in a chunk; few, as the rows are long and would take up most of a process's memory."""
 TRAFFIC_PER_CHUNK = 65536
-"""Rows of one road user in one chunk pack well: a chunk holds several minutes of a junction."""
+"""Rows of traffic in a chunk, several minutes of a junction: rows of one road user compress well together."""
 
 
 class Recorder:
-    """Writes egos, neighbours, everybody near crossings, plans, timing and what was sensed of one run.
+    """Writes the egos, neighbours, road users near crossings, plans, timing and sensed objects of one run.
 
-    Use as a context manager: however the block is left, what was recorded until then is in the files.
-    The wall clock appears in ``timing.parquet`` only.
+    Use as a context manager: however the block is left, the files hold all that was recorded until then.
+    Only ``timing.parquet`` contains wall-clock times.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -38,7 +38,7 @@ class Recorder:
             self._neighbours = stack.enter_context(closing(TableWriter(folder, NEIGHBOURS)))
             self._plans = stack.enter_context(closing(TableWriter(folder, PLANS, PLANS_PER_CHUNK)))
             self._timing = stack.enter_context(closing(TableWriter(folder, TIMING)))
-            stack.pop_all()  # all are open; before, those that are would have been closed
+            stack.pop_all()  # all are open now; if opening one had failed, the others would be closed here
         self._sensing: TableWriter | None = None
         self._traffic: TableWriter | None = None
         self._planned_now: dict[str, PlannedEgo] = {}
@@ -49,7 +49,7 @@ class Recorder:
         self.mishaps = Mishaps()
         self.ego_names: set[str] = set()
         self.solves: dict[str, dict[str, int]] = {}
-        """Programs by solver: how many, and how many of them were left unsolved."""
+        """Number of optimisation programs, and of those left unsolved, by solver."""
 
     @property
     def records_everybody(self) -> bool:
@@ -67,7 +67,7 @@ class Recorder:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Take note of one ego's plan, made at the beginning of a step."""
+        """Record one ego's plan, made at the beginning of a step."""
         name, time = perception.ego.name, perception.ego.time
         planned = PlannedEgo(perception, decision, plan, 1000.0 * compute_s, to_world)
         self._planned_now[name] = planned
@@ -82,7 +82,7 @@ class Recorder:
             self._plans.add(planned)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Take note of the world after the step."""
+        """Record the world after the step."""
         if self.first_time is None:
             self.first_time = snapshot.time
         self.last_time = snapshot.time
@@ -114,7 +114,7 @@ class Recorder:
         write_json(self._folder / "map.json", {"areas": [map_entry(area) for area in areas]})
 
     def close(self) -> None:
-        """Write the last rows of every file, also when one of them cannot be written."""
+        """Write the last rows of every file, even if one of the files cannot be written."""
         errors: list[OSError | MemoryError] = []
         for table in (self._egos, self._neighbours, self._traffic, self._plans, self._timing, self._sensing):
             try:

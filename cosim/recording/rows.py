@@ -1,6 +1,6 @@
-"""Objects of a recording's rows: the sources of ``analysis/recording/columns.py`` begin here.
+"""Objects from which the rows of a recording are made, with the sources in ``analysis/recording/columns.py``.
 
-``sensing.parquet`` is made of :class:`cosim.sensing.interface.Sensed` as it is.
+The rows of ``sensing.parquet`` are made directly from :class:`cosim.sensing.interface.Sensed`.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from cosim.step.loop import ToWorld
 from cosim.step.world import CrossingFacts, EgoTruth, MapArea, PersonsTruth, Traffic, VehiclesTruth
 
 REFERENCE_LINE = np.arange(-10.0, 121.0, 5.0)
-"""Where along the route frame its axis is kept beside an overlay, which is in that frame [m]."""
+"""Positions along the route frame at which its axis is kept with an overlay, which uses that frame [m]."""
 _OVERLAY = json.JSONEncoder(sort_keys=True, allow_nan=False)
 
 
 @dataclass(frozen=True, slots=True)
 class SeenSignal:
-    """A traffic light as an ego sees it."""
+    """A traffic light as seen by an ego."""
 
     state: str
     x: float
-    """Middle of its stop line on the ego's way [m]."""
+    """Middle of the stop line on the ego's way [m]."""
     y: float
 
 
 @dataclass(frozen=True)
 class PlannedEgo:
-    """One ego's plan, made at the beginning of a step: a row of timing.parquet, perhaps of plans.parquet."""
+    """One ego's plan, made at the beginning of a step: a row of timing.parquet and possibly plans.parquet."""
 
     perception: Perception
     decision: Decision
@@ -50,17 +50,17 @@ class PlannedEgo:
 
     @property
     def x(self) -> FloatArray:
-        """Planned rear axle in the world [m]."""
+        """Planned positions of the rear axle in the world, x [m]."""
         return self._points[:, 0]
 
     @property
     def y(self) -> FloatArray:
-        """Planned rear axle in the world [m]."""
+        """Planned positions of the rear axle in the world, y [m]."""
         return self._points[:, 1]
 
     @cached_property
     def signal(self) -> SeenSignal | None:
-        """The next traffic light on the ego's way; ``None`` without one."""
+        """The next traffic light on the ego's way; ``None`` if there is none."""
         ahead = [one for one in self.perception.road.signals if one.stop_line >= 0.0]
         if not ahead:
             return None
@@ -70,7 +70,7 @@ class PlannedEgo:
 
     @property
     def overlay(self) -> str:
-        """The overlay of a replay as JSON, with the route frame's axis unless it is empty."""
+        """The overlay of a replay as JSON, with the axis of the route frame unless the overlay is empty."""
         drawn = {
             name: [value if math.isfinite(value) else None for value in np.ravel(values).tolist()]
             for name, values in self.plan.overlay.items()
@@ -86,14 +86,14 @@ class SteppedEgo:
     """One ego after a step: a row of egos.parquet."""
 
     time: float
-    """[s]."""
+    """Simulated time [s]."""
     truth: EgoTruth
     planned: PlannedEgo | None
     """The plan made at the beginning of the step."""
 
     @property
     def has_plan(self) -> bool:
-        """Whether it planned."""
+        """Whether the ego made a plan."""
         return self.planned is not None
 
 
@@ -102,14 +102,14 @@ class SteppedObjects:
     """All pedestrians or all vehicles after a step: rows of neighbours.parquet and traffic.parquet."""
 
     time: float
-    """[s]."""
+    """Simulated time [s]."""
     objects: PersonsTruth | VehiclesTruth
     traffic: Traffic | None = None
-    """What else is known of them, if they are the vehicles of all traffic."""
+    """Further data, if the objects are the vehicles of all traffic."""
 
 
 def map_entry(area: MapArea) -> dict[str, Any]:
-    """Return what map.json says of an area."""
+    """Return the entry of an area in map.json."""
     return {
         "name": area.name,
         "kind": area.kind,
@@ -123,7 +123,7 @@ def map_entry(area: MapArea) -> dict[str, Any]:
 
 
 def _facts(facts: CrossingFacts) -> dict[str, Any]:
-    """Return the facts of a crossing; what is not known is null."""
+    """Return the facts of a crossing; unknown ones are null."""
     degrees = {"longitude_deg": facts.longitude, "latitude_deg": facts.latitude}
     return {
         "lanes": facts.lanes,

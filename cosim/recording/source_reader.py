@@ -1,4 +1,4 @@
-"""Reads what the sources of columns lead to off one object, fast: there is a row for every ego and step."""
+"""Reads the values of columns from one object; it has to be fast, as every ego has a row in every step."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 class SourceReader:
-    """Reads attributes of attributes, each one on the way once; where one is ``None``, so is the value.
+    """Reads attributes of attributes, each intermediate one once; if one is ``None``, so is the value.
 
     Examples
     --------
@@ -17,7 +17,7 @@ class SourceReader:
     """
 
     def __init__(self, sources: Sequence[str]) -> None:
-        # Objects on the way are numbered: the one that rows are made of, then each after what it belongs to.
+        # Intermediate objects are numbered: first the object itself, then each one after its owner.
         number = {"": 0}
         self._ways: list[tuple[int, attrgetter[Any]]] = []
         ends: dict[int, list[str]] = {}
@@ -31,7 +31,7 @@ class SourceReader:
                     self._ways.append((before, attrgetter(name)))
             ends.setdefault(number[way], []).append(source)
         self._groups = [
-            # Of a single name attrgetter would return the value, not a tuple.
+            # "__class__" is added because for a single name attrgetter returns the value, not a tuple.
             (at, attrgetter(*map(_last, group), "__class__"), (None,) * (len(group) + 1))
             for at, group in ends.items()
         ]

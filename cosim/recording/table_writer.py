@@ -1,4 +1,4 @@
-"""Rows of a declared table to its Parquet file: each column's value is read where its source says."""
+"""Writes the rows of a declared table to its Parquet file, reading each column's value from its source."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cosim.recording.source_reader import SourceReader
 
 
 class TableWriter:
-    """One recorded table of a run's folder."""
+    """Writes one recorded table in a run's folder."""
 
     def __init__(self, folder: Path, table: RecordedTable, rows_per_chunk: int = ROWS_PER_CHUNK) -> None:
         self._sink = ParquetSink(folder / table.file, table.schema, rows_per_chunk)
@@ -26,23 +26,23 @@ class TableWriter:
         self._lists = [place for place, column in enumerate(table.columns) if column.kind == "numbers"]
 
     def add(self, made_of: Any) -> None:
-        """Add the row of one object; a number that is not finite is undefined, so null."""
+        """Add the row of one object; numbers that are not finite are undefined and become null."""
         row: list[Any] = [
             None if isinstance(value, float) and not isfinite(value) else value
             for value in self._sources.read(made_of)
         ]
         for place in self._lists:
-            row[place] = row[place].tolist()  # the array may be filled anew before it is written
-        self._sink.add_row(tuple(row))  # a tuple of numbers and texts is not looked at for garbage
+            row[place] = row[place].tolist()  # the caller may overwrite the array before it is written
+        self._sink.add_row(tuple(row))  # the garbage collector skips tuples of numbers and texts
 
     def add_all(self, made_of: Any, count: int) -> None:
-        """Add ``count`` rows of an object that holds for each column a sequence, or one value for all."""
+        """Add ``count`` rows of an object that has, for each column, a sequence or one value for all rows."""
         values = self._sources.read(made_of)
         rounded = zip(values, self._decimals, strict=True)
         self._sink.add_columns([_column(value, count, decimals) for value, decimals in rounded])
 
     def close(self) -> None:
-        """Write what is left and make the file."""
+        """Write the remaining rows and make the file."""
         self._sink.close()
 
 

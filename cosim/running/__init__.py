@@ -1,1 +1,1 @@
-"""One run: asked for, put together, rehearsed, simulated and analysed."""
+"""One run: its request, composition, rehearsal, simulation and analysis."""

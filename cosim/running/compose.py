@@ -1,4 +1,4 @@
-"""Builds what a run needs. The only place that names SUMO, concrete controllers and scenarios."""
+"""Builds all parts of a run; only this module names SUMO, concrete controllers and scenarios."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class Composition:
     """Simulated time at which the run is over [s]."""
     _work_dir: TemporaryDirectory[str]
     window: Record | None = None
-    """Shows egos and plans in SUMO's window, where there is one."""
+    """Shows egos and plans in SUMO's window, if there is one."""
     outputs_left_out: tuple[str, ...] = ()
-    """Outputs of SUMO that the inputs name and that are not written."""
+    """Outputs of SUMO that the input files name but that are not written."""
 
     def close(self) -> None:
-        """End the simulation and remove the files it was started from."""
+        """End the simulation and remove the files from which it was started."""
         with ExitStack() as stack:
             stack.callback(self._work_dir.cleanup)
             stack.callback(self.drivers.close)
@@ -56,12 +56,12 @@ def compose(request: RunRequest) -> Composition:
     Raises
     ------
     InputError
-        For an unknown scenario, controller or parameter, and for input that SUMO refuses.
+        If a scenario, controller or parameter is unknown, or SUMO refuses the input.
     """
     with _as_input_errors():
         tried = _tried(request)
         scenario = tried.scenario
-        # Where memory has run out its files cannot be listed either: that must not hide how the run ended.
+        # If memory has run out, the files cannot be listed for removal; that must not hide how the run ended.
         work_dir = TemporaryDirectory(prefix="cosim-", ignore_cleanup_errors=True)
         try:
             prepared = library.prepare(scenario, request.seed, Path(work_dir.name))
@@ -80,12 +80,12 @@ def compose(request: RunRequest) -> Composition:
 
 
 def inputs_of(request: RunRequest) -> Inputs:
-    """Return what decides the numbers of a run, without starting SUMO.
+    """Return the inputs that determine the numbers of a run, without starting SUMO.
 
     Raises
     ------
     InputError
-        As `compose`, but for what only SUMO finds.
+        As for `compose`, except for errors that only SUMO finds.
     """
     with _as_input_errors(), TemporaryDirectory(prefix="cosim-") as work_dir:
         tried = _tried(request)
@@ -98,13 +98,13 @@ class _Tried:
 
     scenario: Scenario
     controller: dict[str, object]
-    """Parameters of the controller that are given."""
+    """Parameters of the controller that the request gives."""
     sensing_name: str
     sensing: Sensing
 
 
 def _tried(request: RunRequest) -> _Tried:
-    """Return the scenario, the sensing and the controller's given parameters; what cannot be is refused."""
+    """Return the scenario, the sensing and the given controller parameters; refuse impossible ones."""
     scenario = _with_egos(library.load(request.scenario), request)
     table = scenario.table.sensing if scenario.table is not None else {}
     model = request.sensing or chosen.name_in(table)
@@ -119,7 +119,7 @@ def _tried(request: RunRequest) -> _Tried:
             f"{scenario.name} has no ego: choose one with --ego-route, --ego-vehicle or --ego-share"
         )
     given = _controller_parameters(request, scenario, sensing_name, controller_texts)
-    # Built and tried once for nothing: what does not fit together is refused before SUMO starts.
+    # Build and try the controller once, so that parts that do not fit are refused before SUMO starts.
     trial = catalog.build(request.controller, seed=request.seed, **given)
     try:
         rehearse(str(request.controller), trial, given)
@@ -158,7 +158,7 @@ def scenario_parameters(scenario: Scenario) -> dict[str, Any]:
 
 
 def _with_egos(scenario: Scenario, request: RunRequest) -> Scenario:
-    """Return the scenario with the egos that are asked for."""
+    """Return the scenario with the requested egos."""
     if request.ego_route:
         return library.with_egos(scenario, route=request.ego_route)
     if request.ego_vehicle is not None:
@@ -171,7 +171,7 @@ def _with_egos(scenario: Scenario, request: RunRequest) -> Scenario:
 def _with_parameters(
     scenario: Scenario, request: RunRequest, settings: Mapping[str, str]
 ) -> tuple[Scenario, Mapping[str, str]]:
-    """Return the scenario as asked for, and the settings that are none of its parameters."""
+    """Return the scenario as requested, and the settings that are not parameters of the scenario."""
     texts = dict(settings)
     if request.duration_s is not None:
         texts["duration_s"] = f"{_warmup(scenario, texts) + request.duration_s!r}"
@@ -183,7 +183,7 @@ def _with_parameters(
 
 
 def _warmup(scenario: Scenario, texts: Mapping[str, str]) -> float:
-    """Return the warm-up that is asked for [s]; 0 for a text that is none, which is refused later."""
+    """Return the requested warm-up; 0 for a text that is no number, which is refused later [s]."""
     try:
         return float(texts.get("warmup_s", scenario.warmup_s))
     except ValueError:

@@ -1,4 +1,4 @@
-"""A run and its numbers: simulate, then analyse what was recorded."""
+"""Simulates a run and analyses its recording."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Outcome:
     description: dict[str, Any]
     """The content of ``run.json``."""
     row: Row | None
-    """The run's row of ``runs.csv``; ``None`` when too little was recorded to analyse."""
+    """The run's row of ``runs.csv``; ``None`` if too little was recorded to analyse."""
     invalid_reason: str
-    """Empty for a valid run."""
+    """Why the run is not valid, in one line; empty for a valid run."""
     error: BaseException | None = None
-    """What ended the run before its time, for who looks for a defect; ``None`` where nothing did."""
+    """Error that ended the run early, for debugging; ``None`` if there was none."""
 
 
 def execute(
@@ -37,22 +37,22 @@ def execute(
 ) -> Outcome:
     """Simulate one run, analyse it, and return its numbers.
 
-    A run that went wrong after its first step is analysed as far as it was recorded.
+    A run that failed after its first step is analysed up to the point to which it was recorded.
 
     Raises
     ------
     InputError
-        For anything wrong that is found before the first step.
+        If anything is found wrong before the first step.
     """
     return _analysed(run(request, progress, begun))
 
 
 def salvage(folder: Path, reason: str) -> Outcome:
-    """Return the analysed rest of a run whose process ended without a message.
+    """Analyse what was recorded of a run whose process crashed, and return the outcome.
 
     Parameters
     ----------
-    folder : of the run
+    folder : folder of the run
     reason : how the process ended
     """
     return _analysed(RunResult(folder, keep_recorded(folder, reason)))
@@ -66,5 +66,5 @@ def _analysed(result: RunResult) -> Outcome:
     except (AnalysisError, OSError) as error:
         if result.valid:
             raise SimulationError(f"{result.folder} could not be analysed: {reason_of(error)}") from error
-        # An early end may leave nothing to analyse; what went wrong before is what the user is told.
+        # An early end may leave nothing to analyse; the user is told what went wrong before.
     return Outcome(result.folder, result.description, row, result.invalid_reason, result.error)

@@ -1,4 +1,4 @@
-"""The list of scenarios, controllers, metrics and sensing models, with first lines and parameters."""
+"""Lists the scenarios, controllers, metrics and sensing models, with short descriptions and parameters."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from sumo_scenarios import library
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that exists."""
+    """A scenario, controller, metric or sensing model."""
 
     name: str
     description: str
     parameters: tuple[str, ...] = ()
-    """``name=default``, as ``--set`` takes them; behind it what else there is to choose from."""
+    """``name=default`` in the form that ``--set`` takes, followed by the unit and the choices."""
 
 
 def scenarios() -> list[Entry]:
@@ -50,12 +50,12 @@ def controller_parameters(name: str) -> tuple[str, ...]:
 
 
 def moved_parameters(names: Iterable[str]) -> dict[str, str]:
-    """Return the parameters that these controllers had once: for each, what to do instead."""
+    """Return the parameters that these controllers no longer have and, for each, what to use instead."""
     return {key: told for name in names for key, told in catalog.moved(name).items()}
 
 
 def described_controller(name: str) -> tuple[Parameter, ...]:
-    """Return all that is known of a controller's parameters.
+    """Return the descriptions of a controller's parameters.
 
     Raises
     ------
@@ -69,12 +69,12 @@ def described_controller(name: str) -> tuple[Parameter, ...]:
 
 
 def controller_maker(name: str, settings: Mapping[str, str]) -> Callable[[], Controller]:
-    """Return what makes a controller anew with these parameters, as ``--set`` takes them.
+    """Return a function that makes a new controller with these parameters, given as ``--set`` takes them.
 
     Raises
     ------
     InputError
-        If there is no such controller or parameter, or it cannot be made.
+        If there is no such controller or parameter, or the controller cannot be made.
     """
     try:
         values: dict[str, Any] = catalog.parse(name, settings)
@@ -85,7 +85,7 @@ def controller_maker(name: str, settings: Mapping[str, str]) -> Callable[[], Con
 
 
 def described_sensing(name: str) -> tuple[Parameter, ...]:
-    """Return all that is known of a sensing model's parameters.
+    """Return the descriptions of a sensing model's parameters.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def described_sensing(name: str) -> tuple[Parameter, ...]:
 
 
 def controllers() -> list[Entry]:
-    """Return the controllers of this project and of installed plug-ins; a broken one hides no other."""
+    """Return the controllers of this project and of installed plug-ins; a broken one does not hide others."""
     return [_controller(name) for name in catalog.names()]
 
 
@@ -116,10 +116,10 @@ def sensing_models() -> list[Entry]:
 
 
 def as_text(value: object) -> str:
-    """Return a value as ``--set`` takes it."""
+    """Return a value in the form that ``--set`` takes."""
     if value is None or isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, numbers.Real):  # NumPy's say their type when they are shown
+    if isinstance(value, numbers.Real):  # the repr of NumPy's numbers includes their type
         return str(int(value)) if isinstance(value, numbers.Integral) else repr(float(value))
     return str(value)
 

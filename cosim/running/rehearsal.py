@@ -1,4 +1,4 @@
-"""Two plans on a road without SUMO: what a controller cannot work with is found before a run begins."""
+"""Tries a controller on a road without SUMO, to find settings that do not work before a run begins."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from cosim.step.toy_world import ToyWorld
 def rehearse(name: str, controller: Controller, given: Mapping[str, object]) -> None:
     """Let a controller plan twice, behind a slower car and towards a pedestrian on a zebra crossing.
 
-    Parameters are checked by value when a controller is built; that a solver is not installed, or that
-    a tolerance is none, shows only where it is used.
+    The values of parameters are checked when a controller is built. A missing solver or an impossible
+    tolerance shows only when it is used.
 
     Parameters
     ----------
     name, controller
-        What to try; it is of no use afterwards, because controllers remember.
+        The controller to try; do not use it afterwards, because controllers have memory.
     given
         The parameters that are not defaults, for the message.
 
     Raises
     ------
     InputError
-        If it fails, or commands nothing that could be carried out.
+        If the controller fails, or its command cannot be carried out.
     """
     world = ToyWorld(
         road=ToyRoad(lanes=2, crossings=(ToyCrossing(40.0),)),

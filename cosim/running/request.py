@@ -1,4 +1,4 @@
-"""Request of a user for one run."""
+"""A user's request for one run."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ class RunRequest:
     scenario: str
     """Name of a scenario, a scenario's folder, a case ``suite:NAME/CASE``, or a SUMO configuration."""
     controller: str | Given = "vo_mpc"
-    """Its name or address, or what a program hands over."""
+    """Name or address of a controller, or a controller that a program hands over."""
     seed: int = 1
     settings: Mapping[str, str] = field(default_factory=dict)
     """Scenario or controller parameters as texts, by name."""
     duration_s: float | None = None
-    """Time that is recorded, after the warm-up [s]; ``None``: as the scenario says. The scenario's parameter
-    of that name counts from the beginning."""
+    """Time to record after the warm-up [s]; ``None`` for that of the scenario. The scenario's parameter of
+    the same name counts from the beginning of the simulation."""
     step_s: float | None = None
-    """Length of a simulation step [s]; ``None``: as the scenario says."""
+    """Length of a simulation step [s]; ``None`` for that of the scenario."""
     actuation: str | None = None
-    """``None``: as the scenario says."""
+    """``hybrid`` or ``move``; ``None`` for that of the scenario."""
     ego_route: tuple[str, ...] = ()
-    """Edges of an ego of our own."""
+    """Edges of the route of an additional vehicle, which is the ego."""
     ego_vehicle: str | None = None
-    """Vehicle of the demand to take over."""
+    """Vehicle of the demand to take over as the ego."""
     ego_share: float | None = None
-    """Share of the passenger cars to take over; 0: no egos at all."""
+    """Share of the passenger cars to take over as egos; 0 for no egos at all."""
     sensing: str | None = None
-    """How egos come to know of pedestrians; ``None``: as the scenario says."""
+    """Sensing model through which egos perceive pedestrians; ``None`` for that of the scenario."""
     record: str = EGOS
-    """``egos`` or ``everybody``; with everybody, a run needs no ego."""
+    """``egos`` or ``everybody``; a run that records everybody needs no ego."""
     gui: bool = False
     out: Path | None = None
 
@@ -73,17 +73,17 @@ class RunRequest:
 
 
 def parse_settings(texts: Iterable[str], example: str = "pedestrians_per_hour=600") -> dict[str, str]:
-    """Return the names and values of ``key=value`` texts; the last one of a name counts.
+    """Return the names and values of ``key=value`` texts; if a name is repeated, its last value counts.
 
     Parameters
     ----------
-    texts : as given after ``--set``
-    example : for the message of the error
+    texts : texts as given after ``--set``
+    example : example for the error message
 
     Raises
     ------
     InputError
-        For a text without a name or without ``=``.
+        If a text has no name or no ``=``.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One run: from a request to a folder with a recording and the numbers of its analysis."""
+"""Simulates one run: from a request to a folder with a recording."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from cosim.step.drivers import Departures
 from cosim.step.loop import LoopTimes
 
 Progress = Callable[[float, float | None], None]
-"""Called with the simulated time and the time at which the run ends, if that is known [s]."""
+"""Called with the simulated time and, if known, the time at which the run ends [s]."""
 TELEPORTED = "SUMO teleported"
-"""How the reason begins for a run that is not valid although it went on to its end."""
+"""Beginning of the reason why a run is not valid although it went on to its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class RunResult:
     description: dict[str, Any]
     """The content of ``run.json``."""
     error: BaseException | None = None
-    """What ended the simulation before its time; ``None`` where nothing did."""
+    """Error that ended the simulation early; ``None`` if there was none."""
 
     @property
     def valid(self) -> bool:
@@ -60,7 +60,7 @@ def run(
     progress: Progress = lambda time, end: None,
     begun: Callable[[Path], None] = lambda folder: None,
 ) -> RunResult:
-    """Simulate and record; bad input raises, a failure after the first step is part of the result.
+    """Simulate and record a run; bad input raises, and a failure after the first step is part of the result.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def run(
     Raises
     ------
     InputError
-        For anything wrong that is found before the first step; no folder is left behind.
+        If anything is found wrong before the first step; no folder is left behind.
     """
     folders.check(request.out)
     composition = compose.compose(request)
@@ -103,7 +103,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     except CosimError as error:
         reason, ended_by = str(error), error
         if not recorder.ego_names and not recorder.records_everybody:
-            # Nothing was driven, so nothing was recorded: what was asked for is not possible.
+            # No ego drove, so nothing was recorded: the request cannot be met.
             raise InputError(reason) from error
     except OSError as error:
         reason, ended_by = f"the recording could not be written: {reason_of(error)}", error
@@ -127,7 +127,7 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
 
 
 def _begun(folder: Path, description: Mapping[str, Any]) -> Recorder:
-    """Write ``run.json`` and open the recording; where there is no room for them, nothing is left behind."""
+    """Write ``run.json`` and open the recording; if there is no room for them, nothing is left behind."""
     try:
         write_json(folder / "run.json", description)
         return Recorder(folder)
@@ -137,18 +137,18 @@ def _begun(folder: Path, description: Mapping[str, Any]) -> Recorder:
 
 
 def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
-    """Keep what a run had recorded when its process ended without a word, and return its ``run.json``.
+    """Keep what a run had recorded when its process crashed, and return its ``run.json``.
 
     Parameters
     ----------
-    folder : of the run
+    folder : folder of the run
     reason : how the process ended
     """
     for part in sorted(folder.glob(f"*{PART}")):
         try:
             recover(part)
         except ArrowInvalid:
-            part.unlink(missing_ok=True)  # not even its beginning was written
+            part.unlink(missing_ok=True)  # not even the beginning was written
         except (OSError, MemoryError) as error:
             reason += f"; {part} could not be made a table: {reason_of(error)}"
     description = read_json(folder / "run.json")
@@ -164,7 +164,7 @@ def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progr
     try:
         loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
     except BaseException:
-        # What failed is told; the map is drawn where a broken simulation still allows it.
+        # The failure is reported by the caller; write the map if the broken simulation still allows it.
         with suppress(CosimError, OSError):
             recorder.write_map(world.map_areas())
         raise
@@ -200,7 +200,7 @@ def _finish(
 
 
 def _write_description(folder: Path, description: dict[str, Any]) -> None:
-    """Write ``run.json`` and, last of all, the hashes of what was recorded."""
+    """Write ``run.json`` and, last of all, the hashes of the recording."""
     try:
         write_json(folder / "run.json", description)
         seal_recording(folder)

@@ -1,1 +1,1 @@
-"""Ranking the crossings of a network: the runs, and what is made of them."""
+"""Ranks the crossings of a network: the runs, and the ranking made from them."""

@@ -1,4 +1,4 @@
-"""Times of day as people type them."""
+"""Reads times of day as people type them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def seconds(text: str, option: str) -> float:
     Raises
     ------
     InputError
-        If it is neither.
+        If the text is not such a time.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A network's crossings from a SUMO configuration to their ranking: a batch that records everybody."""
+"""Ranks the crossings of a network by a batch of runs that record everybody."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from cosim.recording.folders import DEFAULT_PARENT
 from sumo_scenarios import library
 
 AGAINST = "against"
-"""Folder of the alternative, within that of the base."""
+"""Folder of the alternative inside that of the base."""
 NOBODY = "sumo"
 """Controller of runs without egos."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScreenRequest:
-    """Request of a user for a ranking."""
+    """A user's request for a ranking."""
 
     scenario: str
     seeds: str = "1-10"
     settings: Mapping[str, str] = field(default_factory=dict)
     begin_s: float | None = None
-    """Simulated time from which on everybody counts; ``None``: as the scenario says."""
+    """Simulated time from which on everybody counts; ``None`` for the end of the scenario's warm-up [s]."""
     end_s: float | None = None
     out: Path | None = None
     jobs: int | None = None
     scheduler: str | None = None
     again: str = ""
-    """Command that goes on where this one was interrupted."""
+    """Command that continues after an interruption."""
 
     @property
     def folder(self) -> Path:
@@ -46,14 +46,14 @@ class ScreenRequest:
 
 
 def alternative(request: ScreenRequest, scenario: str | None, settings: Mapping[str, str]) -> ScreenRequest:
-    """Return the request for what a screening is compared with, on the same seeds and hours.
+    """Return the request for the alternative of a comparison, with the same seeds and hours.
 
     Parameters
     ----------
     request
         The base.
     scenario
-        ``None``: that of the base.
+        Scenario of the alternative; ``None`` for that of the base.
     settings
         Scenario parameters that differ from the base's.
     """
@@ -67,22 +67,22 @@ def alternative(request: ScreenRequest, scenario: str | None, settings: Mapping[
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Runs to be ranked."""
+    """Runs from which the crossings will be ranked."""
 
     batch: BatchRequest
     notes: list[str]
-    """What a user has to know, in one line each."""
+    """Notes for the user, one line each."""
     crossings: frozenset[str]
-    """Ids of the crossings of a SUMO configuration; none for a scenario, whose network is not made yet."""
+    """Ids of the crossings of a SUMO configuration; empty for a scenario, whose network is not built yet."""
 
 
 def planned(request: ScreenRequest) -> Plan:
-    """Return the batch whose runs are ranked.
+    """Return the batch of runs from which the crossings are ranked.
 
     Raises
     ------
     InputError
-        For a scenario, a time or a seed that cannot be, and for a network without crossings.
+        If a scenario, a time or a seed is invalid, or the network has no crossings.
     """
     try:
         scenario = library.load(request.scenario)
@@ -131,7 +131,7 @@ def check_comparable(base: Plan, alt: Plan) -> None:
     Raises
     ------
     InputError
-        If they have none.
+        If they have no crossing in common.
     """
     known = (base.crossings, alt.crossings)
     if all(known) and not base.crossings & alt.crossings:
@@ -143,7 +143,7 @@ def check_comparable(base: Plan, alt: Plan) -> None:
 
 
 def _times(request: ScreenRequest, scenario: library.Scenario) -> dict[str, float]:
-    """Return the scenario parameters that the hours that count stand for."""
+    """Return the scenario parameters for the hours that count."""
     found = {}
     for option, name, time in (
         ("--from", "warmup_s", request.begin_s),
@@ -167,7 +167,7 @@ def ranked(request: ScreenRequest, least_pedestrians: float, by: str) -> Screene
     Raises
     ------
     SimulationError
-        When no run can be ranked, or the ranking cannot be written.
+        If no run can be ranked, or the ranking cannot be written.
     """
     try:
         return write_ranking(request.folder, least_pedestrians, by)
@@ -176,12 +176,12 @@ def ranked(request: ScreenRequest, least_pedestrians: float, by: str) -> Screene
 
 
 def compared(request: ScreenRequest, base: Screened, alt: Screened) -> Changed:
-    """Compare an alternative with the base, and write the differences into the folder of the request.
+    """Compare an alternative with the base, and write the differences to the folder of the request.
 
     Raises
     ------
     SimulationError
-        When they have no seed in common, or the differences cannot be written.
+        If they have no seed in common, or the differences cannot be written.
     """
     try:
         return write_changes(request.folder, base.counts, alt.counts)

@@ -1,1 +1,1 @@
-"""Searching a scenario for what a controller fails at, and how often that would happen."""
+"""Searches a scenario for failures of a controller, and estimates how often they would happen."""

@@ -1,4 +1,4 @@
-"""How often an event would happen in a passage, given declared distributions."""
+"""Estimates how often an event would happen in a passage, given the declared distributions."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ from cosim.search.trials import Answer, Trial, Trials, Where, makers, running
 
 EVENTS = ("contact", "preventable-contact", "criteria")
 SEEDS = 1000
-"""So many seeds are drawn from: traffic and everything else that is random."""
+"""Number of seeds to draw from; the seed decides the traffic and everything else that is random."""
 FEWEST = 100
 NOTHING = 1.0
-"""Margin of a run that failed; it is no event."""
+"""Margin of a run that failed or had nothing to judge; positive, so that it does not count as an event."""
 
 
 @dataclass(frozen=True, slots=True)
 class EstimateRequest:
-    """Request of a user for a probability."""
+    """A user's request for a probability."""
 
     scenario: str
     controller: str = "vo_mpc"
@@ -71,11 +71,11 @@ class EstimateRequest:
 
     @property
     def where(self) -> Where:
-        """Where runs are made."""
+        """Where the runs are made."""
         return Where(self.jobs or cores(), self.scheduler)
 
     def command(self) -> str:
-        """Return the command that goes on where an estimate has ended."""
+        """Return the command that continues an estimate that has ended."""
         words = ["cosim", "estimate", self.scenario, "--controller", self.controller, "--event", self.event]
         words += ["--method", self.method, "--variation", f"{self.variation:g}", "--budget", str(self.budget)]
         words += ["--seed", str(self.seed)]
@@ -98,16 +98,16 @@ class Estimated:
     unpreventable: int
     """Runs with an event that nobody could have prevented."""
     check: Extrapolated | None
-    """Extrapolated from near misses; ``None`` where there are too few, or too many events."""
+    """Cross-check extrapolated from near misses; ``None`` if these are too few, or the events too many."""
 
 
 def prepared_estimate(request: EstimateRequest) -> tuple[Subject, str]:
-    """Check everything that can be wrong, and return what is estimated and what decides its runs.
+    """Check everything that can be wrong; return the subject, and a text with all that determines its runs.
 
     Raises
     ------
     InputError
-        One line with what was expected.
+        If anything is wrong; one line with what was expected.
     """
     for option, value, known in (("--method", request.method, METHODS), ("--event", request.event, EVENTS)):
         if value not in known:
@@ -146,9 +146,9 @@ def run_estimate(request: EstimateRequest, subject: Subject, about: str, shown: 
     Raises
     ------
     InputError
-        For a run that cannot be made, or runs of another estimate, code or version.
+        If a run cannot be made, or the folder has runs of another estimate, code or version.
     SimulationError
-        When every run of the first block failed.
+        If every run of the first block failed.
     """
     folder = request.folder
     handling = Handling(request.run_timeout_s, drop_recordings=True)
@@ -175,17 +175,17 @@ def run_estimate(request: EstimateRequest, subject: Subject, about: str, shown: 
 
 
 class Margins:
-    """Runs the passages that standard normal numbers stand for, each once, and returns their margins.
+    """Maps standard normal numbers to passages, runs each passage once, and returns the margins.
 
     Parameters
     ----------
     subject
     trials
-        Makes runs.
+        Makes the runs.
     event
         One of `EVENTS`.
     seed
-        First of the seeds that are drawn from.
+        First of the seeds to draw from.
     """
 
     def __init__(self, subject: Subject, trials: Trials, event: str, seed: int) -> None:
@@ -198,7 +198,7 @@ class Margins:
         self.dimension = len(subject.space.parameters) + 1
 
     def __call__(self, inputs: FloatArray) -> FloatArray:
-        """Return the margins of passages."""
+        """Return the margins of the passages for rows of standard normal numbers."""
         points = [self._point(row) for row in ndtr(inputs).tolist()]
         new = [one for one in dict.fromkeys(points) if one not in self._known]
         answers = self._trials.run([self._trial(one, number) for number, one in enumerate(new, 1)])
@@ -216,7 +216,7 @@ class Margins:
         point: dict[str, Value] = {
             one.axis.name: one.quantile(share) for one, share in zip(parameters, shares[:-1], strict=True)
         }
-        # What changes nothing where it is does not make another passage.
+        # Parameters that have no effect at this point must not make it a different passage.
         kept = {one.axis.name: point[one.axis.name] for one in parameters if one.axis.matters(point)}
         rest = {one.axis.name: one.axis.value(0.5) for one in parameters if one.axis.name not in kept}
         seed = self._seed + min(int(shares[-1] * SEEDS), SEEDS - 1)

@@ -1,4 +1,4 @@
-"""The folder of a search or an estimate: what decides its runs, so that nothing else resumes there."""
+"""The folder of a search or an estimate; it records what determines the runs, so that only those resume."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ABOUT = "search.toml"
 
 
 def described(title: str, subject: Subject, asked: Mapping[str, Any], settings: Mapping[str, str]) -> str:
-    """Return what decides the runs, as TOML.
+    """Return all that determines the runs, as TOML.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def described(title: str, subject: Subject, asked: Mapping[str, Any], settings: 
     asked
         Numbers and names of the request.
     settings
-        As given after ``--set``.
+        Settings as given after ``--set``.
     """
     content: dict[str, Any] = {
         "scenario": subject.scenario,
@@ -43,12 +43,12 @@ def described(title: str, subject: Subject, asked: Mapping[str, Any], settings: 
 
 
 def check_folder(folder: Path, about: str) -> None:
-    """Refuse a folder that holds something else.
+    """Refuse a folder that holds another search or other files.
 
     Raises
     ------
     InputError
-        Names the first difference.
+        If it does; names the first difference.
     """
     if not folder.exists():
         return
@@ -73,12 +73,12 @@ def check_folder(folder: Path, about: str) -> None:
 
 
 def begin(folder: Path, about: str) -> None:
-    """Make the folder and write down what decides its runs.
+    """Make the folder, and write down all that determines its runs.
 
     Raises
     ------
     InputError
-        If it cannot be written.
+        If the folder cannot be written to.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

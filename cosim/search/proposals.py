@@ -1,4 +1,4 @@
-"""Proposes points in generations of a fixed size: the same answers lead to the same proposals."""
+"""Proposes points in generations of a fixed size; the same answers lead to the same proposals."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from cosim.errors import InputError
 
 METHODS = ("cma-es", "tpe", "sobol", "random", "nsga-ii")
 GENERATION = 10
-"""Points that are proposed at a time; the worker processes have nothing to do with it."""
+"""Number of points that are proposed at a time; it does not depend on the number of worker processes."""
 EVEN_SHARE = 0.25
-"""Part of the budget with which the space is covered evenly before a method that learns begins."""
+"""Share of the budget that covers the space evenly before a learning method begins."""
 MOST_EVEN = 60
 ROUND = 6
-"""Generations from one starting point of CMA-ES at most."""
+"""Largest number of generations from one starting point of CMA-ES."""
 STALL = 3
-"""Generations without a smaller margin after which a round ends."""
+"""Number of generations without a smaller margin after which a round ends."""
 ALWAYS_EVEN = 0.2
-"""Part of every generation that covers the space evenly whatever was learnt."""
+"""Share of every generation that covers the space evenly, regardless of what was learnt."""
 STEP = 0.12
-"""Of the first generation of a round, as a share of an axis."""
+"""Initial step size of a round, as a share of an axis."""
 NEW = 0.2
-"""So far apart are the starting points of rounds."""
+"""The starting points of rounds are farther apart than this, as a share of the axes, if possible."""
 NEUTRAL = 1.0
-"""What a trial without a margin is taken for."""
+"""Margin that is assumed for a trial without a margin."""
 
 
 class Proposer(Protocol):
@@ -47,7 +47,7 @@ class Proposer(Protocol):
 
 
 def first_generations(method: str, budget: int) -> int:
-    """Return how many trials cover the space evenly before the method has learnt anything."""
+    """Return how many trials are proposed before the method has learnt anything."""
     if method in ("sobol", "random", "nsga-ii"):
         return GENERATION
     wanted = min(max(budget * EVEN_SHARE, GENERATION), MOST_EVEN)
@@ -55,12 +55,12 @@ def first_generations(method: str, budget: int) -> int:
 
 
 def propose(method: str, axes: Sequence[Axis], seed: int, budget: int) -> Proposer:
-    """Return what proposes.
+    """Return a proposer.
 
     Raises
     ------
     InputError
-        For an unknown method, and without the extra that it needs.
+        If the method is unknown.
     """
     if method not in METHODS:
         hint = did_you_mean(method, METHODS)
@@ -99,7 +99,7 @@ class _Even(_Random):
 
     def ask(self, count: int) -> list[dict[str, Value]]:
         with warnings.catch_warnings():
-            # Numbers of points that are no power of 2 are a little less even.
+            # SciPy warns that numbers of points other than powers of 2 are a little less even.
             warnings.simplefilter("ignore", UserWarning)
             drawn = self._sequence.random(count)
         return [point(self._axes, row) for row in drawn.tolist()]
@@ -151,12 +151,12 @@ class _Sampled:
 class _Rounds:
     """Rounds of CMA-ES over the numbers, each from a promising point and with the choices of that point.
 
-    The points to begin a round at are those with the smallest margins that are far from where rounds have
-    begun before: a bandit over regions and choices. A round ends after `ROUND` generations, after `STALL`
+    A round begins at the point with the smallest margin among those far from all earlier starting points:
+    a bandit over regions and choices. A round ends after `ROUND` generations, after `STALL` generations
     without a smaller margin, or once a whole generation has failed, so that one kind of failure does not
-    take all of the budget. Margins may fall towards something else than a failure: a part of every
-    generation goes on covering the space evenly, and a round without any failure is followed by as many
-    generations that do nothing else.
+    use up the budget. Small margins need not lead to a failure. Therefore, a share of every generation
+    covers the space evenly, and a round without any failure is followed by the same number of generations
+    that only do that.
     """
 
     def __init__(self, axes: Sequence[Axis], seed: int, even: _Even, count: int) -> None:
@@ -168,9 +168,9 @@ class _Rounds:
         self._starts: list[Point] = []
         self._study: Any = None
         self._margins: list[float] = []
-        """Smallest one of each generation of the round."""
+        """Smallest margin of each generation of the round."""
         self._evenly = count // GENERATION
-        """Generations that only cover the space evenly, still to come."""
+        """Number of generations still to come that only cover the space evenly."""
         self._waiting: list[Any] = []
         self._space = {axis.name: _share_distribution() for axis in self._numeric}
 
@@ -229,7 +229,7 @@ class _Rounds:
                 warn_independent_sampling=False,
             )
             self._study = optuna.create_study(sampler=sampler)
-        # One trial, so that the sampler knows the axes; the round's own begin after it.
+        # Add one trial, so that the sampler knows the axes; the trials of the round follow it.
         self._study.add_trial(
             optuna.trial.create_trial(
                 params={axis.name: axis.share(start[axis.name]) for axis in self._numeric},

@@ -1,4 +1,4 @@
-"""Writes the failures that were found as scenarios, which ``cosim run`` and ``cosim check`` take."""
+"""Writes the failures found as scenarios, which ``cosim run`` and ``cosim check`` take."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cosim.search.trials import Trial, copy_scenario
 
 FAILURES = "failures"
 OF_KIND = 3
-"""So many of the clearest failures of each kind become scenarios."""
+"""Number of failures of each kind that become scenarios, the clearest ones."""
 
 
 def write_suite(
@@ -35,18 +35,18 @@ def write_suite(
     ----------
     subject
     folder
-        Of the search.
+        Folder of the search.
     found
         Kinds of failures.
     seedless
-        Leaves the seed out of a point.
+        Removes the seed from a point.
     changes
         Smallest changes by the number of the kind.
 
     Returns
     -------
     list
-        The kinds with scenario and command.
+        The kinds with their scenarios and commands.
     """
     suite = folder / FAILURES
     shutil.rmtree(suite, ignore_errors=True)
@@ -83,7 +83,7 @@ def write_suite(
 
 
 def scenario_name(number: int, failure: Failure) -> str:
-    """Return the name of the scenario of a failure of the kind with that number."""
+    """Return the name of the scenario of a failure, given the number of its kind."""
     return f"kind-{number:02d}-trial-{failure.trial:04d}" + (
         f"-seed-{failure.seed}" if failure.seed != 1 else ""
     )
@@ -98,9 +98,9 @@ def run_command(subject: Subject, scenario: Path, seed: int) -> str:
 
 
 def check_command(controller: str, folder: Path) -> str:
-    """Return the command that checks all failures below the folder of a search.
+    """Return the command that checks all failures in the folder of a search.
 
-    A controller that is a program is named: files of a suite alone may not run one.
+    The command names a controller that is a program, as the files of a suite must not start one.
     """
     words = ["cosim", "check", str(folder / FAILURES)]
     if is_address(controller):

@@ -1,4 +1,4 @@
-"""The report of a search: the clearest failure of each kind recorded and replayed, and a page over all."""
+"""Writes the report of a search: a replay of the clearest failure of each kind, and a page on the search."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cosim.search.trials import Trial, makers, running
 NEEDED = ("matplotlib", "jinja2")
 REPLAYS = "replays"
 MOST = 12
-"""Kinds that have a replay, the clearest ones."""
+"""Largest number of kinds that get a replay; the clearest ones do."""
 _ROLES = {
     "fixed": "All runs have the seed {seeds}: traffic and everything else random is the same in each.",
     "averaged": "Each trial is run with the seeds {seeds}, and its mean margin is searched.",
@@ -29,7 +29,7 @@ _ROLES = {
 
 
 def require_packages() -> None:
-    """Raise `InputError` where a package that the report is made with is not installed."""
+    """Raise `InputError` if a package that the report needs is not installed."""
     for name in NEEDED:
         if find_spec(name) is None:
             raise InputError(
@@ -72,7 +72,7 @@ def write_report(search: Search, found: Found, progress: Shown) -> Path:
 
 
 def _replays(search: Search, found: Found, show: Callable[[Tally], None]) -> dict[int, str]:
-    """Return the recorded runs by the number of the kind."""
+    """Return the names of the recorded runs by the number of the kind."""
     if not found.kinds:
         return {}
     rows = found.kinds[:MOST]

@@ -1,4 +1,4 @@
-"""A trial as a ``scenario.toml``, which ``cosim run`` takes as any other."""
+"""Writes a trial as a ``scenario.toml``, which ``cosim run`` takes like any other."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def scenario_text(subject: Subject, point: Point, folder: Path, description: str
     point
         A value for each axis.
     folder
-        Of the file; what it names is relative to that.
+        Folder of the file; paths in the file are relative to it.
     description
         One line.
 
     Raises
     ------
     InputError
-        For a passage that is too long, and a table that names what does not exist.
+        If the passage is too long, or a table names something that does not exist.
     """
     content = _content(subject, point, folder, description)
     lines = []
@@ -64,7 +64,7 @@ def _content(subject: Subject, point: Point, folder: Path, description: str) -> 
         content["base"] = subject.scenario if built_in else _relative(_folder_of(subject.place), folder)
     content |= {"duration_s": table.duration_s, "warmup_s": float(filled(table.warmup_s, values, place))}
     if isinstance(table.warmup_s, str):
-        # The passage takes as long as before, whenever it begins.
+        # The passage has the same length whenever it begins.
         content["duration_s"] = round(table.duration_s + content["warmup_s"], 6)
     if subject.loaded.step_s > _LONGEST_STEP_S:
         content["step_s"] = _LONGEST_STEP_S
@@ -91,7 +91,7 @@ def _content(subject: Subject, point: Point, folder: Path, description: str) -> 
 
 
 def _with_manner(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row with the one manner that its key ``manner`` asks for by kind."""
+    """Return a row with only the manner whose kind its key ``manner`` names."""
     if "manner" not in row:
         return dict(row)
     rest = {key: value for key, value in row.items() if key != "manner"}
@@ -103,7 +103,7 @@ def _with_manner(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_file(row: dict[str, Any], space: Space, folder: Path) -> dict[str, Any]:
-    """Return a row with its trajectory as seen from ``folder``, where the space names it from its own."""
+    """Return a row with its trajectory file relative to ``folder``, not to the folder of the space."""
     if space.folder is None or not isinstance(row.get("file"), str):
         return row
     return {**row, "file": _relative(str(space.folder / row["file"]), folder)}

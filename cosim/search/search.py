@@ -1,4 +1,4 @@
-"""A search from its request to its results: generation after generation, then what the failures are."""
+"""Runs a search from its request to its results: generation after generation, then the kinds of failures."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from cosim.search.trials import Trial, Trials, Where, makers, running
 
 TRIALS = "trials"
 NEEDED = ("optuna", "cmaes", "SALib")
-"""Packages of the extra without which a search does not begin."""
+"""Extra packages that a search needs."""
 SEED_AXIS = "seed"
 
 Shown = AbstractContextManager[Callable[[Tally], None]]
@@ -37,7 +37,7 @@ Shown = AbstractContextManager[Callable[[Tally], None]]
 
 @dataclass(frozen=True, slots=True)
 class FalsifyRequest:
-    """Request of a user for a search."""
+    """A user's request for a search."""
 
     scenario: str
     controller: str = "vo_mpc"
@@ -64,7 +64,7 @@ class FalsifyRequest:
 
     @property
     def where(self) -> Where:
-        """Where runs are made."""
+        """Where the runs are made."""
         return Where(self.jobs or cores(), self.scheduler)
 
 
@@ -78,12 +78,12 @@ class Found:
     kinds: tuple[KindRow, ...]
     influences: tuple[Influence, ...]
     stopped: str = ""
-    """Why it ended before its budget; empty if it did not."""
+    """Why the search ended before its budget was used up; empty if it did not."""
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """A search whose every part was checked."""
+    """A search whose parts have all been checked, ready to be run."""
 
     request: FalsifyRequest
     subject: Subject
@@ -92,14 +92,14 @@ class Search:
     about: str
 
     def run(self, shown: Shown) -> Found:
-        """Make the trials that are missing, and write the results.
+        """Make the missing trials, and write the results.
 
         Raises
         ------
         InputError
-            For a trial that cannot be run; runs of another search, code or version.
+            If a trial cannot be run, or the folder has runs of another search, code or version.
         SimulationError
-            When no trial has a result, or no run can be made any more.
+            If no trial has a result, or no further run can be made.
         """
         request, folder = self.request, self.request.folder
         handling = Handling(request.run_timeout_s, drop_recordings=True)
@@ -139,7 +139,7 @@ class Search:
         return tuple(axis for axis in self.axes if axis.name != SEED_AXIS)
 
     def seedless(self, point: Point) -> Point:
-        """Return a point without its seed, which no scenario file has."""
+        """Return a point without its seed, as scenario files have none."""
         return {key: value for key, value in point.items() if key != SEED_AXIS}
 
     def _influences(self, even: Sequence[Tried]) -> list[Influence]:
@@ -215,7 +215,7 @@ def prepared(request: FalsifyRequest) -> Search:
     Raises
     ------
     InputError
-        One line with what was expected.
+        If anything is wrong; one line with what was expected.
     """
     for name in NEEDED:
         if find_spec(name) is None:
@@ -257,7 +257,7 @@ def prepared(request: FalsifyRequest) -> Search:
 
 
 def _check_answers(tried: Sequence[Tried]) -> None:
-    """Stop a search whose every trial says nothing."""
+    """Stop a search in which no trial has a result."""
     if all(one.status == INVALID for one in tried):
         raise SimulationError(f"every one of {len(tried)} runs failed, for instance: {tried[0].invalid}")
     if all(one.verdict.margin is None for one in tried):
@@ -268,7 +268,7 @@ def _check_answers(tried: Sequence[Tried]) -> None:
 
 
 def command(request: FalsifyRequest) -> str:
-    """Return the command that goes on where a search has ended."""
+    """Return the command that continues a search that has ended."""
     words = ["cosim", "falsify", request.scenario, "--controller", request.controller]
     words += ["--budget", str(request.budget), "--method", request.method, "--seed", str(request.seed)]
     for key, text in request.settings.items():

@@ -12,12 +12,12 @@ from analysis.search.shrinking import Asking, Change, nearest, smallest_change
 from cosim.search.trials import Answer, Trial, Trials
 
 MOST = 4
-"""Kinds whose boundary is looked for, the clearest ones."""
+"""Largest number of kinds whose boundary is searched; the clearest ones are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shrunk:
-    """What was found for a kind."""
+    """The smallest change found for a kind, and the number of runs made for it."""
 
     change: Change | None
     runs: int
@@ -39,20 +39,20 @@ def changes(
     trials: Trials,
     seedless: Callable[[Point], Point],
 ) -> dict[int, Shrunk]:
-    """Return the smallest changes by the number of the kind; those of all kinds are looked for side by side.
+    """Return the smallest changes by the number of the kind, searching for all kinds at the same time.
 
     Parameters
     ----------
     axes
-        Without that of the seed.
+        Axes of the space, without that of the seed.
     found
         Kinds of failures.
     tried
         All runs of the search.
     trials
-        Makes runs.
+        Makes the runs.
     seedless
-        Leaves the seed out of a point.
+        Removes the seed from a point.
     """
     done: dict[int, Shrunk] = {}
     waiting: list[_Open] = []
@@ -83,7 +83,7 @@ def changes(
 def _numbered(
     asked: Sequence[tuple[_Open, dict[str, Value]]],
 ) -> list[tuple[int, tuple[_Open, dict[str, Value]]]]:
-    """Give each point a number that is its own within its kind."""
+    """Give each point a number that is unique within its kind."""
     counts: dict[int, int] = {}
     numbered = []
     for one, point in asked:

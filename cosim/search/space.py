@@ -1,4 +1,4 @@
-"""What a search varies: the ``[search]`` table of a scenario.toml, or a file with the same content."""
+"""The space of a search: the ``[search]`` table of a scenario.toml, or a file with the same content."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cosim.toml_files import read_toml
 from sumo_scenarios.distribution import Distribution, read_distribution
 
 LONGEST_PASSAGE_S = 30.0
-"""Simulated time of a trial after its warm-up."""
+"""Longest simulated time of a trial after its warm-up [s]."""
 TAILS = 1e-9
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -28,7 +28,7 @@ class _Table(BaseModel):
 
 
 class ParameterTable(_Table):
-    """What is varied: a number from ``minimum`` to ``maximum``, or one of ``choices``."""
+    """A parameter that is varied: a number from ``minimum`` to ``maximum``, or one of ``choices``."""
 
     minimum: float | None = None
     maximum: float | None = None
@@ -36,15 +36,15 @@ class ParameterTable(_Table):
     choices: list[str] = []
     weights: list[Annotated[float, Field(ge=0, allow_inf_nan=False)]] = []
     distribution: dict[str, Any] | None = None
-    """How the number is distributed in reality, for ``cosim estimate``; without it, evenly."""
+    """Distribution of the number in reality, for ``cosim estimate``; uniform if not given."""
     when: dict[str, list[str]] = {}
-    """Choices of other parameters without which this one changes nothing."""
+    """Choices of other parameters for which this one has an effect."""
     description: str = ""
     source: str = ""
 
     @model_validator(mode="after")
     def ranged(self) -> ParameterTable:
-        """Check that it has a range, and only one."""
+        """Check that the parameter has exactly one range."""
         bounds = (self.minimum, self.maximum)
         if self.choices:
             if bounds != (None, None) or self.distribution is not None or self.whole:
@@ -66,10 +66,10 @@ class ParameterTable(_Table):
 
 
 class WhereTable(_Table):
-    """Crossings of the network that a trial may take place at."""
+    """Crossings of the network at which a trial may take place."""
 
     crossings: list[str] = []
-    """Ids; none: all that a car can drive over."""
+    """Ids of crossings; empty for all that a car can drive over."""
     longest_approach_m: Annotated[float, Field(gt=0)] = 300.0
     shortest_approach_m: Annotated[float, Field(gt=0)] = 80.0
 
@@ -81,7 +81,7 @@ class SearchTable(_Table):
     warmup_s: Annotated[float, Field(ge=0, allow_inf_nan=False)] | str = 10.0
     seed: Literal["fixed", "averaged", "searched"] = "fixed"
     seeds: Annotated[int, Field(ge=1, le=1000)] = 3
-    """How many, where they are averaged over or searched."""
+    """Number of seeds, if they are averaged or searched."""
     where: WhereTable | None = None
     values: dict[str, bool | int | float | str] = {}
     egos: dict[str, Any] = {}
@@ -93,7 +93,7 @@ class SearchTable(_Table):
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """An axis, and how likely its values are."""
+    """An axis, and the distribution of its values."""
 
     axis: Axis
     distribution: Distribution
@@ -101,7 +101,7 @@ class Parameter:
     source: str = ""
 
     def quantile(self, share: float) -> Value:
-        """Return the value that this share of reality lies below."""
+        """Return the value below which this share of the distribution lies."""
         share = min(max(share, TAILS), 1.0 - TAILS)
         if self.axis.choices:
             return self.axis.choices[int(self.distribution.quantile(share))]
@@ -113,14 +113,14 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """Everything that a search needs to know of a scenario."""
+    """All that a search needs to know about a scenario."""
 
     table: SearchTable
     parameters: tuple[Parameter, ...]
     place: str
-    """Where it is declared, for messages."""
+    """Where the space is declared, for messages."""
     folder: Path | None = None
-    """Of the file that declares it, to which trajectories are relative; ``None`` where there is no file."""
+    """Folder of the file that declares it; trajectories are relative to it. ``None`` without a file."""
 
     @property
     def named(self) -> frozenset[str]:
@@ -136,12 +136,12 @@ class Space:
 
 
 def read_space(content: Mapping[str, Any], place: str, folder: Path | None = None) -> Space:
-    """Return the space that a table declares, in a file in ``folder`` if there is one.
+    """Return the space that a table declares; ``folder`` is that of its file, if there is one.
 
     Raises
     ------
     InputError
-        One line with the place, the key, and what was expected.
+        If the table is invalid; one line with the place, the key, and what was expected.
     """
     try:
         table = SearchTable.model_validate(content)
@@ -155,12 +155,12 @@ def read_space(content: Mapping[str, Any], place: str, folder: Path | None = Non
 
 
 def read_space_file(path: Path) -> Space:
-    """Return the space in a file: the content of ``[search]``, with or without that heading.
+    """Return the space in a file, which holds the content of ``[search]`` with or without that heading.
 
     Raises
     ------
     InputError
-        As `read_space`, and for a file that cannot be read.
+        As for `read_space`, and if the file cannot be read.
     """
     content = read_toml(path, "--space")
     inner = content.get("search", content)
@@ -187,7 +187,7 @@ def filled(value: Any, values: Mapping[str, Any], place: str) -> Any:
     Raises
     ------
     InputError
-        For a name that is none of the parameters.
+        If a name is not that of a parameter.
     """
     if isinstance(value, str) and value.startswith("$"):
         if value[1:] not in values:
@@ -229,7 +229,7 @@ def _parameter(name: str, table: ParameterTable, place: str) -> Parameter:
     assert table.maximum is not None
     axis = Axis(name, table.minimum, table.maximum, table.whole, when=when)
     if table.distribution is None:
-        # Every whole number has a part of the same length around it.
+        # Every whole number gets an interval of the same length around it.
         wider = 0.499999 if table.whole else 0.0
         distribution = Distribution("uniform", (table.minimum - wider, table.maximum + wider))
         return Parameter(axis, distribution, table.description, table.source)

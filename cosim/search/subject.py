@@ -1,4 +1,4 @@
-"""What is searched: a scenario, a controller, the space and the criteria, checked before anything is run."""
+"""The subject of a search: scenario, controller, space and criteria, all checked before anything is run."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from sumo_scenarios.distribution import Distribution
 from sumo_scenarios.library import Scenario
 
 CROSSINGS = Path(__file__).parent / "crossings.toml"
-"""Space of networks that say nothing themselves: somebody crosses at any crossing, timed to meet the ego."""
+"""Space of networks without their own: a pedestrian crosses at any crossing, timed to meet the ego."""
 PASSAGE = "passage"
-"""Axis of where a trial takes place."""
+"""Name of the axis that says where a trial takes place."""
 OF_PASSAGES = ("crossing", "route")
-"""What else a table may name of a passage."""
+"""Further properties of a passage that a table may name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is searched."""
+    """The subject of a search."""
 
     scenario: str
-    """As the user says it."""
+    """The scenario as the user named it."""
     place: str
     """Name of a built-in scenario, or an absolute path."""
     loaded: Scenario
@@ -47,14 +47,14 @@ class Subject:
     space: Space
     criteria: tuple[Criterion, ...]
     criteria_tables: tuple[Mapping[str, Any], ...]
-    """Those that are not the scenario's own, as TOML has them; none: the scenario's own hold."""
+    """Criteria that replace the scenario's own, as tables of TOML; if empty, the scenario's own apply."""
     passages: Mapping[str, Passage] = field(default_factory=dict)
-    """By name."""
+    """Passages by name."""
     notes: tuple[str, ...] = ()
 
     @property
     def configured(self) -> bool:
-        """Whether it is a SUMO configuration and not a scenario."""
+        """Whether the subject is a SUMO configuration rather than a scenario."""
         return self.loaded.table is None
 
 
@@ -65,12 +65,12 @@ def read_subject(
     space_file: Path | None = None,
     criteria_file: Path | None = None,
 ) -> Subject:
-    """Return what is to be searched.
+    """Return the subject of a search.
 
     Raises
     ------
     InputError
-        For a scenario, controller, parameter, space or criterion that cannot be, in one line.
+        If a scenario, controller, parameter, space or criterion is invalid; the message is one line.
     """
     try:
         loaded = library.load(scenario)
@@ -105,7 +105,7 @@ def _own_tables(loaded: Scenario) -> list[dict[str, Any]]:
 
 
 def _criteria_tables(loaded: Scenario, space: Space, file: Path | None) -> list[dict[str, Any]]:
-    """Return the criteria that take the place of the scenario's own; none where those hold."""
+    """Return the criteria that replace the scenario's own; empty if the scenario's own apply."""
     if file is None:
         if space.table.criteria and not _own_tables(loaded):
             return space.table.criteria
@@ -150,7 +150,7 @@ def _split(
 
 
 def _with_passages(subject: Subject) -> Subject:
-    """Add the axis of where a trial takes place."""
+    """Add the axis that says where a trial takes place."""
     where = subject.space.table.where
     assert where is not None
     with TemporaryDirectory(prefix="cosim-") as work:
@@ -191,7 +191,7 @@ def _with_passages(subject: Subject) -> Subject:
 
 
 def _check_names(subject: Subject) -> None:
-    """Refuse a parameter that changes nothing, and a name that no parameter has."""
+    """Refuse parameters that change nothing, and names that no parameter has."""
     named = subject.space.named
     own = {one.axis.name for one in subject.space.parameters}
     given = own | (set(OF_PASSAGES) if subject.passages else set())

@@ -1,4 +1,4 @@
-"""Makes the runs of trials by the machinery of batches: worker processes, crashes, time-outs, resuming."""
+"""Makes the runs of trials as a batch does, with worker processes, time-outs and resuming."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from cosim.search.subject import Subject
 from sumo_scenarios import library
 
 SCENARIOS = "scenarios"
-"""Folder of the scenario files of trials, in that of the runs."""
+"""Folder of the scenario files of trials, inside that of the runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +34,9 @@ class Where:
     """Where runs are made."""
 
     processes: int
-    """At a time, on this machine."""
+    """Number of runs made at the same time on this machine."""
     scheduler: str | None = None
-    """Address of a Dask scheduler, whose workers make them instead."""
+    """Address of a Dask scheduler, whose workers make the runs instead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +44,17 @@ class Makers:
     """Processes for the runs of trials."""
 
     pool: Pool
-    """On this machine; says what a run is made from."""
+    """Processes on this machine, which determine the inputs of a run."""
     crew: Crew
-    """Makes the runs."""
+    """Processes that make the runs."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A point and the seed that it is run with."""
+    """A point, and the seed with which it is run."""
 
     name: str
-    """Of its scenario."""
+    """Name of its scenario."""
     point: Point
     seed: int
     description: str
@@ -67,20 +67,20 @@ class Answer:
     trial: Trial
     verdict: Verdict
     invalid: str = ""
-    """Why there is no valid run; empty where there is one."""
+    """Why there is no valid run; empty if there is one."""
 
 
 class Trials:
-    """Runs of trials in a folder; `running` opens it.
+    """Makes the runs of trials in a folder; `running` opens it.
 
     Parameters
     ----------
     subject
     folder
-        Of scenarios and runs.
+        Folder of the scenarios and runs.
     makers
     ledger, tally, show
-        As of a batch.
+        As for a batch.
     """
 
     def __init__(
@@ -101,12 +101,12 @@ class Trials:
         self._started = False
 
     def run(self, trials: Sequence[Trial]) -> list[Answer]:
-        """Make the runs that are missing, and return the answers of all in their order.
+        """Make the missing runs, and return the answers of all trials in their order.
 
         Raises
         ------
         InputError
-            For a trial that cannot be run, and for runs that another search, code or version has made.
+            If a trial cannot be run, or a run was made by another search, code or version.
         SimulationError
             If the disk is full, or no process can be kept alive.
         """
@@ -129,7 +129,7 @@ class Trials:
         return read_csv(self.run_folder(trial) / ENCOUNTERS.file)
 
     def run_folder(self, trial: Trial) -> Path:
-        """Return where the run of a trial is."""
+        """Return the folder of the run of a trial."""
         return self._ledger.run_folder(self._configured(trial).name)
 
     def _configured(self, trial: Trial) -> Job:
@@ -146,7 +146,7 @@ class Trials:
         return Job(configuration, trial.seed)
 
     def _job(self, trial: Trial, finished: set[str]) -> Job:
-        """Return the run of a trial, its scenario being written."""
+        """Write the scenario of a trial, and return its run."""
         job = self._configured(trial)
         folder = self.folder / SCENARIOS / trial.name
         file = folder / library.DEFINITION
@@ -161,7 +161,7 @@ class Trials:
         return job
 
     def _identities(self, jobs: Sequence[Job]) -> dict[Job, Identity]:
-        """Return what each run is made from; the first one's scenario is read by SUMO too."""
+        """Return the inputs of each run; SUMO reads the scenario of the very first run, too."""
         futures = []
         for job in jobs:
             futures.append(self._makers.pool.check(job, not self._started))
@@ -190,20 +190,20 @@ def judged(criteria: Sequence[Criterion], run: Path) -> Verdict:
 
 @contextmanager
 def makers(subject: Subject, folder: Path, where: Where, handling: Handling) -> Iterator[Makers]:
-    """Give the processes that make runs; nothing is written.
+    """Yield the processes that make runs; nothing is written.
 
     Parameters
     ----------
     subject
     folder
-        Of the trials.
+        Folder of the trials.
     where
     handling
 
     Raises
     ------
     InputError
-        If nobody answers at the address of a scheduler, or a worker there has another version of anything.
+        If no scheduler answers at the address, or a worker there has another version of anything.
     """
     with Pool(where.processes, handling) as pool:
         if where.scheduler is None:
@@ -236,13 +236,13 @@ def running(
     ----------
     subject
     folder
-        New, or that of the same search.
+        A new folder, or that of the same search.
     about
-        What the trials belong to; kept beside them.
+        Text on the search to which the trials belong; it is kept beside them.
     hands
-        As `makers` gives them.
+        Processes that `makers` yields.
     total
-        Runs that are planned, for who shows how far it is.
+        Number of planned runs, for showing the progress.
     show
     """
     ledger = Ledger(folder)
@@ -256,7 +256,7 @@ def running(
 
 
 def copy_scenario(subject: Subject, trial: Trial, folder: Path) -> None:
-    """Write the scenario of a trial to another folder, in which it is as runnable."""
+    """Write the scenario of a trial to another folder, from which it can be run just as well."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     text = scenario_text(subject, trial.point, folder, trial.description)

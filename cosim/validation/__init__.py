@@ -1,1 +1,1 @@
-"""Simulation held against real tracks: the demand rebuilt, runs over seeds, comparison, calibration."""
+"""Compares simulations with real tracks: rebuilt demand, runs over seeds, comparison and calibration."""

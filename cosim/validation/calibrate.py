@@ -1,4 +1,4 @@
-"""From tracks to types of road users: estimated on one part of a recording, held against the other part."""
+"""Estimates types of road users from one part of a recording, and validates them on the other part."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TRAINING, BEFORE, AFTER, WORK = "training", "before", "after", "network"
 """Folders of a calibration."""
 FILE = "calibrated.toml"
 CAR = {"accel": "acceleration", "decel": "braking", "tau": "time_gap", "minGap": "standstill_gap"}
-"""Attribute of SUMO's type of cars -> what is estimated for it."""
+"""Attributes of SUMO's type of cars, and the estimates that give their values."""
 
 ESTIMATES = Table(
     "estimates",
@@ -48,12 +48,12 @@ ESTIMATES = Table(
 
 @dataclass(frozen=True, slots=True)
 class CalibrationRequest:
-    """Request of a user for a calibration."""
+    """A user's request for a calibration."""
 
     scenario: str
     tracks: str
     split_s: float | None = None
-    """Second of the recording at which the held-out part begins; ``None``: the middle."""
+    """Time in the recording at which the held-out part begins; ``None`` for the middle [s]."""
     out: Path | None = None
     crs: str | None = None
     bodies: str | None = None
@@ -81,7 +81,7 @@ def calibrated(request: CalibrationRequest) -> Calibrated:
     Raises
     ------
     InputError
-        For a scenario or tracks that cannot be.
+        If the scenario or the tracks are invalid.
     """
     folder = request.folder
     folders.check(folder)
@@ -141,7 +141,7 @@ def types_of(known: Mapping[str, Estimate]) -> tuple[Types, Mapping[str, str]]:
         speed, spread = known["walking_speed"].value, known["walking_speed_sd"].value
         put("pedestrian", "desiredMaxSpeed", f"{speed:.3f}", "walking_speed")
         put("pedestrian", "speedFactor", f"normc(1,{spread / speed:.3f},0.5,1.8)", "walking_speed_sd")
-    # Near a junction hardly anybody reaches the speed that they would like: it is estimated, and not used.
+    # Near a junction, hardly any driver reaches the desired speed, so its estimate is not used.
     for attribute, name in CAR.items():
         if known[name].known:
             put("car", attribute, f"{known[name].value:.3f}", name)

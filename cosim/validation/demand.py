@@ -1,4 +1,4 @@
-"""The demand of a recording: who departed when, from where, to where, by what; nothing of how they moved."""
+"""Rebuilds the demand of a recording: departure, origin, destination and mode, but not how people moved."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from cosim.sumo.network import NetLane, Network
 from cosim.tracks.lanes import SUMO_CLASS
 
 LEAST_WAY_M = 10.0
-"""Vehicles that move less are parked, or stand in a queue when the recording begins and when it ends."""
+"""Vehicles that move less than this are left out, as parked or queueing throughout the recording [m]."""
 LEAST_WALK_M = 3.0
 AHEAD_M, DIRECTION_SAMPLES = 4.0, 20
-"""Where pedestrians go, or come from, is looked for so far ahead, in the direction of so many samples."""
+"""The sidewalk of a pedestrian is searched this far ahead [m], in the direction over this many samples."""
 FROM_END_M = 0.5
-"""Nobody departs nearer to the end of a lane."""
+"""Vehicles depart at least this far from the end of a lane [m]."""
 Types = Mapping[str, Mapping[str, str]]
-"""Class of road users -> attributes of their SUMO type."""
+"""Attributes of the SUMO types of road users, by class."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class Rebuilt:
 
     routes: Path
     departed: Mapping[str, int]
-    """By class: road users in it."""
+    """Number of road users in the demand, by class."""
     left_out: Mapping[str, int]
-    """By class: road users of the recording without a way from where they came to where they went, or who
-    hardly moved."""
+    """Number of road users of the recording who have no way from origin to destination, or who hardly moved,
+    by class."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +57,11 @@ def rebuild(
     ----------
     frame : placed samples, as `cosim.tracks.fit.placed` returns them
     network
-    path : to write to
-    begin_s : simulated time that stands for the first second of the recording [s]
-    types : attributes of types beside the class; classes without are SUMO's own
-    with_speeds : whether vehicles depart as fast as they were, however near others are; otherwise as fast as
-        SUMO finds safe, and only where it does
+    path : file to write to
+    begin_s : simulated time of the beginning of the recording [s]
+    types : further attributes of the types; classes without an entry use SUMO's own types
+    with_speeds : whether vehicles depart at their recorded speed, however near others are; otherwise they
+        depart at a speed that SUMO finds safe, and only where it does
     """
     ways = _Ways(network, with_speeds)
     lines: list[tuple[float, str]] = []
@@ -83,7 +83,7 @@ def rebuild(
 
 
 def allowed_name(name: str, taken: set[str]) -> str:
-    """Return a name as SUMO takes it, and note it; it has no blanks and few other signs."""
+    """Return a unique name that SUMO accepts, without blanks and most signs, and add it to ``taken``."""
     plain = made = re.sub(r"[^A-Za-z0-9_.-]", "_", name)
     number = 1
     while made in taken:
@@ -104,7 +104,7 @@ def _type(kind: str, attributes: Mapping[str, str]) -> str:
 
 
 class _Ways:
-    """Finds edges that road users came from and went to."""
+    """Finds the edges from which road users came and to which they went."""
 
     def __init__(self, network: Network, with_speeds: bool) -> None:
         self._network = network
@@ -120,7 +120,7 @@ class _Ways:
         self._lines = np.array([shapely.LineString(lane.shape) for lane in self._sidewalks], dtype=object)
 
     def trip(self, name: str, track: pd.DataFrame, begin_s: float) -> str | None:
-        """Return the trip of a vehicle; ``None`` without a way."""
+        """Return the trip of a vehicle; ``None`` if it has no way or hardly moved."""
         x, y = track["x_m"].to_numpy(), track["y_m"].to_numpy()
         if np.hypot(x - x[0], y - y[0]).max() < LEAST_WAY_M:
             return None
@@ -131,7 +131,7 @@ class _Ways:
         if start is None or end is None or not self._leads(start.edge, end, SUMO_CLASS[kind]):
             return None
         if self._with_speeds:
-            # SUMO lets nobody in so near to others as real drivers are.
+            # Real drivers are nearer to each other than SUMO's insertion checks allow.
             departure = {"departSpeed": f"{float(track['speed_mps'].iloc[0]):.2f}", "insertionChecks": "none"}
         else:
             departure = {"departSpeed": "max"}
@@ -142,7 +142,7 @@ class _Ways:
                 "depart": f"{begin_s + float(track['time_s'].iloc[0]):.2f}",
                 "from": start.edge,
                 "to": end,
-                # From a cycle lane that leads elsewhere SUMO's bicycles never get away.
+                # SUMO's bicycles never leave a cycle lane that leads elsewhere.
                 "departLane": "best" if kind == "bicycle" else str(start.lane),
                 "departPos": f"{start.at:.2f}",
                 **departure,
@@ -151,7 +151,7 @@ class _Ways:
         )
 
     def _start(self, places: Sequence[str], along: np.ndarray) -> _Place | None:
-        """Return where a vehicle came into view: on its first lane, or before the junction that it is in."""
+        """Return where a vehicle came into view: on its first lane, or before the junction it was in."""
         for place, way in zip(places, along.tolist(), strict=True):
             lane = self._network.lanes.get(place)
             if lane is None:
@@ -180,7 +180,7 @@ class _Ways:
         return None
 
     def _leads(self, start: str, end: str, vehicle_class: str) -> bool:
-        """Return whether that class can drive from an edge to another one."""
+        """Return whether a class of vehicles can drive from one edge to another."""
         if start == end:
             return True
         onward = self._next.setdefault(vehicle_class, {})
@@ -206,7 +206,7 @@ class _Ways:
         return False
 
     def walk(self, name: str, track: pd.DataFrame, begin_s: float) -> str | None:
-        """Return the walk of a pedestrian from sidewalk to sidewalk; ``None`` without one."""
+        """Return the walk of a pedestrian from sidewalk to sidewalk; ``None`` if there is none."""
         x, y = track["x_m"].to_numpy(), track["y_m"].to_numpy()
         if not self._sidewalks or np.hypot(x - x[0], y - y[0]).max() < LEAST_WALK_M:
             return None
@@ -228,7 +228,7 @@ class _Ways:
         return f"    <person {person}><walk {stage}</person>"
 
     def _sidewalk(self, place: str, x: float, y: float, way_x: float, way_y: float) -> _Place:
-        """Return the sidewalk ahead of who came into view or left it, also in the middle of a crossing."""
+        """Return the sidewalk from or to which a pedestrian walked, even if seen only on a crossing."""
         length = float(np.hypot(way_x, way_y))
         direction = np.array([way_x, way_y]) / length if length > 0.0 else np.zeros(2)
         at_place = np.array([x, y])

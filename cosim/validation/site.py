@@ -1,4 +1,4 @@
-"""The scenario in which a recording is simulated again: its network and signals with the rebuilt demand."""
+"""Writes the scenario that simulates a recording: its network and signals, with the rebuilt demand."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STEP_S = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What of a scenario is kept: everything but its demand."""
+    """The parts of a scenario that are kept: everything but its demand."""
 
     name: str
     net_file: Path
@@ -33,7 +33,7 @@ class Site:
     begin_s: float
     options: dict[str, str]
     types: Types = field(default_factory=dict)
-    """Types that the scenario has in the place of its configuration's, by class of road users."""
+    """Types with which the scenario replaces those of its configuration, by class of road users."""
 
 
 def read_site(name: str, work: Path) -> Site:
@@ -41,8 +41,8 @@ def read_site(name: str, work: Path) -> Site:
 
     Parameters
     ----------
-    name : of a scenario, its folder, or a SUMO configuration
-    work : folder for what has to be made of plain sources
+    name : name of a scenario, its folder, or a SUMO configuration
+    work : folder for files that have to be built from plain sources
 
     Raises
     ------
@@ -68,16 +68,16 @@ def read_site(name: str, work: Path) -> Site:
 def write_site(
     folder: Path, site: Site, network: Network, frame: pd.DataFrame, types: Types, duration_s: float
 ) -> tuple[Path, Rebuilt]:
-    """Write the configuration in which a recording is simulated again, and return it with its demand.
+    """Write the configuration that simulates a recording, and return it with its demand.
 
     Parameters
     ----------
-    folder : to write to
+    folder : folder to write to
     site
-    network : of the site
-    frame : placed samples whose demand it has
+    network : network of the site
+    frame : placed samples from which the demand is rebuilt
     types : attributes of the types of road users
-    duration_s : of the simulation
+    duration_s : duration of the simulation [s]
     """
     folder.mkdir(parents=True, exist_ok=True)
     first = float(frame["time_s"].min())
@@ -92,10 +92,10 @@ def write_configuration(path: Path, site: Site, routes: str, duration_s: float) 
 
     Parameters
     ----------
-    path : to write to
+    path : file to write to
     site
     routes : name of the route file beside it
-    duration_s : of the simulation
+    duration_s : duration of the simulation [s]
     """
     inputs = {
         "net-file": joined_names([str(site.net_file.resolve())]),

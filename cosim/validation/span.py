@@ -1,4 +1,4 @@
-"""A part of a recording."""
+"""Selects a part of a recording."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cosim.errors import InputError
 
 
 def span_of(begin_s: float | None, end_s: float | None) -> tuple[float, float] | None:
-    """Return the part between two seconds of a recording; ``None``: all of it.
+    """Return the part between two times of a recording [s]; ``None`` for all of it.
 
     Raises
     ------
     InputError
-        If it ends before it begins.
+        If the part ends before it begins.
 
     Examples
     --------
@@ -31,13 +31,13 @@ def span_of(begin_s: float | None, end_s: float | None) -> tuple[float, float] |
 
 
 def spanned(frame: pd.DataFrame, span: tuple[float, float] | None, step_s: float) -> pd.DataFrame:
-    """Return the samples of road users who appear in a part of the recording, at times from its begin on.
+    """Return the samples of road users who appear in a part of the recording, with times from its beginning.
 
     Parameters
     ----------
-    frame : as `cosim.tracks.fit.placed` returns it
-    span : ``None``: all of it
-    step_s : of the recording [s]
+    frame : samples as `cosim.tracks.fit.placed` returns them
+    span : the part; ``None`` for all of the recording [s]
+    step_s : time step of the recording [s]
     """
     if span is None:
         return frame

@@ -1,4 +1,4 @@
-"""A controller in the place of one recorded vehicle: everybody else moves as recorded."""
+"""Lets a controller take the place of one recorded vehicle; all other road users move as recorded."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from cosim.validation.span import spanned
 from sumo_scenarios.recorded_vehicles import NUMBERS, TEXTS
 
 BEFORE_S, AFTER_S = 5.0, 20.0
-"""The scenario begins and ends so long before and after the vehicle's own recording."""
+"""The scenario begins and ends this long before and after the recording of the vehicle [s]."""
 STEP_S = 0.1
 WORK = "network"
-"""Folder of what was made of the scenario's plain sources; the written scenario names files in it."""
+"""Folder of files built from the scenario's plain sources; the written scenario names files in it."""
 VEHICLES, PEOPLE, OWN = "vehicles.csv", "people.csv", "recorded.csv"
 OFF_M = 2.0
-"""Farther from where the recorded vehicle was at that time, people would have met somebody else."""
+"""Beyond this distance from the recorded vehicle, the ego meets people in a different situation [m]."""
 
 
 TABLE = Table(
@@ -75,17 +75,17 @@ class Met:
 
     @property
     def could_react(self) -> bool:
-        """Whether the pedestrian met the ego where and when they had met the recorded vehicle."""
+        """Whether the pedestrian met the ego where and when they met the recorded vehicle."""
         return self.off_m <= OFF_M
 
 
 def write_stand_in(folder: Path, site: Site, found: OnNetwork, vehicle: str) -> Path:
-    """Write the scenario in which an ego takes the place of a vehicle, into a new folder.
+    """Write the scenario in which an ego takes the place of a vehicle to a new folder.
 
     Raises
     ------
     InputError
-        When there is no such vehicle, or it has no way through the network.
+        If there is no such vehicle, or it has no way through the network.
     """
     frame = found.placed.frame
     own = frame[frame["id"] == vehicle]
@@ -131,7 +131,7 @@ def _texts(frame: pd.DataFrame, columns: tuple[str, ...]) -> list[list[str]]:
 
 
 def _write(path: Path, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Write a table for a simulation: names stay as they are, also those that a spreadsheet misreads."""
+    """Write a table for a simulation; names stay as they are, even if a spreadsheet would misread them."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([heads, *rows])
     write_text(path, text.getvalue())
@@ -155,7 +155,7 @@ def _write_vehicles(path: Path, others: pd.DataFrame, found: OnNetwork, named: s
 
 
 def _edge(places: list[str], found: OnNetwork) -> str:
-    """Return the first edge outside junctions on which a vehicle was; empty for none."""
+    """Return the first edge outside junctions on which a vehicle was; empty if there is none."""
     lanes = found.network.lanes
     return next((lanes[one].edge for one in places if one in lanes and not lanes[one].internal), "")
 
@@ -173,7 +173,7 @@ def off_recorded(scenario: Path, egos: pd.DataFrame) -> pd.Series:
 
     Parameters
     ----------
-    scenario : folder that `write_stand_in` has written
+    scenario : folder written by `write_stand_in`
     egos : egos.parquet of the run
     """
     with (scenario / OWN).open(encoding="utf-8", newline="") as file:
@@ -185,12 +185,12 @@ def off_recorded(scenario: Path, egos: pd.DataFrame) -> pd.Series:
 
 
 def met_people(scenario: Path, egos: pd.DataFrame, encounters: Sequence[Mapping[str, str]]) -> list[Met]:
-    """Return each encounter of a run with how far the ego was from the recorded vehicle until its end.
+    """Return each encounter of a run, with the ego's distance from the recorded vehicle until its end.
 
     Parameters
     ----------
-    scenario : folder that `write_stand_in` has written
-    egos, encounters : of the run: egos.parquet, and the rows of encounters.csv
+    scenario : folder written by `write_stand_in`
+    egos, encounters : egos.parquet and the rows of encounters.csv of the run
     """
     off = off_recorded(scenario, egos).to_numpy()
     return [
@@ -207,7 +207,7 @@ def met_people(scenario: Path, egos: pd.DataFrame, encounters: Sequence[Mapping[
 
 @dataclass(frozen=True, slots=True)
 class StandInRequest:
-    """Request of a user for a drive in the place of a recorded vehicle."""
+    """A user's request for a drive in the place of a recorded vehicle."""
 
     scenario: str
     tracks: str
@@ -222,7 +222,7 @@ class StandInRequest:
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """Result of such a drive."""
+    """Result of a drive in the place of a recorded vehicle."""
 
     folder: Path
     outcome: Outcome
@@ -231,14 +231,14 @@ class Driven:
 
 
 def stand_in(request: StandInRequest) -> Driven:
-    """Write the scenario, drive through it, and say of each encounter whether the people could react.
+    """Write the scenario, drive through it, and determine for each encounter whether the people could react.
 
     Raises
     ------
     InputError
-        For a scenario, tracks, a vehicle or a controller that cannot be.
+        If the scenario, the tracks, the vehicle or the controller is invalid.
     SimulationError
-        When the run ended before there was anything to analyse.
+        If the run ended before there was anything to analyse.
     """
     with _folder(request, Path(request.scenario).stem) as folder:
         site = read_site(request.scenario, folder / WORK)
@@ -247,14 +247,14 @@ def stand_in(request: StandInRequest) -> Driven:
 
 
 def drive(request: StandInRequest, site: Site, found: OnNetwork) -> Driven:
-    """Do the same with a site and tracks that are read already, for several vehicles or other signals.
+    """Do the same as `stand_in` with a site and tracks already read, for several vehicles or other signals.
 
     Raises
     ------
     InputError
-        For a vehicle or a controller that cannot be.
+        If the vehicle or the controller is invalid.
     SimulationError
-        When the run ended before there was anything to analyse.
+        If the run ended before there was anything to analyse.
     """
     with _folder(request, site.name) as folder:
         return _driven(folder, request, site, found)

@@ -1,4 +1,4 @@
-"""Attributes of SUMO's types by class of road users: what a calibration writes, and what a scenario has."""
+"""Reads and writes attributes of SUMO's types by class of road users, from calibrations and scenarios."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ TABLE = "types"
 
 
 def read_types(path: Path | None) -> Types:
-    """Return the attributes of types in a file; none without a file.
+    """Return the attributes of types in a file; empty without a file.
 
     Raises
     ------
     InputError
-        If it cannot be read, or names an unknown class.
+        If the file cannot be read, or names an unknown class.
     """
     if path is None:
         return {}
@@ -42,12 +42,12 @@ def read_types(path: Path | None) -> Types:
 
 
 def types_of_classes(path: Path | None) -> Types:
-    """Return the attributes of the types in a file of SUMO by their classes; none without a file.
+    """Return the attributes of the types in a file of SUMO by their classes; empty without a file.
 
     Raises
     ------
     InputError
-        If two types have the same class: it is not known which one a recorded road user has.
+        If two types have the same class, as it is not known which of them a recorded road user has.
     """
     if path is None:
         return {}
@@ -66,12 +66,12 @@ def types_of_classes(path: Path | None) -> Types:
 
 
 def types_text(types: Types, comments: Mapping[str, str]) -> str:
-    """Return the text of such a file.
+    """Return the text of a file that `read_types` reads.
 
     Parameters
     ----------
     types
-    comments : by ``class.attribute``
+    comments : comments by ``class.attribute``
     """
     lines = []
     for kind, attributes in types.items():

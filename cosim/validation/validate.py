@@ -1,4 +1,4 @@
-"""From a scenario and tracks to the comparison of street and simulation."""
+"""Validates a scenario: simulates recorded demand, and compares the runs with the real tracks."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ REAL, SIMULATED, SCENARIO, WORK = "real", "simulated", "scenario", "network"
 """Folders of a validation."""
 RECORD = "validation.json"
 ASKED_FOR = "asked_for"
-"""Key of the record: what has to be the same for a validation to be resumed."""
+"""Key of the record for what has to be the same if a validation is resumed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ValidationRequest:
-    """Request of a user for a validation."""
+    """A user's request for a validation."""
 
     scenario: str
     tracks: str
@@ -50,9 +50,9 @@ class ValidationRequest:
     crs: str | None = None
     bodies: str | None = None
     types: Path | None = None
-    """Attributes of types, as a calibration writes them; other classes have the variant's, else SUMO's."""
+    """File of types, as a calibration writes it; other classes use the scenario's types, or else SUMO's."""
     span_s: tuple[float, float] | None = None
-    """Part of the recording that is simulated; ``None``: all of it."""
+    """Part of the recording to simulate; ``None`` for all of it [s]."""
     again: str = ""
 
     @property
@@ -85,7 +85,7 @@ def planned(request: ValidationRequest) -> Plan:
     Raises
     ------
     InputError
-        For a scenario, tracks or a file of types that cannot be, or a folder with another validation;
+        If the scenario, the tracks or the file of types are invalid, or the folder has another validation;
         nothing is simulated then.
     """
     check_seeds(request.seeds, "cosim validate")
@@ -99,7 +99,7 @@ def planned(request: ValidationRequest) -> Plan:
 
 
 def _check_same(request: ValidationRequest) -> None:
-    """Refuse the folder of another validation before anything in it is written over."""
+    """Refuse the folder of another validation before anything in it is overwritten."""
     folder = request.folder
     try:
         before = read_json(folder / RECORD).get(ASKED_FOR)
@@ -125,7 +125,7 @@ def _check_same(request: ValidationRequest) -> None:
 
 
 def _asked_for(request: ValidationRequest, site: Site) -> dict[str, Any]:
-    """Return what decides the real side and the demand; files by their SHA-256."""
+    """Return what determines the real side and the demand, with the SHA-256 of files."""
     tracks = TracksRequest(request.tracks, site.net_file, request.crs, request.bodies)
     span = request.span_s
     return {
@@ -215,7 +215,7 @@ def finished(plan: Plan) -> Validated:
     Raises
     ------
     SimulationError
-        When no run can be compared.
+        If no run can be compared.
     """
     folder = plan.request.folder
     runs = sorted(path.parent for path in (folder / SIMULATED).rglob("traffic.parquet"))
