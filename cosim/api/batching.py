@@ -28,8 +28,8 @@ def batch(
     ----------
     study
         A study file, or its content: ``{"scenarios": ["midblock_zebra"], "controllers": ["sumo", "vo_mpc"],
-        "seeds": "1-30", "set": {"duration_s": 300}}``. Controllers must be given by name, as the runs are
-        made in other processes.
+        "seeds": "1-30", "set": {"duration_s": 300}}``. Controllers are given by name or address, not as
+        objects, because the runs are made in other processes.
     out
         Folder of the study; one with results of the same study is completed. By default ``runs/<study>``.
     jobs

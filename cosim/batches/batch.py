@@ -1,4 +1,4 @@
-"""A batch from its study file to its tables."""
+"""Runs a batch, from its study file to its tables."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Shown = AbstractContextManager[Callable[[Tally], None]]
 
 @dataclass(frozen=True, slots=True)
 class BatchRequest:
-    """Request of a user for a batch."""
+    """A user's request for a batch."""
 
     study: Path
     out: Path | None = None

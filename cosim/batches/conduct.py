@@ -1,4 +1,4 @@
-"""The main loop of a batch: hand out runs, keep those that succeed, and repeat those that fail once."""
+"""The main loop of a batch: hand out runs, keep those that succeed, and try failed ones once more."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cosim.errors import CosimError, SimulationError
 
 ATTEMPTS = 2
 LOSSES_IN_A_ROW = 20
-"""After more than this many lost runs in a row, no process is taken to stay alive."""
+"""A batch stops after more lost runs in a row than this, as no process seems to stay alive."""
 LOOK_EVERY_S = 0.5
 """Time between two updates while no run ends [s]."""
 

@@ -88,7 +88,7 @@ class StudyOnWorker(WorkerPlugin):
             shutil.rmtree(self._folder, ignore_errors=True)
 
     def make(self, job: Job, rest: Bundle | None = None) -> tuple[str, bool, bytes]:
-        """Return why there is no run (or ""), whether it was lost through no fault of its own, and its files.
+        """Make a run; return why it failed, if so, whether it was lost without being at fault, and its files.
 
         Parameters
         ----------

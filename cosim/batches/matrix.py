@@ -1,4 +1,4 @@
-"""From a study file to its runs: scenarios × controllers × sensing × seeds × varied parameters."""
+"""Builds the runs of a study: scenarios × controllers × sensing × seeds × varied parameters."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from cosim.toml_files import read_toml
 Value = bool | int | float | str
 LARGEST_SEED = 2**31 - 1
 MOST_SEEDS = 1_000_000
-"""Most seeds in a range; more are probably a typing error and would fill the memory."""
+"""Largest number of seeds in a range; more are probably a typing error and would fill the memory."""
 DEFAULT_TIMEOUT_S = 3600.0
 
 _RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")

@@ -32,7 +32,7 @@ _OURS = (CRITERIA.file, PACKAGE, MANIFEST, PAGE, DATA, WORKBOOK)
 
 @dataclass(frozen=True, slots=True)
 class CheckRequest:
-    """Request of a user for a check."""
+    """A user's request for a check."""
 
     targets: tuple[str, ...]
     out: Path | None = None

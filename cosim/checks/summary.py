@@ -14,7 +14,7 @@ from cosim.checks.finding import VALID, Finding, exit_code
 from cosim.checks.junit import details
 
 MOST_FAILURES = 30
-"""Most failures that are shown one by one; criteria.csv has all of them."""
+"""Largest number of failures shown one by one; criteria.csv has all of them."""
 MOST_ROWS = 200
 STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 

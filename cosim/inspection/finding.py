@@ -11,7 +11,7 @@ class Level(StrEnum):
 
     GOOD = "good"
     NOTE = "note"
-    """Useful to know, but harmless."""
+    """Worth knowing, but no reason not to run a study."""
     DANGER = "danger"
     """A run works, but its numbers do not mean what the user would expect."""
     MISSING = "missing"

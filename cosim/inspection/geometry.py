@@ -153,7 +153,7 @@ def _turning(network: Network) -> Iterator[tuple[Connection, Path, float]]:
 
 
 def _last(shape: FloatArray, length: float) -> FloatArray:
-    """Return the last part of a shape, of the given length [m]."""
+    """Return the last part of a shape, of the given length [m]; all of it if it is shorter."""
     pieces = np.hypot(*np.diff(shape, axis=0).T)
     gone = np.cumsum(pieces[::-1])
     count = int(np.searchsorted(gone, length)) + 1

@@ -37,7 +37,7 @@ class RoadUser:
     length: float = 4.5
     width: float = 1.8
     way: Way | None = None
-    """Where it will drive; ``None``: straight on."""
+    """Where the vehicle will drive; ``None`` for straight on."""
 
     def sees(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return positions of points (n, 2) along and across the vehicle's way, from its front bumper [m].
@@ -138,7 +138,7 @@ class Behaviour(Protocol):
 
         Parameters
         ----------
-        state : at ``scene.time``
+        state : state at ``scene.time``
         scene : what the pedestrian sees then
         until : end of the step [s]
         """

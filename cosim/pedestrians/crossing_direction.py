@@ -14,14 +14,14 @@ import numpy as np
 from cosim.arrays import FloatArray
 
 ANGLES: Final = np.deg2rad(np.arange(30.0, 151.0))
-"""The alternatives [rad]."""
+"""The directions to choose from [rad]."""
 FURTHEST = 2.5
 """Scale of the distance to the goal, in widths of the road: 20 m for the paper's 8 m."""
 
 
 @dataclass(frozen=True, slots=True)
 class CrossingDirection:
-    """E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m), with U1 short ways, U2 near goals.
+    """E = α U1 + (1 − α) U2, P_i = exp(E_i / m) / Σ exp(E_j / m): U1 favours short ways, U2 near goals.
 
     This model moves the simulated pedestrians. Controllers that predict a choice of direction have a model
     and parameters of their own (``controllers/prediction/direction_choice.py``), which must not be used

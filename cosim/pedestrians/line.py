@@ -41,7 +41,7 @@ class Meeting:
         if self.furthest + vehicle.length < 0.0:
             return math.inf
         if self.nearest <= RADIUS + SIDE:
-            return 0.0  # on it, moving or not
+            return 0.0  # the vehicle is on the line, moving or not
         return (self.nearest - RADIUS) / vehicle.speed if vehicle.speed > STANDING else math.inf
 
     def leaves_gap(self, vehicle: RoadUser, enters: float, gap: float) -> bool:

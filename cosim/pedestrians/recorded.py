@@ -26,7 +26,7 @@ class Recorded:
     start: float = 0.0
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Return place and velocity at a simulated time, held before and after the recording [m, m/s].
+        """Return place and velocity at a time; before and after the recording, the person stands [m, m/s].
 
         >>> Recorded(np.array([[0.0, 1.0, 0.0], [2.0, 1.0, 3.0]])).at(1.0)
         (1.0, 1.5, 0.0, 1.5)

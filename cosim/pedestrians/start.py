@@ -25,7 +25,7 @@ class AtTime:
     time: float
 
     def instant(self, scene: Scene, until: float) -> float | None:
-        """Return the time once it has come."""
+        """Return the time if it comes before ``until`` [s]."""
         return max(self.time, scene.time) if self.time < until else None
 
 
@@ -143,7 +143,7 @@ class WhenClear:
 
 @dataclass(frozen=True, slots=True)
 class WhileSignal:
-    """Start after another start, once a signal shows red, or green; a signal that is off shows neither."""
+    """Start once another start allows it and a signal shows red, or green; if off, it shows neither."""
 
     start: Start
     crossing: str

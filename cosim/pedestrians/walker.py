@@ -18,7 +18,7 @@ COMES_INTO_VIEW_S = 5.0
 STOPS_BEFORE = 0.3
 """A watchful pedestrian stops this long before entering a vehicle's path [s]."""
 ASIDE = 8.0
-"""Vehicles that stay farther away than this while they matter are not looked at in detail [m]."""
+"""Vehicles that cannot come nearer than this in time are not examined in detail [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Walker:
             return None
         way, speed = travelled(legs, elapsed)
         if stands:
-            speed = 0.0  # at the end of the pause the next part of the walk has its speed already
+            speed = 0.0  # at the end of a pause, ``travelled`` gives the speed of the next part
         (x, y), (east, north) = self.line.point(way), self.line.direction
         return State(x, y, speed * east, speed * north, started, legs)
 

@@ -1,4 +1,4 @@
-"""The folder of a search or an estimate; it records what determines the runs, so that only those resume."""
+"""The folder of a search or an estimate, which records what determines its runs, so that they can resume."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from cosim.search.trials import Trial, makers, running
 NEEDED = ("matplotlib", "jinja2")
 REPLAYS = "replays"
 MOST = 12
-"""Largest number of kinds that get a replay; the clearest ones do."""
+"""Largest number of kinds that get a replay, the clearest ones first."""
 _ROLES = {
     "fixed": "All runs have the seed {seeds}: traffic and everything else random is the same in each.",
     "averaged": "Each trial is run with the seeds {seeds}, and its mean margin is searched.",

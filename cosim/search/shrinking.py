@@ -12,7 +12,7 @@ from analysis.search.shrinking import Asking, Change, nearest, smallest_change
 from cosim.search.trials import Answer, Trial, Trials
 
 MOST = 4
-"""Largest number of kinds whose boundary is searched; the clearest ones are."""
+"""Largest number of kinds whose boundary is searched, the clearest ones first."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from sumo_scenarios.distribution import Distribution
 from sumo_scenarios.library import Scenario
 
 CROSSINGS = Path(__file__).parent / "crossings.toml"
-"""Space of networks without their own: a pedestrian crosses at any crossing, timed to meet the ego."""
+"""Default space: a pedestrian crosses at any crossing of the network, timed to meet the ego."""
 PASSAGE = "passage"
 """Name of the axis that says where a trial takes place."""
 OF_PASSAGES = ("crossing", "route")
