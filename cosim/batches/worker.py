@@ -39,7 +39,7 @@ LONG_ENOUGH_S = 0.5
 """A process whose run fails lives at least this long, so that the pool learns which run it had [s]."""
 
 RECORDINGS = ("*.parquet", "map.json", "datapackage.json")
-"""Files of a run that a batch can drop: the recording, and the description of tables."""
+"""Files of a run that a batch can drop: the recording, and the dictionary of tables, as it writes its own."""
 
 
 @dataclass(frozen=True, slots=True)
