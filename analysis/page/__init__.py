@@ -1,1 +1,1 @@
-"""The report as one HTML file, and the replay of encounters."""
+"""The report as one HTML file, with replays of encounters."""

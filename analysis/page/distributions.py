@@ -1,4 +1,4 @@
-"""Small multiples of cumulative distributions, as SVG whose colours follow the page, light or dark."""
+"""Small multiples of cumulative distributions, as SVG in the colours of the page, light or dark."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from analysis.study.design import Study
 from analysis.thresholds import DRAC_LIMIT_MPS2, LOW_PET_S, LOW_TTC_S
 
 POINTS = 200
-"""A curve of more values is drawn through this many of its percentiles."""
+"""A curve with more values than this is drawn through this many of its percentiles."""
 SERIES = 6
-"""Colours of the page; the dashes of line 7 differ from those of line 1."""
+"""Number of colours of the page; line 7 has the colour of line 1, but other dashes."""
 _DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)))
-# Colours that stand for variables of page.css until the SVG is written.
+# Placeholder colours, replaced by the variables of page.css in the finished SVG.
 _INK, _MUTED, _GRID = "#010203", "#010204", "#010205"
 _LINE = "#0102{:02x}"
 _VARIABLES = {_INK: "var(--ink)", _MUTED: "var(--muted)", _GRID: "var(--grid)"} | {
@@ -39,9 +39,9 @@ class Panel:
     title: str
     unit: str
     limit: float | None = None
-    """A line to compare with."""
+    """Where a line for comparison is drawn."""
     most: float | None = None
-    """The axis ends here: values above do not matter for safety."""
+    """End of the axis; larger values do not matter for safety."""
     file: str = "encounters.csv"
 
 
@@ -56,7 +56,7 @@ PANELS = (
 
 
 def distributions(study: Study, found: Encounters) -> list[dict[str, Any]]:
-    """Return for each scenario its panels; runs under all its settings count together."""
+    """Return the panels for each scenario, with the runs of all its settings together."""
     blocks = []
     labels = study.all_labels()
     for place, scenario in enumerate(sorted({run.scenario_id for run in study.runs})):
@@ -92,7 +92,7 @@ def distributions(study: Study, found: Encounters) -> list[dict[str, Any]]:
 
 
 def _values(study: Study, found: Encounters, scenario: str, label: str) -> dict[str, FloatArray]:
-    """Return the defined values of each panel, sorted; nothing for a configuration without a valid run."""
+    """Return the sorted defined values for each panel; empty for a configuration without a valid run."""
     runs = [
         (i, run)
         for i, run in enumerate(found.runs)
@@ -122,7 +122,7 @@ def _legend(labels: Sequence[str], label: str) -> dict[str, Any]:
 
 
 def _figure(panel: Panel, series: Mapping[str, FloatArray], labels: Sequence[str], prefix: str) -> str:
-    # Text stays text, and the names of clip paths are the same each time.
+    # Text stays text, and the names of clip paths are the same on every call.
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "cosim", "font.size": 9.0}):
         figure = Figure(figsize=(3.7, 2.35), layout="constrained")
         FigureCanvasSVG(figure)
@@ -177,7 +177,7 @@ def _steps(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _inline(svg: str, prefix: str, description: str) -> str:
-    """Return the drawing for use inside a page: own names, colours of the page, nothing that is loaded."""
+    """Return a drawing for use inside a page: with its own ids, the page's colours, and nothing to load."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.S)
     svg = re.sub(r"<style.*?</style>\s*", "", svg, flags=re.S)  # would style the page too
@@ -194,6 +194,6 @@ def _inline(svg: str, prefix: str, description: str) -> str:
 
 
 def _font(match: re.Match[str]) -> str:
-    """Keep the size of a font and leave its family to the page."""
+    """Return the style with the font's size only, so that the page sets the family."""
     size = re.search(r"([\d.]+)px", match.group(0))
     return f"font-size: {size.group(1)}px" if size else "font-family: inherit"

@@ -1,4 +1,4 @@
-"""The encounters of a study: what the distributions are made of, and the worst of them."""
+"""The encounters of a study: all of them for the distributions, and the worst of them for the lists."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from analysis.study.design import Study
 from analysis.study.runs import StudyRun
 
 SEVERITIES = LEVELS[::-1]
-"""From the worst on."""
+"""All severities, the worst first."""
 _NUMBERS = (
     "encounter_id",
     "t_start_s",
@@ -42,13 +42,13 @@ _TEXTS = ("ego_id", "ped_id", "crossing_id", "severity", "contact_place", "conta
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """The table of a run that lists encounters, and the names that its columns have for the page's."""
+    """The table of a run that lists encounters, and its names for the page's columns."""
 
     file: str
     renamed: Mapping[str, str]
 
     def name(self, column: str) -> str:
-        """Return the name that a column has there."""
+        """Return the table's name for a column of the page."""
         return self.renamed.get(column, column)
 
 
@@ -60,7 +60,7 @@ OF_TRAFFIC = Listing(
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """One row of an encounters.csv, and where it is."""
+    """One row of a table of encounters, and its run."""
 
     run: StudyRun
     values: Mapping[str, Any]
@@ -78,7 +78,7 @@ class Found:
 
     @property
     def contact(self) -> str:
-        """Kind of the contact in a few words; empty without one."""
+        """Kind of the contact in a few words; empty if there was no contact."""
         if not self.values["contact_class"]:
             return ""
         kind = {"ego": ""}.get(self.values["contact_class"], self.values["contact_class"])
@@ -88,7 +88,7 @@ class Found:
 
     @property
     def moment_s(self) -> float:
-        """The worst moment: of the smallest TTC, or else of the smallest distance [s]."""
+        """Time of the worst moment: that of the smallest TTC, or without one of the smallest distance [s]."""
         at = self.values["t_min_ttc_s"]
         return float(self.values["t_min_dist_s"] if at is None else at)
 
@@ -107,7 +107,7 @@ class Encounters:
         return len(self.owner)
 
     def at(self, row: int) -> Found:
-        """Return one of them."""
+        """Return one encounter."""
         numbers = {name: float(values[row]) for name, values in self.numbers.items()}
         values: dict[str, Any] = {
             name: value if np.isfinite(value) else None for name, value in numbers.items()
@@ -122,7 +122,7 @@ def read_encounters(study: Study, listing: Listing = OF_EGOS) -> Encounters:
     Raises
     ------
     StudyError
-        For a file that cannot be read.
+        If a file cannot be read.
     """
     runs = [run for run in study.runs if run.valid]
     tables = [_read(run.folder / listing.file, listing) for run in runs]
@@ -153,7 +153,7 @@ def _read(path: Path, listing: Listing) -> pa.Table:
 
 
 def worst_first(found: Encounters) -> list[int]:
-    """Return the rows from the worst on: by severity, then TTC, then clearance, then distance.
+    """Return the rows, the worst first: by severity, then TTC, then clearance, then distance.
 
     An encounter without a TTC or a clearance comes after those of its severity that have one.
     """
@@ -164,12 +164,12 @@ def worst_first(found: Encounters) -> list[int]:
         np.where(np.isfinite(found.numbers[name]), found.numbers[name], np.inf)
         for name in ("min_dist_m", "clearance_min_m", "min_ttc_s")
     ]
-    # Ties are broken by run and number, which the reading has put in a fixed order.
+    # Ties are broken by run and number, which have a fixed order since they were read.
     return [int(row) for row in np.lexsort((np.arange(len(found)), *keys, rank))]
 
 
 def pick(order: Iterable[int], found: Encounters, study: Study, most: int, of_each: int) -> list[int]:
-    """Return the rows that are listed, in order: the worst of all, and the worst of each configuration."""
+    """Return the rows to list in order: the worst of all, and the worst of each configuration and setting."""
     rows = list(order)
     chosen = set(rows[:most])
     seen: dict[tuple[str, str], int] = {}

@@ -15,9 +15,9 @@ TRAFFIC = "all traffic"
 
 
 def rows_of_tiles(study: Study, found: Encounters, listing: Listing) -> list[dict[str, Any]]:
-    """Return one row for each configuration; one for all traffic where no ego was driven.
+    """Return one row for each configuration, or one for all traffic if no ego was driven.
 
-    Counts of different controllers are never added up.
+    The counts of different controllers are never added up.
     """
     if listing is not OF_EGOS:
         every = np.ones(len(found), dtype=np.bool_)
@@ -42,10 +42,10 @@ def _tiles(
     numbers = {name: values[chosen] for name, values in found.numbers.items()}
     hit = severity == "collision"
     entered = int(np.count_nonzero((numbers["entered"] == 1.0) | hit))
-    # A preventable one is one that a careful driver prevents; an undefined one counts as one of them.
+    # A collision is preventable if a careful driver would prevent it; an undefined one counts as preventable.
     preventable = int(np.count_nonzero(hit & (numbers["preventable_r157"] != 0.0)))
     bad = int(np.isin(severity, SEVERITIES[: SEVERITIES.index("serious") + 1]).sum())
-    # The pedestrian touched the standing ego: no collision, and yet a distance of 0.
+    # A pedestrian who touched the standing ego had no collision, although the distance was 0.
     standing = round(sum(run.numbers.get("n_contacts_standing", 0.0) for run in valid))
     tiles = [
         ("valid runs", f"{len(valid)} of {len(runs)}"),

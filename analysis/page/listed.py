@@ -27,12 +27,12 @@ from analysis.study.design import Study
 from analysis.study.runs import StudyRun
 
 OF_EACH = 20
-"""So many of the worst encounters of each configuration are listed, however good it is."""
+"""This many of the worst encounters of each configuration are listed, however good it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A moment of an ego that met nobody, such as the beginning of a deadlock."""
+    """A moment of an ego without an encounter, such as the beginning of a deadlock."""
 
     run: StudyRun
     key: str
@@ -43,48 +43,48 @@ class Moment:
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """What is listed of all encounters."""
+    """The part of all encounters that the report lists."""
 
     table: Listing
     found: Encounters
     rows: Sequence[Found]
-    """The worst first."""
+    """The listed encounters, the worst first."""
     of_crossings: Mapping[str, Sequence[Found]]
-    """The worst ones of each crossing of a screening; they are among the rows, too."""
+    """The worst encounters of each crossing of a screening; ``rows`` contains them too."""
     accused: Mapping[tuple[str, int], str]
-    """Replay of the encounter that a failed criterion is about, by run and number; these are, too."""
+    """Replays of the encounters that failed criteria are about, by run and number; ``rows`` has them too."""
     moments: Mapping[tuple[str, str, float], Moment]
-    """The moments of egos that failed criteria are about, by run, ego and time."""
+    """Moments of egos that failed criteria are about, by run, ego and time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    """Replays that were written, and those that could not be."""
+    """Replays that were written, and those that could not be written."""
 
     keys: set[str]
     problems: Mapping[str, str]
-    """What went wrong, by key."""
+    """What went wrong, by the name of the replay."""
     damaged: Mapping[Path, str]
-    """The same by run."""
+    """What went wrong, by run folder."""
 
 
 def choose(
     study: Study, root: Path | None, criteria: Mapping[str, Any] | None, *, of_town: bool, rows: int
 ) -> Listed:
-    """Return what is listed: the worst encounters, and those that criteria and crossings are about.
+    """Return what to list: the worst encounters, and those that criteria and crossings are about.
 
     Parameters
     ----------
     study
         The runs.
     root
-        Folder of the check that the criteria are of.
+        Folder of the check to which the criteria belong.
     criteria
-        As :func:`analysis.page.origin.criteria`.
+        As returned by :func:`analysis.page.origin.criteria`.
     of_town
-        Whether the runs are of a screening.
+        Whether the runs belong to a screening.
     rows
-        So many of the worst encounters are listed.
+        Number of the worst encounters to list.
     """
     table = OF_TRAFFIC if of_town or _without_egos(study) else OF_EGOS
     found = read_encounters(study, table)
@@ -104,7 +104,7 @@ def choose(
 
 
 def _without_egos(study: Study) -> bool:
-    """Return whether everybody was recorded and nobody is an ego, so that the traffic is what was judged."""
+    """Return whether everybody was recorded but there was no ego, so that the traffic itself was judged."""
     valid = [run for run in study.runs if run.valid]
     return bool(valid) and all(
         not run.numbers.get("ego_count") and (run.folder / OF_TRAFFIC.file).is_file() for run in valid
@@ -112,16 +112,16 @@ def _without_egos(study: Study) -> bool:
 
 
 def replay(listed: Listed, folder: Path, most: int) -> Replayed:
-    """Write the replays of the worst encounters and of moments that have a recording; old ones go.
+    """Write the replays of the worst encounters and of moments that have a recording; remove old replays.
 
     Parameters
     ----------
     listed
-        What is listed. What verdicts and crossings are about comes first.
+        What is listed. The encounters that criteria and crossings are about come first.
     folder
-        For the files.
+        Folder for the files.
     most
-        So many encounters have one.
+        Largest number of encounters with a replay.
     """
     for old in folder.glob("*.js") if folder.is_dir() else ():
         old.unlink()
@@ -158,7 +158,7 @@ def _write(chosen: Iterable[Found | Moment], recording: Recording, folder: Path)
 def _accused(
     criteria: Mapping[str, Any] | None, root: Path | None, found: Encounters
 ) -> dict[tuple[str, int], int]:
-    """Return the encounters that failed criteria are about: run and number of criteria.csv, to row."""
+    """Return the rows of the encounters that failed criteria are about, by run and number in criteria.csv."""
     rows = _failed(criteria)
     wanted = {(one["run"], one["encounter_id"]) for one in rows if one["run"] and one["encounter_id"]}
     if root is None or not wanted:
@@ -225,6 +225,6 @@ def line(one: Found, study: Study, out: Path, replayed: Replayed) -> dict[str, A
 
 
 def relative_name(folder: Path, out: Path) -> str:
-    """Return a run folder as seen from the report; ``this folder`` for the report's own."""
+    """Return the path of a run folder relative to the report; ``this folder`` for the report's own."""
     name = origin.relative(folder, out)
     return "this folder" if name == "." else name

@@ -1,4 +1,4 @@
-"""Names of what a report writes into its folder."""
+"""Names of the files and folders that a report writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Origin of a study: runs, commands, versions, seeds, hashes; runs that failed or are not valid."""
+"""Origin of a study: its runs, commands, versions, seeds and hashes, and runs that failed or are invalid."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from analysis.study.runs import STUDY_FILE, StudyRun
 FAILED = "failed.csv"
 NOTE = "job.json"
 MOST_CRITERIA = 400
-"""Rows of criteria.csv on the page, those that decide against it first."""
+"""Largest number of rows of criteria.csv on the page; those that decide against the study come first."""
 _WORDS = {"invalid": "invalid", "fail": "failed", "undefined": "undefined", "pass": "passed"}
 
 
 def run_lines(study: Study, out: Path) -> list[dict[str, Any]]:
-    """Return one line for each run: what it is, where it is, and the command that makes it."""
+    """Return one line for each run: what it is, where it is, and the command that repeats it."""
     return [
         {
             "folder": relative(run.folder, out),
@@ -46,12 +46,12 @@ def run_lines(study: Study, out: Path) -> list[dict[str, Any]]:
 
 
 def relative(folder: Path, out: Path) -> str:
-    """Return a folder as seen from the folder of the report."""
+    """Return the path of a folder relative to the folder of the report."""
     return Path(os.path.relpath(folder.resolve(), out.resolve())).as_posix()
 
 
 def command(run: StudyRun) -> str:
-    """Return the command that makes a run again: the one it was noted with, or one from its description."""
+    """Return the command that repeats a run: the one noted with it, or one made from its description."""
     noted = _json(run.folder / NOTE).get("command")
     if isinstance(noted, str) and noted:
         return noted
@@ -71,7 +71,7 @@ def command(run: StudyRun) -> str:
 
 
 def made_with(study: Study, root: Path | None) -> dict[str, Any]:
-    """Return versions, seeds and hashes that the runs have, each once."""
+    """Return the versions, seeds and hashes of the runs, each once."""
     described = [_json(run.folder / "run.json") for run in study.runs]
     networks = {
         (one.get("scenario_id"), (one.get("inputs") or {}).get("network", "")): None for one in described
@@ -112,14 +112,14 @@ def spans(numbers: Sequence[int]) -> str:
 
 
 def failed_runs(root: Path | None) -> list[dict[str, str]]:
-    """Return the rows of failed.csv of a batch, or of every study of a check."""
+    """Return the rows of failed.csv of a batch, or of all studies of a check."""
     if root is None:
         return []
     return [row for path in sorted([root / FAILED, *root.glob(f"*/{FAILED}")]) for row in _rows(path)]
 
 
 def damaged_runs(study: Study, out: Path) -> list[dict[str, str]]:
-    """Return the runs that are left out because they cannot be read or are not as they were written."""
+    """Return the runs that are left out because they cannot be read or were changed after writing."""
     return [
         {"run": relative(folder, out), "reason": told, "command": ""}
         for folder, told in study.unreadable.items()
@@ -127,9 +127,9 @@ def damaged_runs(study: Study, out: Path) -> list[dict[str, str]]:
 
 
 def criteria(root: Path | None) -> dict[str, Any] | None:
-    """Return what a check has found, what decides against it first; ``None`` where there is no criteria.csv.
+    """Return the results of a check, those that decide against it first; ``None`` without a criteria.csv.
 
-    A failure that does not count has ``decides`` false.
+    For a failure that does not count, ``decides`` is false.
     """
     if root is None or not (root / CRITERIA.file).is_file():
         return None

@@ -1,14 +1,14 @@
 """A controller's overlay in the world: points, lines and outlines for the replay.
 
-An overlay is written in the route frame of the ego at the time of the plan; ``reference_line_m`` beside it
-is the axis of that frame. What a name means follows from its parts, so that a new controller is drawn
-without a change here:
+An overlay is written in the route frame of the ego at the time of the plan. Its entry ``reference_line_m`` is
+the axis of that frame. The parts of a name say how to draw it, so that the overlay of a new controller is
+drawn without a change here:
 
-- ``x_along`` with ``x_across``: points, with a time where ``x_enter_s`` and ``x_leave_s`` stand beside them;
-- a name with ``path``, ``candidate`` or ``option``: a line of (along, across); several of one plan's length
-  when it holds several times that many points;
-- a name with ``space``, ``area``, ``cone`` or ``ellipse``: a closed outline, ellipses of 17 points each;
-- any other: points of (along, across).
+- ``x_along`` with ``x_across``: points, with times if there are ``x_enter_s`` and ``x_leave_s``;
+- a name with ``path``, ``candidate`` or ``option``: a line of (along, across), or several lines of one
+  plan's length if the number of points is a multiple of it;
+- a name with ``space``, ``area``, ``cone`` or ``ellipse``: a closed outline; each ellipse has 17 points;
+- any other name: points of (along, across).
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _POINTS_OF_ELLIPSE = 17
 
 
 def drawings(overlay: str, horizon: int) -> list[dict[str, Any]]:
-    """Return what is drawn of one plan, in world coordinates.
+    """Return the drawings of one plan in world coordinates.
 
     Parameters
     ----------
     overlay
-        As recorded: JSON, name to list of numbers.
+        As recorded: JSON that maps names to lists of numbers.
     horizon
         Number of points of the plan.
 
@@ -63,11 +63,11 @@ def drawings(overlay: str, horizon: int) -> list[dict[str, Any]]:
 
 
 def to_world(points: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return points (along, across) in world coordinates, along an axis of points 5 m apart.
+    """Return points (along, across) in world coordinates, given an axis of points 5 m apart.
 
     Examples
     --------
-    An axis that leads east from its point for along = −10 m:
+    The axis leads east from its point for along = −10 m:
 
     >>> axis = np.column_stack((np.arange(90.0, 121.0, 5.0), np.full(7, 2.0)))
     >>> to_world(np.array([[4.0, 1.5]]), axis).tolist()
@@ -109,7 +109,7 @@ def _shapes(
 
 
 def _cut(points: FloatArray, length: int) -> list[FloatArray]:
-    """Return the points in pieces of a length, or in one where they are no multiple of it."""
+    """Return the points in pieces of ``length``, or in one piece if their number is no multiple of it."""
     if length < 2 or len(points) % length:
         return [points]
     return np.split(points, len(points) // length)

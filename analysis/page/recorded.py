@@ -1,4 +1,4 @@
-"""A recorded run, as replays need it."""
+"""Reads a recorded run in the form that replays need."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timin
 
 
 def has_recording(folder: Path) -> bool:
-    """Return whether a run folder is to have what a replay needs."""
+    """Return whether a run folder has, or should have, the files that a replay needs."""
     try:
         known = read_manifest(folder) or {}
     except DamageError:
-        return True  # what is wrong with it is told when it is read
+        return True  # reading it will report what is wrong
     return all((folder / name).is_file() or name in known for name in RECORDING_FILES)
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """One recorded run, as its replays need it."""
+    """One recorded run in the form that its replays need."""
 
     case: Case
     egos: pd.DataFrame
     neighbours: pd.DataFrame
     plans: pd.DataFrame
     listed: Mapping[int, int]
-    """From the number of an encounter in its table to its index in the case."""
+    """Maps the number of an encounter in its table to its index in the case."""
 
 
 def read_recording(folder: Path) -> Recording:
@@ -51,7 +51,7 @@ def read_recording(folder: Path) -> Recording:
     Raises
     ------
     RecordingError
-        When the recording cannot be read.
+        If the recording cannot be read.
     """
     case = prepare(read_run(folder), _thresholds(folder))
     egos, neighbours, plans = (_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS))
@@ -59,12 +59,12 @@ def read_recording(folder: Path) -> Recording:
 
 
 def read_traffic_recording(folder: Path) -> Recording:
-    """Read a run that recorded everybody as one in which every vehicle but the egos is an ego without plans.
+    """Read a run that recorded everybody as if every vehicle but the egos were an ego without plans.
 
     Raises
     ------
     RecordingError
-        When the recording cannot be read.
+        If the recording cannot be read.
     """
     case = prepare_traffic(Traffic(read_run(folder)).whole(), _thresholds(folder))
     rows = _rows(folder, TRAFFIC)
@@ -83,7 +83,7 @@ def read_traffic_recording(folder: Path) -> Recording:
 
 
 def _listed(case: Case, path: Path) -> dict[int, int]:
-    """Return the index of each encounter in a table, found by who met and when it began."""
+    """Return the index of each encounter in a table, found by its participants and its start time."""
     start = case.grid.time
     index = {
         (one.ego.name, one.person.name, round(float(start[one.first]), 3)): number

@@ -22,13 +22,13 @@ from analysis.page.signals import crossing_signals, signal_ahead
 from analysis.recording.reading import Area
 
 BEFORE_S, AFTER_S = 2.0, 2.0
-"""Shown before and after the encounter [s]."""
+"""Times shown before and after the encounter [s]."""
 LEADING_S, FOLLOWING_S = 10.0, 30.0
-"""Shown before and after a moment of an ego [s]."""
+"""Times shown before and after a moment of an ego [s]."""
 NEAR_M = 90.0
-"""Others and the map are kept this near to the ego's way [m]."""
+"""Road users and parts of the map further than this from the ego's way are left out [m]."""
 DECIMALS = 4
-"""Of the numbers of a replay."""
+"""Decimals of the numbers of a replay."""
 _EGO_NUMBERS = (
     "front_x_m",
     "front_y_m",
@@ -44,12 +44,12 @@ _MOVING_PERSON = ("x_m", "y_m", "x_speed_mps", "y_speed_mps")
 
 
 def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
-    """Return what is shown of an encounter; frame i of every list is the recorded row at ``time_s[i]``.
+    """Return the data of an encounter's replay; frame i of every list is the recorded row at ``time_s[i]``.
 
     Raises
     ------
     RecordingError
-        When the recording holds no such encounter.
+        If the recording has no such encounter.
     """
     case = recording.case
     if encounter_id not in recording.listed:
@@ -74,12 +74,12 @@ def replay_of(recording: Recording, encounter_id: int) -> dict[str, Any]:
 
 
 def replay_of_ego(recording: Recording, ego_id: str, moment_s: float) -> dict[str, Any]:
-    """Return what is shown of an ego around a moment, as :func:`replay_of` with nobody met.
+    """Return the data of a replay of an ego around a moment, as :func:`replay_of` but without a pedestrian.
 
     Raises
     ------
     RecordingError
-        When the recording does not hold the ego at that time.
+        If the recording does not have the ego at that time.
     """
     mine = _between(recording, ego_id, moment_s - LEADING_S, moment_s + FOLLOWING_S)
     if mine.empty:
@@ -106,7 +106,7 @@ def _times(rows: pd.DataFrame) -> FloatArray:
 
 
 def _shown_of(recording: Recording, mine: pd.DataFrame, ego_id: str, ped_id: str | None) -> dict[str, Any]:
-    """Return what replays of encounters and of moments have in common."""
+    """Return the data that replays of encounters and of moments have in common."""
     case, times = recording.case, _times(mine)
     front = mine[["front_x_m", "front_y_m"]].to_numpy(dtype=np.float64)
     meta = case.run.meta
@@ -163,10 +163,10 @@ def _measured(
 def _objects(
     rows: pd.DataFrame, times: FloatArray, front: FloatArray, ego: str, person: str | None
 ) -> list[dict[str, Any]]:
-    """Return the others near the ego: per object its first frame and one value for each frame from there.
+    """Return the objects near the ego, each with its first frame and one value for each frame from there.
 
-    A vehicle and a person with one id are two objects; the ego itself, which is recorded among the vehicles
-    where another ego is near, is none.
+    A vehicle and a person with the same id are two objects. The ego itself, which is recorded among the
+    vehicles if another ego is near, is left out.
     """
     rows, frames = _shown(rows, times)
     kept = ((rows["object_kind"] != "vehicle") | (rows["object_id"] != ego)).to_numpy(dtype=np.bool_)
@@ -207,7 +207,7 @@ def _objects(
 
 
 def _shown(rows: pd.DataFrame, times: FloatArray) -> tuple[pd.DataFrame, IntArray]:
-    """Return the rows at these instants [s], and the number of the instant of each."""
+    """Return the rows at given instants [s], and for each the index of its instant."""
     now = np.round(rows["time_s"].to_numpy(dtype=np.float64), 6)
     within = np.flatnonzero((now >= times[0]) & (now <= times[-1]))
     number = np.searchsorted(times, now[within])
@@ -216,7 +216,7 @@ def _shown(rows: pd.DataFrame, times: FloatArray) -> tuple[pd.DataFrame, IntArra
 
 
 def _plans(rows: pd.DataFrame, ego: str, times: np.ndarray[Any, Any]) -> list[dict[str, Any]]:
-    """Return the plans of the ego made during the replay, and the last one before it."""
+    """Return the plans that the ego made during the replay, and the last one before it."""
     mine = rows[(rows["ego_id"] == ego) & (rows["time_s"] <= times[-1] + 1e-6)]
     before = mine[mine["time_s"] <= times[0] + 1e-6]
     first = before.index[-1] if len(before) else None
@@ -269,7 +269,7 @@ def _kind(area: Area, inside: bool) -> str:
 
 
 def _grounds(junctions: Iterable[Sequence[FloatArray]]) -> list[dict[str, Any]]:
-    """Return what lies between the lanes of each junction: the smallest convex outline round them."""
+    """Return the ground of each junction: the convex hull of its lanes."""
     found = []
     for shapes in junctions:
         points = np.unique(np.vstack(shapes), axis=0)

@@ -1,4 +1,4 @@
-"""Writes ``report.html``: one file that opens from disk, and the data of replays beside it."""
+"""Writes ``report.html``, a single file that opens from disk, and the data of replays beside it."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ REAL = "tracks"
 """Controller of recordings of real traffic."""
 
 PRINTED = {"criteria": 40, "encounters": 30, "crossings": 10}
-"""Rows of long tables that are printed; below each, the page says how many are not, and where they are."""
+"""Rows of long tables on paper; below each table, the page says how many are missing and where they are."""
 
 Say = Callable[[Sequence[Mapping[str, Any]], Mapping[str, Measure]], str]
-"""Makes a sentence of the rows of one comparison."""
+"""Makes a sentence from the rows of one comparison."""
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Files that were written."""
+    """What was written."""
 
     page: Path
     replays: int
-    """Listed encounters with one."""
+    """Number of listed encounters with a replay."""
     listed: int
     not_recorded: int
-    """Listed encounters without a recording."""
+    """Number of listed encounters without a recording."""
     runs: Sequence[StudyRun]
     unreadable: Mapping[Path, str]
-    """Runs that are left out or have no replay because a file was altered or lost: which, and what can be
-    done."""
+    """Runs that are left out or have no replay because a file was altered or lost, with the file and the
+    remedy."""
 
 
 def write_report(
@@ -71,20 +71,20 @@ def write_report(
     roots
         Run folders, or folders with run folders in them.
     out
-        Folder for ``report.html`` and ``report_data``; what is there of these is replaced.
+        Folder for ``report.html`` and ``report_data``; existing ones are replaced.
     say
         Makes the sentence of a comparison.
     title
-        Of the page.
+        Title of the page.
     baseline
-        As :func:`analysis.study.writing.write_tables`.
+        As for :func:`analysis.study.writing.write_tables`.
     rows, replays
-        So many of the worst encounters are listed, and have a replay.
+        Numbers of the worst encounters that are listed, and that have a replay.
 
     Raises
     ------
     StudyError
-        When there is no run, none of the baseline, or runs cannot be read or do not belong together.
+        If there is no run or none of the baseline, or if runs cannot be read or do not belong together.
     """
     folders = list(dict.fromkeys(folder for root in roots for folder in find_run_folders(root)))
     if not folders:
@@ -130,7 +130,7 @@ def write_report(
 
 
 def _encounters(listed: Listed, replayed: Replayed, study: Study, out: Path) -> dict[str, Any]:
-    """Return what the page shows of encounters."""
+    """Return what the page shows about encounters."""
     return {
         "listing": listed.table,
         "of_egos": listed.table is OF_EGOS,
@@ -145,7 +145,7 @@ def _encounters(listed: Listed, replayed: Replayed, study: Study, out: Path) -> 
 
 
 def _measures(made: tables.Tables, criteria: Mapping[str, Any] | None, *, of_town: bool) -> dict[str, Any]:
-    """Return what the page shows of configurations and their comparisons, and what the measures mean."""
+    """Return what the page shows about configurations and comparisons, and what the measures mean."""
     blocks = tables.configuration_blocks(made.configs)
     compared = tables.comparison_blocks(made.comparisons)
     measured = {line["metric"] for block in (*blocks, *compared) for line in block["lines"]}
@@ -161,7 +161,7 @@ def _measures(made: tables.Tables, criteria: Mapping[str, Any] | None, *, of_tow
 
 
 def _origin(study: Study, root: Path | None, out: Path) -> dict[str, Any]:
-    """Return what the page says of the runs and how they were made."""
+    """Return what the page says about the runs and how they were made."""
     return {
         "runs": origin.run_lines(study, out),
         "controllers": study.all_labels(),
@@ -174,7 +174,7 @@ def _origin(study: Study, root: Path | None, out: Path) -> dict[str, Any]:
 
 @cache
 def environment() -> Environment:
-    """Return what fills the templates of this package, which compiles each of them once."""
+    """Return the environment that fills the templates of this package and compiles each of them once."""
     found = Environment(
         loader=PackageLoader("analysis.page", "."),
         autoescape=True,
@@ -184,7 +184,7 @@ def environment() -> Environment:
         keep_trailing_newline=True,
     )
     found.filters["terms"] = linked
-    # Raw texts of the page itself; </ would end the element they stand in.
+    # Inserts files into the page unescaped; </ would end the surrounding element.
     folder = Path(__file__).parent
     found.globals["source"] = lambda name: (folder / name).read_text("utf-8").replace("</", "<\\/")
     return found
@@ -212,7 +212,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _answers(study: Study, made: tables.Tables, say: Say, found: Encounters) -> list[str]:
-    """Return one sentence for each pair of configurations and scenario, over all its settings."""
+    """Return one sentence for each scenario and pair of configurations, over all settings of the scenario."""
     by_name = {measure.name: measure for measure in run_measures()}
     scopes: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
     keyed = [row for row in made.comparisons if row["key"]]

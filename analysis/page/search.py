@@ -36,19 +36,19 @@ def write_search_page(
     out
         Folder of the search.
     title, question, answers
-        Top of the page.
+        Texts at the top of the page.
     tried, kinds, influences
-        What was found.
+        Runs tried, kinds of failures and influences found.
     even
-        Number of runs that the influences are from.
+        Number of runs from which the influences were computed.
     replayed
-        Runs that are in ``replays/report.html``, by the number of the kind.
+        Runs with a replay in ``replays/report.html``, by the number of the kind.
     space
-        Rows of what was varied: name, range, description, source.
+        Rows of the quantities varied: name, range, description, source.
     seeds
-        What the seed did, a sentence.
+        A sentence that says what the seed did.
     boundary, progress
-        Pictures as SVG; empty where there is none.
+        Figures as SVG; empty if there is none.
     """
     page = environment().get_template("search.html.jinja")
     content = page.render(

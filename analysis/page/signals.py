@@ -1,4 +1,4 @@
-"""Traffic lights of a replay: the one ahead of the ego, and those of crossings, at each frame."""
+"""Traffic lights of a replay in each frame: the one ahead of the ego, and those of crossings."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import pandas as pd
 from analysis.arrays import FloatArray
 
 KEPT_S = 2.0
-"""A crossing's light is that of the pedestrians there; without any, the last one stays so long [s]."""
+"""A crossing's light is read off the pedestrians there; without any, the last state stays this long [s]."""
 _CODES = {"green": 0, "red": 1}
 NAMES = ["green", "red"]
 
 
 def crossing_signals(rows: pd.DataFrame, times: FloatArray) -> dict[str, list[int | None]]:
-    """Return for each crossing with a light the index in `NAMES` at each instant; ``None`` unknown.
+    """Return for each crossing with a light its index in `NAMES` at each instant; ``None`` if unknown.
 
     Parameters
     ----------
     rows
-        Of neighbours.parquet or traffic.parquet; older recordings of egos have no lights.
+        Rows of neighbours.parquet or traffic.parquet; older recordings of egos have no lights.
     times : (n,) [s]
     """
     if "signal" not in rows or len(times) == 0:
@@ -43,7 +43,7 @@ def crossing_signals(rows: pd.DataFrame, times: FloatArray) -> dict[str, list[in
 
 
 def signal_ahead(rows: pd.DataFrame) -> dict[str, Any] | None:
-    """Return state and place of the light ahead of the ego at each of its rows; ``None`` without any."""
+    """Return state and place of the light ahead of the ego at each of its rows; ``None`` if there is none."""
     if "signal_ahead" not in rows or not rows["signal_ahead"].notna().any():
         return None
     states = [None if pd.isna(state) else str(state) for state in rows["signal_ahead"]]

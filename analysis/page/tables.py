@@ -1,4 +1,4 @@
-"""The tables of a study as the page shows them: read from CSV files, so that each number is a cell there."""
+"""The tables of a study for the page, read from CSV files so that each number shown is a cell in a file."""
 
 from __future__ import annotations
 
@@ -49,20 +49,20 @@ class Tables:
 def study_tables(
     study: Study, root: Path | None, out: Path, folders: Sequence[Path], baseline: str | None
 ) -> Tables:
-    """Return the tables of a study: those beside its runs if they are of these, else new ones in ``out``.
+    """Return the tables of a study: those beside its runs if they belong to these, else new ones in ``out``.
 
     Parameters
     ----------
     study
-        What was read from ``folders``.
+        The study read from ``folders``.
     root
-        Folder that may hold tables already; ``None``: there is none.
+        Folder that may already hold tables; ``None`` if there is none.
     out
-        Folder for new ones.
+        Folder for new tables.
     folders
         Run folders.
     baseline
-        As :func:`analysis.study.writing.write_tables`; tables that are there are used without one only.
+        As for :func:`analysis.study.writing.write_tables`; existing tables are used only without a baseline.
     """
     place = root if root is not None and baseline is None and _is_current(root, study) else out
     if place is out:
@@ -80,7 +80,7 @@ def _is_current(root: Path, study: Study) -> bool:
         return False
     for path, table in zip(files[1:], (CONFIGS, COMPARISONS), strict=True):
         if tuple(next(iter(read_csv_rows(path)), ())) != table.names():
-            return False  # of another version
+            return False  # written by another version
     lines = [tuple(row) for row in read_csv_rows(files[0])]
     return sorted(lines[1:]) == sorted(run.cells for run in study.runs if run.cells)
 
@@ -91,7 +91,7 @@ def read_rows(path: Path, table: Table) -> list[dict[str, Any]]:
     Raises
     ------
     StudyError
-        When the file cannot be read or lacks a column.
+        If the file cannot be read or lacks a column.
     """
     try:
         rows = read_csv(path)
@@ -119,7 +119,7 @@ def measures_by_name() -> dict[tuple[str, str], Measure]:
 
 
 def configuration_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Return for each scenario and setting a table: one line per measure, one cell per configuration."""
+    """Return a table for each scenario and setting: one line per measure, one cell per configuration."""
     measures = measures_by_name()
     blocks: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
@@ -171,7 +171,7 @@ def _line(measure: Measure, cells: Mapping[str, Row], names: Sequence[str]) -> d
 
 
 def _ends(row: Row) -> tuple[float | None, float | None, float | None]:
-    """Return what is shown of a cell, and the ends of its interval: a mean, or the tail of encounters."""
+    """Return the value of a cell, a mean or the tail of encounters, and the ends of its interval."""
     if row["kind"] == "encounter":
         return (row[row["tail"]] if row["tail"] else None), row["tail95_lo"], row["tail95_hi"]
     return row["mean"], row["ci95_lo"], row["ci95_hi"]
@@ -191,7 +191,7 @@ def _cell(row: Row | None, measure: Measure, low: float, high: float) -> dict[st
 
 
 def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Return for each scenario, setting and pair a table of its key measures."""
+    """Return a table of key measures for each scenario, setting and pair of configurations."""
     measures = measures_by_name()
     blocks: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in rows:
@@ -222,7 +222,7 @@ def comparison_blocks(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def label(measure: Measure, tail: bool = False) -> str:
-    """Return the text of a line with its unit; shares are in percent, rates say what they are per."""
+    """Return the text of a line with its unit; shares are in percent, and rates name their denominator."""
     text = measure.text
     if tail:
         text += ", 5th percentile" if measure.worse == "lower" else ", 95th percentile"
@@ -243,7 +243,7 @@ def pretty_unit(unit: str) -> str:
 
 
 def shown(value: float | None, measure: Measure, sign: str = "") -> str:
-    """Return a number with three digits or so, and never 0 for one that is not; shares in percent."""
+    """Return a number with about three digits, and never 0 for a number that is not 0; shares in percent."""
     if value is None:
         return "–"
     sign = sign if value else ""

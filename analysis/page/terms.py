@@ -1,4 +1,4 @@
-"""Terms that the page explains where they stand, and the definitions of the measures that it shows."""
+"""Terms that the page explains where they occur, and definitions of the measures that it shows."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _OF_TALLY = {
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """A word of the field, and what it means here."""
+    """A technical term, and what it means here."""
 
     anchor: str
-    """As in the glossary of the documentation."""
+    """Anchor in the glossary of the documentation."""
     name: str
     text: str
     words: tuple[str, ...]
@@ -38,7 +38,7 @@ class Term:
 
 @cache
 def terms() -> tuple[Term, ...]:
-    """Return all terms in the order of their file."""
+    """Return all terms, in the order of their file."""
     content = tomllib.loads((Path(__file__).parent / "terms.toml").read_text("utf-8"))
     return tuple(
         Term(anchor, one["name"], one["text"], tuple(one["words"])) for anchor, one in content.items()
@@ -53,7 +53,7 @@ def _by_word() -> tuple[re.Pattern[str], Mapping[str, Term]]:
 
 
 def linked(text: str) -> Markup:
-    """Return a text as HTML in which each term leads to its definition, which a pointer shows.
+    """Return a text as HTML, with each term linked to its definition, which also shows on hovering.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def known_measures() -> set[str]:
 
 
 def definitions(shown: Iterable[str]) -> list[dict[str, Any]]:
-    """Return what each measure that the page shows is, in the order of their names.
+    """Return the definitions of the measures that the page shows, in the order of their names.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _definition(measure: Measure) -> dict[str, Any]:
 
 
 def _ratio(measure: Measure) -> str:
-    """Return what is divided by what, where something is."""
+    """Return what is divided by what; empty for a measure that is no ratio."""
     if measure.kind == "yes_no":
         return "runs with at least one, over all valid runs"
     if measure.kind not in ("share", "rate"):

@@ -1,4 +1,4 @@
-"""The crossings of a screened network: a map of its own geometry, their table, their worst encounters."""
+"""The crossings of a screened network: a map of the network, their table and their worst encounters."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ from analysis.wording import some
 
 COLOURS = 5
 OF_EACH = 3
-"""So many of a crossing's worst encounters are listed."""
+"""This many of a crossing's worst encounters are listed."""
 SMALLEST, LARGEST = 0.006, 0.018
-"""Radii of crossings on the map, as shares of its larger side."""
+"""Smallest and largest radius of crossings on the map, as shares of its longer side."""
 LOWEST = 0.15
-"""Least height of the map, as a share of its larger side."""
+"""Least height of the map, as a share of its longer side."""
 MARGIN = 0.03
-"""Around the map, the same."""
+"""Margin around the map, as a share of its longer side."""
 LENGTHS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
-"""Of the scale bar [m]."""
+"""Possible lengths of the scale bar [m]."""
 
 Row = Mapping[str, Any]
 
 
 def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | None:
-    """Return what the page says of the crossings; ``None`` where none were ranked.
+    """Return what the page says about the crossings; ``None`` if none were ranked.
 
     Raises
     ------
     StudyError
-        When a table of the screening cannot be read.
+        If a table of the screening cannot be read.
     """
     if root is None or not (root / CROSSINGS.file).is_file():
         return None
@@ -62,7 +62,7 @@ def screening(root: Path | None, runs: Sequence[StudyRun]) -> dict[str, Any] | N
 
 
 def answers(found: Mapping[str, Any]) -> list[str]:
-    """Return the answers at the top of the page, a sentence each."""
+    """Return the answers at the top of the page, one sentence each."""
     rows, ranked = found["rows"], found["ranked"]
     worse = [row["crossing_id"] for row in ranked if row["worse"]]
     told = [f"{len(ranked)} of {len(rows)} crossings had enough pedestrians to be ranked."]
@@ -87,7 +87,7 @@ def answers(found: Mapping[str, Any]) -> list[str]:
 
 
 def _areas(runs: Iterable[StudyRun]) -> list[Area]:
-    """Return the lanes that any valid run's map knows, each once."""
+    """Return the lanes on the maps of all valid runs, each once."""
     known: dict[str, Area] = {}
     for run in runs:
         try:
@@ -99,12 +99,12 @@ def _areas(runs: Iterable[StudyRun]) -> list[Area]:
 
 
 def _map(rows: Sequence[Row], lanes: Sequence[Area], value: str) -> dict[str, Any]:
-    """Return lines and circles in a plane whose y leads down; colour and size of a crossing are its value."""
+    """Return lines and circles in a plane with y downwards; colour and size of a crossing show its value."""
     places = np.array([[row["x_m"], row["y_m"]] for row in rows])
     points = np.concatenate([places, *(lane.shape for lane in lanes)])
     low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max())
-    # A single street is a strip, in which the scale bar would hide the road.
+    # The map of a single street would be so narrow that the scale bar would hide the road.
     room = np.maximum(0.5 * (LOWEST * side - (high - low)), 0.0) * (0.0, 1.0) + MARGIN * side
     low, high = low - room, high + room
     most = max((row[value] for row in rows if row["rank"] is not None), default=0.0) or 1.0
@@ -126,7 +126,7 @@ def _map(rows: Sequence[Row], lanes: Sequence[Area], value: str) -> dict[str, An
                 if row["rank"] is None
                 else 1 + min(COLOURS - 1, int(COLOURS * _share(row, value, most))),
             }
-            # The worst are drawn last, above the others.
+            # The worst crossings are drawn last, on top of the others.
             for row in reversed(rows)
         ],
         "bar": max((length for length in LENGTHS if length <= 0.2 * size[0]), default=LENGTHS[0]),

@@ -1,4 +1,4 @@
-"""An encounter from above as a film: egos, pedestrians, vehicles and the planned path, in simulated time."""
+"""A film of an encounter from above: egos, pedestrians, vehicles and the planned path, in simulated time."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from analysis.recording.tracks import Track
 
 FORMATS = ("gif", "mp4")
 FRAMES_PER_SECOND = 10
-"""At most; a run with longer steps has fewer."""
+"""Largest frame rate; a run with longer steps has a lower one [1/s]."""
 PLAN_LASTS_S = 1.0
-"""A plan is shown until the next one, and not longer than this [s]."""
+"""A plan is shown until the next one, but not longer than this [s]."""
 MARGIN_M = 6.0
 WIDTH_IN = 8.0
 DOTS_PER_INCH = 90
@@ -36,7 +36,7 @@ def has_ffmpeg() -> bool:
 
 
 def frame_indices(scene: Scene) -> list[int]:
-    """Return the fine indices that are shown: recorded instants, evenly spaced."""
+    """Return the fine indices of the frames: recorded instants, evenly spaced."""
     factor = scene.case.grid.factor
     every = factor * max(1, round(1.0 / (FRAMES_PER_SECOND * scene.case.run.step_s)))
     first = -(-scene.first // factor) * factor
@@ -44,7 +44,7 @@ def frame_indices(scene: Scene) -> list[int]:
 
 
 def write_film(scene: Scene, path: Path) -> int:
-    """Write the film as ``.gif`` or ``.mp4``, by the file's ending, and return the number of frames.
+    """Write the film as ``.gif`` or ``.mp4``, depending on the suffix, and return the number of frames.
 
     A second of film is a second of simulated time.
 
@@ -70,7 +70,7 @@ def write_film(scene: Scene, path: Path) -> int:
 
 
 class Film:
-    """The picture of one instant after the other; the ground is drawn once."""
+    """Draws one instant after the other; the ground is drawn only once."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -98,13 +98,13 @@ class Film:
         }
         self._moving: list[PolyCollection | EllipseCollection] = []
         (self._plan_line,) = self.axes.plot([], [], color=PLAN, linewidth=2.0, zorder=3)
-        # The title's place is kept free before the layout is fixed for all frames.
+        # Reserves space for the title before the layout is fixed for all frames.
         self.axes.set_title(" \n ", fontsize=9, loc="left")
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")
 
     def show(self, index: int) -> None:
-        """Draw the instant with that fine index."""
+        """Draw the instant with a given fine index."""
         for artist in self._moving:
             artist.remove()
         case = self.scene.case
@@ -126,7 +126,7 @@ class Film:
         self.axes.set_title(self._caption(time, index, egos), fontsize=9, loc="left")
 
     def plan_at(self, time: float) -> PlannedPath | None:
-        """Return the plan that was being driven at a time [s], as far as plans were kept."""
+        """Return the plan that was driven at a time [s]; ``None`` if no recent one was recorded."""
         number = bisect_right(self._plan_times, time + 1e-6) - 1
         if number < 0 or time - self._plan_times[number] > PLAN_LASTS_S:
             return None

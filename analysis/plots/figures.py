@@ -12,7 +12,7 @@ from analysis.plots.space_time import draw_space_time
 from analysis.plots.traces import draw_traces
 
 FIGURES = {"plane": draw_plane, "traces": draw_traces, "space-time": draw_space_time}
-"""What is drawn, by the end of the file's name."""
+"""Functions that draw the figures, by the end of the file's name."""
 
 
 def draw_figures(scene: Scene, folder: Path, kind: str) -> list[Path]:

@@ -20,13 +20,13 @@ PLAN: Final = "#56B4E9"
 ROAD: Final = "#e4e4e4"
 WALK: Final = "#f3eee0"
 CROSSING: Final = {"zebra": "#ffffff", "unmarked": "#d0d0d0", "signal": "#cfe8df", "": "#d0d0d0"}
-"""By kind."""
+"""Colours of crossings, by kind."""
 SLIMMEST: Final = 4.0
-"""A map is at most so many times as long as wide."""
+"""A map is at most this many times as long as wide."""
 
 
 def draw_ground(axes: Axes, areas: Sequence[Area]) -> None:
-    """Draw the map; lanes below walking areas below crossings."""
+    """Draw the map: lanes at the bottom, then walking areas, then crossings."""
     lanes = [ribbon(area.shape, area.width_m) for area in areas if area.kind == "lane"]
     walks = [area.shape for area in areas if area.kind == "walkingarea"]
     axes.add_collection(PolyCollection(lanes, facecolors=ROAD, edgecolors="#ffffff", linewidths=0.6))
@@ -65,7 +65,7 @@ def rectangle(x: float, y: float, heading: float, length: float, width: float) -
 
 
 def limits(points: FloatArray, margin_m: float) -> tuple[FloatArray, FloatArray]:
-    """Return the lower and the upper corner of a box around points that is not too slim [m].
+    """Return the lower and the upper corner of a box around points that is not too narrow [m].
 
     >>> low, high = limits(np.array([[0.0, 0.0], [80.0, 0.0]]), 0.0)
     >>> low.tolist(), high.tolist()

@@ -1,4 +1,4 @@
-"""The way of the ego and of the pedestrians in the plane."""
+"""The paths of the ego and of the pedestrians in the plane."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from analysis.plots.scene import Piece, Scene
 WIDTH_IN = 9.0
 MARGIN_M = 8.0
 MARKS = 12
-"""Instants at which both are shown, about so many."""
+"""Approximate number of instants at which both are marked."""
 
 
 def draw_plane(scene: Scene) -> Figure:
-    """Return the figure; equal numbers are equal instants."""
+    """Return the figure; equal numbers mark equal instants."""
     pieces, persons = scene.pieces(), scene.persons()
     driven = np.concatenate([np.column_stack([one.x, one.y]) for one in pieces])
-    # The window follows the ego; in an encounter also who is met.
+    # The window contains the ego's path and, for an encounter, the pedestrian's.
     shown = [driven]
     if scene.number is not None:
         shown += [np.column_stack([one.x, one.y]) for one in persons]
     points = np.concatenate(shown)
     low, high = limits(points, MARGIN_M)
-    # A long trip along a straight road would be a line: then y is drawn larger than x.
+    # A long trip along a straight road would look like a line, so y is enlarged.
     extent = np.ptp(points, axis=0) + 2.0 * MARGIN_M
     enlarged = bool(extent[1] < extent[0] / SLIMMEST)
     if enlarged:

@@ -16,7 +16,7 @@ class PlannedPath:
     """Planned path of an ego's rear axle."""
 
     time_s: float
-    """When it was planned."""
+    """Time at which it was planned."""
     points: FloatArray
     """(n, 2) [m]"""
 

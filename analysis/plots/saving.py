@@ -13,8 +13,8 @@ DOTS_PER_INCH = 150
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure into a PNG or SVG file, by its ending, and return the path."""
-    # Without these, SVG has random ids and letters as outlines, and both formats tell date and version.
+    """Write a figure into a PNG or SVG file, depending on the suffix, and return the path."""
+    # Otherwise SVG has random ids and letters as outlines, and both formats contain date and version.
     with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
         metadata = {"Date": None} if path.suffix.lower() == ".svg" else {"Software": None}
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata)
@@ -22,7 +22,7 @@ def save(figure: Figure, path: Path) -> Path:
 
 
 def svg_text(figure: Figure) -> str:
-    """Return a figure as the element of a page."""
+    """Return a figure as an SVG element for a page."""
     text = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
         figure.savefig(text, format="svg", metadata={"Date": None})

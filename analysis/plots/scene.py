@@ -15,7 +15,7 @@ from analysis.recording.tracks import Track
 
 
 class SceneError(AnalysisError):
-    """An ego or an encounter that the run does not have; names what exists."""
+    """The run does not have an ego or encounter; the message names those that exist."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class Scene:
     case: Case
     ego: str
     number: int | None
-    """Of the encounter, from 1 as in encounters.csv; ``None`` for the ego's whole trip."""
+    """Number of the encounter, from 1 as in encounters.csv; ``None`` for the ego's whole trip."""
     first: int
     """Fine index of the first sample."""
     last: int
@@ -55,7 +55,7 @@ class Scene:
         return float(self.case.grid.time[self.last])
 
     def pieces(self) -> list[Piece]:
-        """Return the ego's track within the window; more than one where the recording has a gap."""
+        """Return the ego's track within the window, in several pieces if the recording has gaps."""
         return self._within(self.case.egos, {self.ego})
 
     def persons(self) -> list[Piece]:
@@ -65,7 +65,7 @@ class Scene:
     def ttc(self) -> list[tuple[str, FloatArray, FloatArray]]:
         """Return pedestrian, times [s] and TTC [s] of each shown encounter; nan without a collision course.
 
-        These are the values of which encounters.csv has the smallest.
+        encounters.csv has the smallest of these values.
         """
         samples = self.case.samples
         shown = [self.number - 1] if self.number is not None else range(len(self.case.encounters))
@@ -100,7 +100,7 @@ class Piece:
 
     @property
     def part(self) -> slice:
-        """Of the track's arrays."""
+        """Slice of the track's arrays."""
         return slice(self.first - self.track.first, self.last - self.track.first + 1)
 
     @property
@@ -120,12 +120,12 @@ class Piece:
 
 
 def choose(case: Case, ego: str | None, number: int | None) -> Scene:
-    """Return the scene of an encounter, or of an ego's trip; of the first ego's where none is named.
+    """Return the scene of an encounter or of an ego's trip; without a name, of the first ego's trip.
 
     Raises
     ------
     SceneError
-        If there is no such ego or encounter, or the encounter is another ego's.
+        If there is no such ego or encounter, or the encounter belongs to another ego.
     """
     egos = list(dict.fromkeys(track.name for track in case.egos))
     if ego is not None and ego not in egos:

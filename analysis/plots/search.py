@@ -1,4 +1,4 @@
-"""Pictures of a search: where it failed and where not, and how it went."""
+"""Figures of a search: where runs failed and where they passed, and the progress."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def draw_boundary(axes: Sequence[Axis], tried: Sequence[Tried]) -> Figure:
     Parameters
     ----------
     axes
-        Two; choices are drawn side by side.
+        Two axes; choices are drawn side by side.
     tried
     """
     figure = Figure((WIDTH_IN, HEIGHT_IN), layout="constrained")
@@ -75,7 +75,7 @@ def draw_progress(tried: Sequence[Tried]) -> Figure:
 
 
 def most_deciding(axes: Sequence[Axis], influences: Sequence[Influence]) -> list[Axis]:
-    """Return the two axes that decide most; without any influences numbers come first."""
+    """Return the two axes with the most influence; without influences, numeric axes come first."""
     by_name = {axis.name: axis for axis in axes}
     order = [by_name[one.axis] for one in influences] or sorted(axes, key=lambda axis: not axis.numeric)
     return order[:2]
@@ -84,7 +84,7 @@ def most_deciding(axes: Sequence[Axis], influences: Sequence[Influence]) -> list
 def _places(axis: Axis, tried: Sequence[Tried]) -> list[float]:
     if axis.numeric:
         return [float(one.point[axis.name]) for one in tried]
-    # Beside each other, by the number of the trial, so that points of one choice do not hide each other.
+    # Shifted by the number of the trial, so that points of one choice do not hide each other.
     return [
         axis.choices.index(str(one.point[axis.name])) + 0.5 * ((one.number * 0.618) % 1.0 - 0.5)
         for one in tried

@@ -1,4 +1,4 @@
-"""Space–time diagram: where along its way the ego is, and when pedestrians are in front of it there."""
+"""Space–time diagram: the ego's position along its path, and when pedestrians are in that path."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from analysis.plots.ground import EGO, PERSON
 from analysis.plots.scene import Piece, Scene
 
 NEAR_M = 8.0
-"""Pedestrians are drawn where they are not further than this beside the ego's way [m]."""
+"""Pedestrians are drawn while they are within this distance of the ego's path [m]."""
 BEYOND_M = 45.0
-"""The ego's way is taken to go straight on for so long where it ends [m]."""
+"""The ego's path is extended straight on by this length at its end [m]."""
 
 
 def draw_space_time(scene: Scene) -> Figure:
-    """Return the figure: bold where a pedestrian is within the width of the ego's body."""
+    """Return the figure; a pedestrian's line is bold while they are within the width of the ego's body."""
     figure = Figure(figsize=(9.0, 5.5), layout="constrained")
     axes = figure.add_subplot()
     origin = 0.0
@@ -55,7 +55,7 @@ def _person(axes: Axes, ego: Piece, person: Piece, origin: float) -> None:
 
 
 def driven_line(ego: Piece) -> FloatArray:
-    """Return the way of the ego's centre as points that differ, with a straight end added (n, 2) [m]."""
+    """Return the path of the ego's centre as distinct points, with a straight extension, shape (n, 2) [m]."""
     points = np.column_stack([ego.x, ego.y])
     moved = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-3])
     heading = float(ego.heading[-1])
@@ -64,7 +64,7 @@ def driven_line(ego: Piece) -> FloatArray:
 
 
 def beside(line: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return how far along a line each point is, and how far to the left of it [m].
+    """Return the distance of each point along a line and to its left [m].
 
     >>> along, across = beside(np.array([[0.0, 0.0], [10.0, 0.0]]), np.array([[4.0, 3.0]]))
     >>> float(along[0]), float(across[0])

@@ -13,7 +13,7 @@ from analysis.plots.scene import Scene
 TTC_SHOWN_S = 10.0
 """Larger values are cut off [s]."""
 LEAST_TURN_RAD = 0.1
-"""The axis of the heading shows this much at least: noise is not to look like a turn [rad]."""
+"""The axis of the heading spans at least this, so that noise does not look like a turn [rad]."""
 
 
 def draw_traces(scene: Scene) -> Figure:

@@ -1,1 +1,1 @@
-"""Results of the analysis of one run: every metric, and the rows and files made of them."""
+"""Results of the analysis of one run: all metrics, and the rows and files made from them."""

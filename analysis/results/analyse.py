@@ -50,7 +50,7 @@ def analyse_run(folder: Path, thresholds: Thresholds | None = None) -> RunReport
     Raises
     ------
     RecordingError
-        When the run cannot be read, or memory does not suffice; nothing is written then.
+        If the run cannot be read, or memory does not suffice; nothing is written then.
     """
     try:
         return _analysed(folder, thresholds or Thresholds())
@@ -72,7 +72,7 @@ def _analysed(folder: Path, thresholds: Thresholds) -> RunReport:
             judgement.add_encounters(case, part.rows)
             if everybody is not None:
                 everybody.add_egos(case, number == 0)
-            del case  # or the next one would be made beside it
+            del case  # frees memory before the next one is made
         del part
     judged = judgement.judged()
     run, overlaps = judged.run_row(), judged.overlap_rows()
@@ -93,20 +93,20 @@ def _analysed(folder: Path, thresholds: Thresholds) -> RunReport:
 
 
 class _Everybody:
-    """Judges all traffic of a run: its egos first, then everybody else, part by part of the recording."""
+    """Judges all traffic of a run, one part of the recording after the other: egos first, then all others."""
 
     def __init__(self, traffic: Traffic) -> None:
         self._traffic = traffic
         self._listing, self._exposures = Listing(traffic.classes), Exposures(traffic.run, traffic.classes)
 
     def add_egos(self, case: Case, rides: bool) -> None:
-        """Add the encounters of a case and, once for each ego, where it drove."""
+        """Add the encounters of a case and, once for each ego, the crossings over which it drove."""
         self._listing.add_egos(case)
         if rides:
             self._exposures.add_egos(case)
 
     def write(self, folder: Path, order: IntArray, thresholds: Thresholds) -> list[Table]:
-        """Judge the others and write the tables; the order is that of the egos' encounters."""
+        """Judge the other vehicles and write the tables; ``order`` is the order of the egos' encounters."""
         self._listing.number_egos(order)
         rows = cell_rows(TRAFFIC_ENCOUNTERS, self._encounters(thresholds))
         write_csv(folder / TRAFFIC_ENCOUNTERS.file, TRAFFIC_ENCOUNTERS.names(), rows)
@@ -119,7 +119,7 @@ class _Everybody:
             others = prepare_traffic(part.run, thresholds)
             self._listing.add(others)
             self._exposures.add(others, part.own_vehicles)
-            del part, others  # or the next one would be read beside it
+            del part, others  # frees memory before the next one is read
         yield from self._listing.before(math.inf)
 
 

@@ -1,6 +1,6 @@
-"""The order of columns in schema 2 of encounters.csv and runs.csv, for readers that use positions.
+"""The order of columns in schema 2 of encounters.csv and runs.csv, for programs that use positions.
 
-It is fixed, and nothing has to be added here: a column without a place stands behind these, metric by metric.
+The order is fixed, and nothing has to be added here: other columns follow after these, metric by metric.
 """
 
 from __future__ import annotations
@@ -51,6 +51,6 @@ n_vehicle_conflicts_oncoming n_vehicle_conflicts_crossing min_vehicle_pet_s n_hi
 
 
 def in_order(columns: Iterable[Column], order: str) -> tuple[Column, ...]:
-    """Return the columns in the order of their names in a text; those not named come last, as they are."""
+    """Return the columns in the order of their names in a text; the others come last, in their own order."""
     place = {name: number for number, name in enumerate(order.split())}
     return tuple(sorted(columns, key=lambda column: place.get(column.name, len(place))))

@@ -1,4 +1,4 @@
-"""The columns of encounters.csv that are no metric: participants, place, time and right of way."""
+"""The columns of encounters.csv that are not metrics: participants, place, time and right of way."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PRIORITY = {"zebra": "ped", "unmarked": "ego"}
 
 @dataclass(frozen=True, slots=True)
 class ListedEncounter:
-    """One encounter of a case; what these columns are made of."""
+    """One encounter of a case, from which these columns are made."""
 
     origin: Origin
     case: Case
@@ -60,7 +60,7 @@ class ListedEncounter:
 
     @property
     def first_user(self) -> str:
-        """The party that left the conflict area first; one that is still inside leaves last."""
+        """The party that left the conflict area first; a party still inside counts as leaving last."""
         area = self.encounter.area
         if area is None:
             return "none"
@@ -71,7 +71,7 @@ class ListedEncounter:
 
     @property
     def conflict_type(self) -> str:
-        """Turning for an ego that turns before or inside the area, else by the angle of the paths."""
+        """Turning if the ego turns before or inside the area; otherwise by the angle between the paths."""
         one, limits = self.encounter, self.case.thresholds
         first, last = one.first - one.ego.first, one.last - one.ego.first
         if one.area is not None:

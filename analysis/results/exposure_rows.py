@@ -1,6 +1,6 @@
-"""crossing_exposure.csv: who used each crossing of a run, whether they met or not.
+"""crossing_exposure.csv: how many road users used each crossing of a run, whether they met or not.
 
-It is what the numbers of conflicts in traffic_encounters.csv are held against.
+The numbers of conflicts in traffic_encounters.csv are divided by this exposure.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ BICYCLE = "bicycle"
 
 @dataclass(slots=True)
 class CrossingUse:
-    """One crossing of a run; what a row is made of."""
+    """One crossing of a run, from which a row is made."""
 
     origin: Origin
     area: Area
     observed: float
     """[s]."""
     passed: list[tuple[bool, str, float]] = field(default_factory=list)
-    """Of motor vehicles whether they are no egos, their names, and their speeds on reaching it [m/s]."""
+    """For each motor vehicle: whether it is not an ego, its name, and its speed at the crossing [m/s]."""
     cyclists: int = 0
     red: int = 0
     pedestrians: int = 0
     waits: list[tuple[str, float]] = field(default_factory=list)
-    """Of pedestrians whose delay is defined their names and it [s]."""
+    """Names and delays of the pedestrians whose delay is defined [s]."""
 
     @property
     def middle(self) -> FloatArray:
@@ -61,12 +61,12 @@ class CrossingUse:
 
     @property
     def speeds(self) -> list[float]:
-        """Of motor vehicles, egos first and then by name: sums do not depend on the parts of a recording."""
+        """Speeds of motor vehicles, egos first and then by name, so that sums do not depend on the parts."""
         return [speed for _, _, speed in sorted(self.passed, key=itemgetter(0, 1))]
 
     @property
     def vehicles(self) -> int:
-        """Motor vehicles over it."""
+        """Number of motor vehicles that passed over the crossing."""
         return len(self.passed)
 
     @property
@@ -81,7 +81,7 @@ class CrossingUse:
 
     @property
     def delayed(self) -> int:
-        """Pedestrians whose delay is defined."""
+        """Number of pedestrians whose delay is defined."""
         return len(self.waits)
 
     @property
@@ -126,12 +126,12 @@ EXPOSURE = Table(
 
 
 class Exposures:
-    """The use of a run's crossings, which is added up part by part of its recording.
+    """The use of a run's crossings, added up over the parts of its recording.
 
     Parameters
     ----------
     run : RecordedRun
-        For its crossings.
+        The run, for its crossings.
     classes : Mapping
         SUMO's vehicle class of each vehicle.
     """
@@ -142,16 +142,16 @@ class Exposures:
         self._uses = {area.name: CrossingUse(origin, area, observed) for area in run.crossings()}
 
     def add_egos(self, case: Case) -> None:
-        """Add the vehicles that were egos, or a part of them."""
+        """Add the vehicles that were egos, all at once or in parts."""
         self._add_vehicles(case, None)
 
     def add(self, others: Case, own: Set[str]) -> None:
-        """Add the pedestrians of a part, and those vehicles that belong to it.
+        """Add the pedestrians of a part, and the vehicles that belong to it.
 
         Parameters
         ----------
         others : Case
-            Of the part: vehicles, and pedestrians that are in no other part.
+            The part, with vehicles and with pedestrians who are in no other part.
         own : Set
             Names of the vehicles that belong to this part.
         """

@@ -1,8 +1,9 @@
-"""Measures that are summed up and compared over many runs.
+"""Measures that are summarised and compared over many runs.
 
-Shares and rates are named here, with what is divided by what. Every number that a metric writes into
-runs.csv, and the first number of every encounter metric, follow from the metrics by themselves.
-Wall-clock columns are left out: the tables of a study have the same bytes for the same inputs.
+This file defines the shares and rates, with their numerators and denominators. All other measures follow
+from the metrics: every number that a metric writes into runs.csv, and the first number of every encounter
+metric. Wall-clock columns are left out, so that the tables of a study have the same bytes for the same
+inputs.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from analysis.tables.column import Column
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One number of a configuration of runs, and what it is made of."""
+    """One number that describes the runs of a configuration, and how it is computed."""
 
     name: str
     unit: str
@@ -26,22 +27,22 @@ class Measure:
     encounter."""
     text: str
     numerator: str
-    """Column of runs.csv or a tally of encounters; of encounters.csv for an encounter measure."""
+    """Column of runs.csv or tally of encounters; for an encounter measure, column of encounters.csv."""
     denominator: str = ""
-    """Of a share or rate."""
+    """Column or tally below the fraction line of a share or rate."""
     denominator_unit: str = "run"
     per: float = 1.0
-    """The rate is per so many of the denominator."""
+    """The rate is per this many units of the denominator."""
     group: str = "other"
     """``safety``, ``comfort``, ``pedestrians``, ``efficiency`` or ``other``."""
     key: bool = False
-    """Whether it belongs to the few that a claim may rest on; chosen before any comparison."""
+    """Whether it is one of the few measures that a claim may rest on, chosen before any comparison."""
     worse: str = "higher"
     """``higher``, ``lower`` or ``neither``."""
     lowest: float | None = 0.0
-    """What the quantity cannot be below; ``None`` where it can be anything."""
+    """Lower bound of the quantity; ``None`` if there is none."""
     highest: float | None = None
-    """What it cannot be above."""
+    """Upper bound of the quantity; ``None`` if there is none."""
 
 
 ENTERED = "entered encounter"
@@ -56,7 +57,7 @@ TALLIES = (
     "met_drac_gt_3p4",
     "met_conflict",
 )
-"""Counts of entered encounters: *met* of all of them, the others of those in which something happened."""
+"""Counts of entered encounters: *met* counts all of them, the others those in which something happened."""
 
 
 def _share(name: str, text: str, numerator: str, key: bool = False) -> Measure:
@@ -134,7 +135,7 @@ POOLED = (
         highest=1.0,
     ),
 )
-"""Shares and rates. Where runs.csv has a column of the same name, this is the same over all runs."""
+"""Shares and rates. If runs.csv has a column of the same name, this is its equivalent over all runs."""
 
 _PLACES = {
     "p95_abs_jerk_mps3": ("comfort", True, "jerk, 95th percentile"),
@@ -142,14 +143,14 @@ _PLACES = {
     "ped_delay_mean_s": ("pedestrians", True, "mean delay of pedestrians"),
     "ego_delay_mean_s": ("efficiency", True, "mean delay of an ego"),
 }
-"""Group, key and text of measures that come from a metric by themselves."""
+"""Group, key and text of measures that follow from a metric."""
 DELAY = "ego_delay_mean_s"
-"""What *slower* means."""
+"""The measure that defines *slower*."""
 
 
 @cache
 def run_measures() -> tuple[Measure, ...]:
-    """Return the measures with numbers for each run: those named here first, then all others by name."""
+    """Return the measures with a number for each run: first those defined here, then all others by name."""
     named = {measure.name for measure in POOLED}
     found = []
     for metric in find_metrics():
@@ -208,7 +209,7 @@ def is_wall_clock(column: str) -> bool:
 
 
 def _worse(metric: Metric, column: Column) -> str:
-    """Return the direction of a run column; a count of events of a metric is worse when higher."""
+    """Return which direction of a run column is worse; for a count of a metric's events it is higher."""
     if column.worse:
         return column.worse
     if column.name.endswith("_defined"):

@@ -1,4 +1,4 @@
-"""Finds the metrics: every file of ``analysis.metrics`` is one, and all that there is of it."""
+"""Finds the metrics: every file of ``analysis.metrics`` is one complete metric."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _NEEDED = ("UNIT", "WORSE", "SOURCE")
 class Metric:
     """One metric, as its file describes it.
 
-    A metric with columns in encounters.csv is one of encounters: its ``compute`` returns column -> one value
-    per encounter. Its ``summarise``, and that of a metric of runs, takes these of the whole run and returns
-    run column -> value. A long run is judged in parts. What ``summarise`` needs besides, it is given as
-    name -> list: of ``collect_encounters``, called with each case for its encounters, and of
-    ``collect_rides``, called once for each ego, one list after the other.
+    A metric with columns in encounters.csv is a metric of encounters: its ``compute`` returns column -> one
+    value per encounter. ``summarise``, of this or of a metric of runs, takes these columns of the whole run
+    and returns run column -> value. A long run is judged in parts. If ``summarise`` needs more, two other
+    functions return it as name -> list, and their lists are joined: ``collect_encounters``, called with each
+    case for its encounters, and ``collect_rides``, called once for each ego.
     """
 
     name: str
@@ -38,15 +38,15 @@ class Metric:
     curve: str
     """Formula that config.json repeats; empty for most."""
     columns: tuple[Column, ...]
-    """In encounters.csv."""
+    """Its columns in encounters.csv."""
     run_columns: tuple[Column, ...]
-    """In runs.csv."""
+    """Its columns in runs.csv."""
     compute: Callable[[Case], Values] | None
     collect_encounters: Callable[[Case], Values] | None
     collect_rides: Callable[[Case], Values] | None
     summarise: Callable[[WholeRun, Values], Values] | None
     of_controller: bool = False
-    """Whether it is about the controller's plans, so that vehicles without a recorded one have no value."""
+    """Whether it is about the controller's plans, so that vehicles without recorded plans have no value."""
 
     @property
     def scope(self) -> str:
@@ -61,7 +61,7 @@ def find_metrics() -> tuple[Metric, ...]:
     Raises
     ------
     MetricError
-        When a file lacks something, or two declare the same column.
+        If a file lacks something, or two files declare the same column.
     """
     names = sorted(found.name for found in pkgutil.iter_modules(metrics.__path__))
     listed = tuple(read_metric(name, importlib.import_module(f"{metrics.__name__}.{name}")) for name in names)
@@ -80,7 +80,7 @@ def read_metric(name: str, file: Any) -> Metric:
     Raises
     ------
     MetricError
-        When it lacks something.
+        If the module lacks something.
     """
     missing = [one for one in _NEEDED if not hasattr(file, one)]
     columns, run_columns = getattr(file, "COLUMNS", ()), getattr(file, "RUN_COLUMNS", ())

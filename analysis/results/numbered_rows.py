@@ -1,4 +1,4 @@
-"""Tables with a row for everything of a kind in a run, numbered from 1: overlaps, conflicts with vehicles."""
+"""Tables with one row, numbered from 1, for each overlap or vehicle conflict of a run."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from analysis.tables.column import Column, Table, row_of
 
 @dataclass(frozen=True, slots=True)
 class Numbered:
-    """What a row is made of."""
+    """The content of a row."""
 
     origin: Origin
     number: int
     """Within the run, from 1."""
     what: object
-    """Columns of the table name its attributes as ``what.name``."""
+    """Columns of the table refer to its attributes as ``what.name``."""
 
 
 def number_within_run(name: str) -> Column:
-    """Return the column of the number."""
+    """Return the column for the number of a row."""
     return Column(name, "integer", "1", "number within the run, from 1", "number", minimum=1.0, required=True)
 
 

@@ -1,4 +1,4 @@
-"""The columns that say which run a row is of, the same in every file of a run."""
+"""The columns that say which run a row belongs to, the same in every file of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from analysis.tables.column import Column, text
 
 SCHEMA_VERSION = "2"
-"""Of the CSV files; changes whenever a column changes its name or meaning."""
+"""Version of the CSV files; changes whenever a column changes its name or meaning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Origin:
 
     @property
     def actuation(self) -> str:
-        """Method by which the ego was moved."""
+        """How the ego was moved."""
         return self.meta.get("actuation") or "unknown"
 
     @property

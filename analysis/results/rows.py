@@ -1,4 +1,4 @@
-"""From the cases of a run's parts to the rows of its CSV files."""
+"""Makes the rows of a run's CSV files from the cases of its parts."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ _NUMBER = "encounter_id"
 
 
 class Judgement:
-    """Judges the parts of a run one after the other, and keeps of each what its rows are made of.
+    """Judges the parts of a run one after the other, and keeps only what the rows need.
 
     Parameters
     ----------
     run : RecordedRun
-        As :class:`analysis.recording.rides.Rides` gives it.
+        The run, as :class:`analysis.recording.rides.Rides` provides it.
     thresholds : Thresholds
     metrics : Sequence
-        Of the catalogue by default.
+        The metrics to compute; those of the catalogue by default.
     """
 
     def __init__(
@@ -51,19 +51,19 @@ class Judgement:
         self._collected: dict[str, dict[str, list[Any]]] = {metric.name: {} for metric in self._metrics}
 
     def add_rides(self, case: Case, rows: IntArray) -> None:
-        """Judge the rides of a part, whose egos have these rows of all egos."""
+        """Judge the rides of a part; ``rows`` are the indices of its egos among all egos."""
         self._gathering.add_rides(case, rows)
         for metric in self._metrics:
             self._collect(metric, metric.collect_rides, case)
 
     def add_encounters(self, case: Case, rows: IntArray) -> None:
-        """Judge the encounters of a case of such a part.
+        """Judge the encounters of a case of a part; ``rows`` as for :meth:`add_rides`.
 
         Raises
         ------
         MetricError
-            When a metric returns what it does not declare, or another number of values than there are
-            encounters.
+            If a metric returns a column that it does not declare, or a number of values that differs from the
+            number of encounters.
         """
         self._gathering.add_encounters(case, rows)
         for index in range(len(case)):
@@ -81,12 +81,12 @@ class Judgement:
                 self._collected[metric.name].setdefault(name, []).extend(values)
 
     def judged(self) -> JudgedRun:
-        """Return the run, whose parts were all added.
+        """Return the judged run after all parts were added.
 
         Raises
         ------
         MetricError
-            When a metric returns what it does not declare.
+            If a metric returns a column that it does not declare.
         """
         order, whole = self._gathering.order(), self._gathering.whole()
         columns: dict[str, Any] = {}
@@ -102,18 +102,18 @@ class Judgement:
 
 
 class JudgedRun:
-    """What came of a run.
+    """The results of a run.
 
     Parameters
     ----------
     origin : Origin
     whole : WholeRun
     order : IntArray
-        The numbers of the encounters, from 0 as they were added, in the order of the run.
+        Indices of the encounters as they were added, from 0, in the order of the run.
     encounters : Sequence
         Rows of encounters.csv.
     summary : Mapping
-        The metrics' values of the run.
+        The metrics' values for the run.
     """
 
     def __init__(
@@ -142,12 +142,12 @@ class JudgedRun:
 
 
 class EncounterRows(Sequence[Row]):
-    """The rows of encounters.csv, each made when it is asked for: a long run has very many.
+    """The rows of encounters.csv, each made only on demand because a long run has very many.
 
     Parameters
     ----------
     described : Sequence
-        Of each encounter the columns that are no metric's.
+        For each encounter, the columns that are not metrics.
     columns : Mapping
         The metrics' columns.
     """
@@ -180,12 +180,13 @@ class EncounterRows(Sequence[Row]):
 
 
 def measure(metric: Metric, case: Case) -> tuple[Values, Values]:
-    """Return a metric's columns of all encounters, and its values for the run; the case is all of it.
+    """Return a metric's columns of all encounters and its values for the run, from a case of the whole run.
 
     Raises
     ------
     MetricError
-        When it returns what it does not declare, or another number of values than there are encounters.
+        If it returns a column that it does not declare, or a number of values that differs from the number of
+        encounters.
     """
     judgement = Judgement(case.run, case.thresholds, [metric])
     rows = np.arange(len(case.run.egos))
@@ -196,12 +197,12 @@ def measure(metric: Metric, case: Case) -> tuple[Values, Values]:
 
 
 def of_encounters(metric: Metric, case: Case) -> Values:
-    """Return a metric's columns of all encounters of a case; it has such columns.
+    """Return the encounter columns of a metric for all encounters of a case.
 
     Raises
     ------
     MetricError
-        As `measure`.
+        As for `measure`.
     """
     if metric.compute is None:
         return {}
@@ -221,7 +222,7 @@ def _declared(metric: Metric, where: str, columns: Sequence[Column], values: Val
 
 
 def _joined(parts: Sequence[Any], order: IntArray) -> Any:
-    """Return the values of all parts in the order of the run: an array of arrays, otherwise a list."""
+    """Return the values of all parts in the order of the run: an array if all are arrays, else a list."""
     some = [one for one in parts if len(one)] or parts[:1]
     if all(isinstance(one, np.ndarray) for one in some):
         return np.concatenate(some)[order]

@@ -1,4 +1,4 @@
-"""The columns of runs.csv that are no metric: what ran, when, and whether it ended well."""
+"""The columns of runs.csv that are not metrics: what ran, when, and whether it ended well."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from analysis.tables.column import at_least_0, count, flag, text
 
 @dataclass(frozen=True, slots=True)
 class ListedRun:
-    """A run; what these columns are made of."""
+    """A run, from which these columns are made."""
 
     origin: Origin
     whole: WholeRun
 
     @property
     def wall_rtf(self) -> float | None:
-        """Simulated time over wall-clock time."""
+        """Simulated time divided by wall-clock time."""
         wall, duration = self.origin.meta.get("wall_s"), self.origin.meta.get("duration_s")
         return duration / wall if wall and duration is not None else None
 
     @property
     def valid(self) -> bool:
-        """Whether the run went to its end without a fault."""
+        """Whether the run reached its end without a fault."""
         return bool(self.origin.meta.get("valid", False))
 
 

@@ -1,4 +1,4 @@
-"""The CSV files of a run: what describes the encounter or the run, and every metric's own columns."""
+"""The CSV files of a run: columns that describe the encounter or the run, and the columns of all metrics."""
 
 from __future__ import annotations
 

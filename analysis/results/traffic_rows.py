@@ -1,7 +1,7 @@
-"""traffic_encounters.csv: every encounter of a vehicle and a pedestrian near crossings, egos or not.
+"""traffic_encounters.csv: all encounters of vehicles, egos or not, with pedestrians near crossings.
 
-The columns are those of encounters.csv without the ones that need a controller; where their names say
-*ego*, the vehicle is meant. An ego's values are those that it has in encounters.csv.
+The columns are those of encounters.csv except the ones that need a controller. Where a name says *ego*, the
+vehicle is meant. An ego has the same values as in encounters.csv.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from analysis.tables.cells import Row, plain
 from analysis.tables.column import Column, Table, count, flag, row_of, text
 
 SUMO = "sumo"
-"""Controller of vehicles that are no egos, where the run does not name another driver of theirs."""
+"""Controller of vehicles that are not egos, unless the run names another driver for them."""
 
 
 @dataclass(frozen=True, slots=True)
 class ListedTraffic(ListedEncounter):
-    """One encounter of a vehicle; what a row is made of."""
+    """One encounter of a vehicle, from which a row is made."""
 
     is_ego: bool
     vehicle_class: str
     before: int
-    """Number of encounters of egos that were listed before those of this case."""
+    """Number of encounters of egos that were added before those of this case."""
 
     @property
     def controller(self) -> str:
@@ -47,7 +47,7 @@ class ListedTraffic(ListedEncounter):
 
     @property
     def number_of_ego(self) -> int | None:
-        """Number in encounters.csv, as long as the egos' are not numbered that in order of being listed."""
+        """Number of an ego's encounter in the order of adding; ``Listing.number_egos`` makes it final."""
         return self.before + self.number if self.is_ego else None
 
 
@@ -93,7 +93,7 @@ TRAFFIC_ENCOUNTERS = Table(
 
 
 class Listing:
-    """The rows of traffic_encounters.csv, by the time at which they begin, part by part of a recording.
+    """The rows of traffic_encounters.csv in the order of their start, over the parts of a recording.
 
     Parameters
     ----------
@@ -106,18 +106,18 @@ class Listing:
         self._waiting: list[dict[str, Any]] = []
 
     def add_egos(self, case: Case) -> None:
-        """Add those encounters of a part's egos that would count for other vehicles."""
+        """Add the encounters of a part's egos that would also count for other vehicles."""
         self._waiting += _rows(case, True, self._classes, self._of_egos)
         self._of_egos += len(case)
 
     def number_egos(self, order: IntArray) -> None:
-        """Number the egos' encounters, all added, as in encounters.csv: by their order, counted from 0."""
+        """Number the egos' encounters as in encounters.csv, after all were added; ``order`` counts from 0."""
         numbers = np.argsort(order) + 1
         for row in self._waiting:
             row["encounter_id"] = int(numbers[row["encounter_id"] - 1])
 
     def before(self, time: float) -> Iterator[Row]:
-        """Yield the rows that begin before an instant and have not been yielded yet [s]."""
+        """Yield the rows that begin before ``time`` [s] and have not been yielded yet."""
         ready = sorted((row for row in self._waiting if row["t_start_s"] < time), key=_PLACE)
         self._waiting = [row for row in self._waiting if row["t_start_s"] >= time]
         for row in ready:
@@ -147,6 +147,6 @@ def _rows(case: Case, is_ego: bool, classes: Mapping[str, str], before: int = 0)
 
 
 def _counts(one: Encounter, case: Case) -> bool:
-    """Return whether the vehicle passed the pedestrian's way soon before or after, or their crossing."""
+    """Return whether the vehicle passed the pedestrian's path shortly before or after, or their crossing."""
     soon = one.area is not None and one.area.time_between <= case.thresholds.traffic_pairing_s
     return soon or one.traversal is not None

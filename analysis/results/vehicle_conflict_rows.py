@@ -1,4 +1,4 @@
-"""vehicle_conflicts.csv: who came close to an ego, and whom an ego came close to."""
+"""vehicle_conflicts.csv: vehicles that came close to an ego or that an ego came close to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a ranking does not say, with its own numbers: SUMO's drivers strike more people than drivers do."""
+"""A warning with the numbers of a ranking: SUMO's drivers strike more people than real drivers do."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from analysis.tables.cells import Row
 
 
 def caution(rows: Sequence[Row]) -> str:
-    """Return a sentence for whoever is shown a ranking; empty where nobody was struck.
+    """Return a sentence of caution to show with a ranking; empty if nobody was struck.
 
     Parameters
     ----------
     rows
-        Of crossings.csv.
+        Rows of crossings.csv.
 
     Examples
     --------

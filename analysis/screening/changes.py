@@ -1,4 +1,4 @@
-"""What an alternative changes at each crossing and in all of a network, on the same seeds."""
+"""What an alternative changes at each crossing and in the whole network, on the same seeds."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from analysis.tables.cells import Row, plain
 from analysis.tables.column import Table, at_least_0, count, flag, number, text
 
 TOTAL = "total"
-"""The ``crossing_id`` of all crossings together."""
+"""The ``crossing_id`` for all crossings together."""
 CHANGED_BELOW = 0.05
-"""A difference whose adjusted p is below this is called a change."""
+"""A difference counts as a change if its adjusted p is below this."""
 
 
 OBSERVED = "observed_s"
@@ -32,7 +32,7 @@ class Measure:
     name: str
     unit: str
     numerator: str
-    """Name in ``Counts.each``, as the denominator."""
+    """Name in ``Counts.each``; the denominator likewise."""
     denominator: str
     factor: float = 1.0
 
@@ -49,7 +49,7 @@ MEASURES = (
     Measure("ped_delay_mean_s", "s", "ped_delay_sum_s", "n_ped_delay_defined"),
 )
 EXPOSURE = ("pedestrians_per_h", "vehicles_per_h")
-"""Measures of who is there at all."""
+"""Measures of how many road users are there."""
 
 CHANGES = Table(
     "crossing_changes",
@@ -83,13 +83,13 @@ CHANGES = Table(
 def change_rows(base: Counts, alt: Counts) -> list[Row]:
     """Return the rows of crossing_changes.csv, the total first.
 
-    Crossings are the same if their ids are. One that only a side has is listed with that side's values.
-    Rates are ratios of sums over runs, compared by each run's contribution to them.
+    Crossings are the same if their ids are. A crossing that only one side has is listed with that side's
+    values. Rates are ratios of sums over runs and are compared by each run's contribution to them.
 
     Raises
     ------
     StudyError
-        When they have no seed or no crossing in common.
+        If they have no seed or no crossing in common.
     """
     seeds = sorted({*base.seeds} & {*alt.seeds})
     if not seeds:
@@ -112,7 +112,7 @@ def _only_in(name: str, base: Collection[str], alt: Collection[str]) -> str:
 
 
 def _sums(counts: Counts, seeds: Sequence[int], names: Sequence[str]) -> Mapping[str, FloatArray]:
-    """Return the counts of all crossings together and of each, shape (1 + crossings, seeds); nan for none."""
+    """Return the counts of all crossings and of each, shape (1 + crossings, seeds); nan if it is missing."""
     columns = [counts.seeds.index(seed) for seed in seeds]
     row = {cells["crossing_id"]: number for number, cells in enumerate(counts.crossings)}
     here = [number for number, name in enumerate(names, 1) if name in row]
@@ -120,7 +120,7 @@ def _sums(counts: Counts, seeds: Sequence[int], names: Sequence[str]) -> Mapping
     for kind, values in counts.each.items():
         each = values[:, columns]
         sums = np.full((1 + len(names), len(seeds)), np.nan)
-        # All crossings are looked at for the same time.
+        # All crossings are observed for the same time.
         sums[0] = each.max(axis=0) if kind == OBSERVED else each.sum(axis=0)
         sums[here] = each[[row[names[number - 1]] for number in here]]
         found[kind] = sums
@@ -134,7 +134,7 @@ def _rows(
     base: Mapping[str, FloatArray],
     alt: Mapping[str, FloatArray],
 ) -> list[Row]:
-    """Return the rows of one measure; only the crossings are tested together."""
+    """Return the rows of one measure; only the crossings, not the total, are tested together."""
     sides = [
         measure.factor * _contributions(one[measure.numerator], one[measure.denominator])
         for one in (base, alt)
@@ -171,7 +171,7 @@ def _rows(
 
 
 def _contributions(numerators: FloatArray, denominators: FloatArray) -> FloatArray:
-    """Return what each run contributes to the ratio of each row; nan where nothing is below the line."""
+    """Return what each run contributes to the ratio of each row; nan if the denominator is 0."""
     defined = np.nan_to_num(denominators).sum(axis=1) > 0.0
     found = np.full(numerators.shape, np.nan)
     for i in np.flatnonzero(defined):
@@ -180,7 +180,7 @@ def _contributions(numerators: FloatArray, denominators: FloatArray) -> FloatArr
 
 
 def _tested(differences: FloatArray, varies: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the p of the t-test over runs, and the interval of the mean; nan where there is none."""
+    """Return the p of the t-test over runs, and the interval of the mean; nan if there is none."""
     p, low, high = (np.full(len(differences), np.nan) for _ in range(3))
     if differences.shape[1] > 1 and varies.any():
         test = ttest_1samp(differences[varies], 0.0, axis=1)

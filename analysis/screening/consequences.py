@@ -1,4 +1,4 @@
-"""How likely pedestrians die if they are struck at the speeds from which the drivers at a crossing brake."""
+"""Probability that pedestrians die if struck at the speeds from which the drivers at a crossing brake."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ _LEAST = 1e-6
 
 
 class Risks(NamedTuple):
-    """Probabilities of death of many encounters, as sums; arrays of shape (crossings, runs)."""
+    """Sums of the probabilities of death over encounters; arrays of shape (crossings, runs)."""
 
     total: FloatArray
     squares: FloatArray
-    """Sum of their squares."""
+    """Sum of the squared probabilities."""
     defined: FloatArray
     """Number of encounters in which the speed is defined."""
 
     def of(self, chosen: FloatArray) -> Risks:
-        """Return those of some crossings."""
+        """Return the sums of some crossings."""
         return Risks(*(values[chosen] for values in self))
 
 
 class Belief(NamedTuple):
-    """How many encounters a crossing needs to be believed."""
+    """How much weight a crossing's own mean has, depending on its number of encounters."""
 
     usual: float | FloatArray
-    """Mean over all crossings; nan where no speed is defined anywhere."""
+    """Mean over all crossings; nan if no speed is defined anywhere."""
     half: float
-    """Encounters at which a crossing's own mean and the usual one weigh the same; inf where crossings do not
-    differ by more than chance."""
+    """Number of encounters at which a crossing's own mean and the usual mean weigh the same; inf if crossings
+    do not differ by more than chance."""
 
     def of(self, total: FloatArray, defined: FloatArray) -> FloatArray:
-        """Return the mean of each crossing, drawn towards the usual one, which may be an array.
+        """Return the mean of each crossing, drawn towards the usual mean, which may be an array.
 
         Examples
         --------
@@ -48,12 +48,13 @@ class Belief(NamedTuple):
 
 
 def belief_in(risks: Risks) -> Belief:
-    """Return how far the mean of a crossing is believed, from the spread within and between crossings.
+    """Return how much weight the mean of a crossing has, from the spread within and between crossings.
 
     Notes
     -----
-    The estimators of Bühlmann and Straub [BuhlmannGisler2005]_, chapter 4, with one observation an encounter:
-    k = s² / a, s² the pooled variance within crossings, a the variance between them, 0 if negative.
+    The estimators of Bühlmann and Straub [BuhlmannGisler2005]_, chapter 4, where each encounter is one
+    observation: k = s² / a, with s² the pooled variance within crossings and a the variance between them, 0
+    if negative.
     """
     total, squares, n = (values.sum(axis=1) for values in risks)
     seen = n > 0.0
@@ -67,5 +68,5 @@ def belief_in(risks: Risks) -> Belief:
         return Belief(usual, np.inf)
     within = max(float((squares - total**2 / n).sum()), 0.0) / freedom
     between = (float((n * (total / n - usual) ** 2).sum()) - (len(n) - 1) * within) / size
-    # Without any spread within crossings, a single encounter is believed all but entirely.
+    # Without any spread within crossings, a single encounter has almost all the weight.
     return Belief(usual, max(within / between, _LEAST) if between > 0.0 else np.inf)

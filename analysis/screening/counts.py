@@ -1,4 +1,4 @@
-"""What happened at each crossing in each run of a study that recorded everybody."""
+"""Counts what happened at each crossing in each run of a study that recorded everybody."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ Cells = Mapping[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """Crossings and runs, both in a fixed order."""
+    """Counts by crossing and run, both in a fixed order."""
 
     crossings: Sequence[Cells]
-    """For each crossing a row of crossing_exposure.csv, for what does not change from run to run."""
+    """One row of crossing_exposure.csv for each crossing, for facts that are the same in all runs."""
     seeds: Sequence[int]
     each: Mapping[str, FloatArray]
-    """Name to numbers, shape (crossings, runs)."""
+    """Counts by name, shape (crossings, runs)."""
     ttc: Sequence[FloatArray]
-    """Of each crossing the defined smallest TTCs of motor vehicles' encounters [s]."""
+    """For each crossing, the defined smallest TTCs of motor vehicles' encounters [s]."""
     pet: Sequence[FloatArray]
     speeds: Mapping[str, FloatArray]
     """Mean over runs of a speed of motor vehicles, shape (crossings,); nan without vehicles [m/s]."""
@@ -54,19 +54,19 @@ class Counts:
         return np.asarray(self.each[name].sum(axis=1))
 
     def counted(self, runs: Sequence[int] | None = None) -> Counted:
-        """Return what a ranking needs, of some columns of ``each`` or of all."""
+        """Return what a ranking needs, from some columns of ``each`` or from all."""
         chosen = slice(None) if runs is None else list(runs)
         risks = Risks(*(self.each[name][:, chosen] for name in _FATAL))
         return Counted(self.each["conflicts"][:, chosen], self.each["n_pedestrians"][:, chosen], risks)
 
 
 def read_counts(folder: Path) -> Counts:
-    """Return what the valid runs of a study's folder counted.
+    """Return the counts over the valid runs in a study's folder.
 
     Raises
     ------
     StudyError
-        When there is no valid run, or none recorded everybody.
+        If there is no valid run, or none recorded everybody.
     """
     valid = {row["run_id"] for row in read_csv(folder / RUNS.file) if row["valid"] == "1"}
     try:
@@ -123,7 +123,7 @@ def _count(row: Cells, each: Mapping[str, FloatArray], at: tuple[int, int]) -> N
         each["p_fatal_sum"][at] += p_fatal
         each["p_fatal_squares"][at] += p_fatal**2
         each["n_p_fatal_defined"][at] += 1
-    each["hidden"][at] += row.get("hidden_before_conflict") == "1"  # studies of before lack it
+    each["hidden"][at] += row.get("hidden_before_conflict") == "1"  # older studies lack it
 
 
 def _append(values: list[float], cell: str) -> None:

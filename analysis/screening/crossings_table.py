@@ -16,9 +16,9 @@ from analysis.tables.cells import Row, plain
 from analysis.tables.column import Table, at_least_0, count, flag, number, text
 
 WORSE_BELOW = 0.05
-"""A crossing whose adjusted p is below this is called worse than the others."""
+"""A crossing counts as worse than the others if its adjusted p is below this."""
 VALUES = {BY_RISK: "risk_per_1000_ped", BY_CONFLICTS: "expected_conflicts_per_1000_ped"}
-"""Column that a rank follows."""
+"""The column that each kind of rank follows."""
 _HOUR = 3600.0
 
 CROSSINGS = Table(
@@ -108,7 +108,7 @@ _FACTS: Mapping[str, Callable[[str], Any]] = {
 
 
 def value_column(rows: Sequence[Row]) -> str:
-    """Return the column that ranks follow: conflicts where no speed is known at any crossing."""
+    """Return the column that ranks follow; conflicts if no speed is known at any crossing."""
     named = {VALUES[row["ranked_by"]] for row in rows} - {VALUES[BY_CONFLICTS]}
     known = [name for name in named if any(row[name] is not None for row in rows)]
     return known[0] if known else VALUES[BY_CONFLICTS]
@@ -192,7 +192,7 @@ def _facts(cells: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _ratio(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
-    """Return the quotient, nan where there is nothing to divide by."""
+    """Return the quotient, nan where the denominator is 0."""
     nothing = np.full(len(numerator), np.nan)
     return np.asarray(np.divide(numerator, denominator, out=nothing, where=denominator > 0.0))
 

@@ -1,4 +1,4 @@
-"""crossings.geojson: the crossings as points in WGS 84 (RFC 7946), which QGIS opens."""
+"""crossings.geojson: the crossings as points in WGS 84 (RFC 7946), for QGIS and other tools."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PLACE = ("longitude_deg", "latitude_deg")
 
 
 def features(rows: Sequence[Row]) -> dict[str, Any] | None:
-    """Return a collection with a feature for each crossing; ``None`` in a network without a projection."""
+    """Return a collection with a feature for each crossing; ``None`` for a network without a projection."""
     if any(row.get(name) is None for row in rows for name in _PLACE):
         return None
     names = [name for name in CROSSINGS.names() if name not in _PLACE]

@@ -1,4 +1,4 @@
-"""Ranks of crossings with their intervals, and which are worse than the others."""
+"""Ranks crossings, with intervals of the ranks, and says which are worse than the others."""
 
 from __future__ import annotations
 
@@ -18,40 +18,40 @@ _BLOCK = 1000
 _AT_ONCE = 200_000
 BY_RISK, BY_CONFLICTS = "risk", "conflicts"
 RANK_BY = (BY_RISK, BY_CONFLICTS)
-"""What a rank may follow: conflicts for each pedestrian, or these times the probability of death."""
+"""What a rank may follow: conflicts per pedestrian times the probability of death, or conflicts alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class Counted:
-    """What happened at crossings; arrays of shape (crossings, runs)."""
+    """Counts of events at crossings; arrays of shape (crossings, runs)."""
 
     conflicts: FloatArray
     pedestrians: FloatArray
     risks: Risks
 
     def of(self, chosen: FloatArray) -> Counted:
-        """Return that of some crossings."""
+        """Return the counts of some crossings."""
         return Counted(self.conflicts[chosen], self.pedestrians[chosen], self.risks.of(chosen))
 
 
 @dataclass(frozen=True, slots=True)
 class Ranking:
-    """Values of each crossing; nan for those that are not ranked."""
+    """Values of each crossing; nan for crossings that are not ranked."""
 
     rate: FloatArray
-    """Expected conflicts for each pedestrian."""
+    """Expected conflicts per pedestrian."""
     p_fatal: FloatArray
-    """Expected probability of death in a collision; nan too where no speed is known at any crossing."""
+    """Expected probability of death in a collision; also nan if no speed is known at any crossing."""
     ranks: Mapping[str, FloatArray]
-    """For each of ``RANK_BY``: 1 for the highest value; equal ones share the mean of their ranks."""
+    """Ranks for each of ``RANK_BY``: 1 for the highest value; equal values share the mean of their ranks."""
     by: str
-    """Which of them interval and test belong to."""
+    """The ranking to which interval and test belong."""
     rank_low: FloatArray
-    """95 % interval by resampling runs; nan with a single run."""
+    """95 % interval of the rank by resampling runs; nan with a single run."""
     rank_high: FloatArray
     p_worse: FloatArray
-    """Of a t-test over runs that the value is not above that of all other ranked crossings, adjusted for
-    their number; nan where it cannot be said."""
+    """P of a t-test over runs that the value is not above that of all other ranked crossings, adjusted for
+    their number; nan if it is undefined."""
 
     @property
     def rank(self) -> FloatArray:
@@ -60,26 +60,25 @@ class Ranking:
 
 
 def rank(counted: Counted, least_pedestrians: float, by: str = BY_RISK) -> Ranking:
-    """Rank crossings by expected conflicts for each pedestrian, and by their risk.
+    """Rank crossings by expected conflicts per pedestrian and by their risk.
 
     Parameters
     ----------
     counted
-        Of all crossings.
+        Counts of all crossings.
     least_pedestrians
-        A crossing with fewer in all runs is not ranked.
+        A crossing with fewer pedestrians in all runs is not ranked.
     by
-        One of ``RANK_BY``.
+        One of ``RANK_BY``: what interval and test belong to.
 
     Notes
     -----
-    Risk is probability times consequence: the expected conflicts for each pedestrian, times the expected
+    Risk is probability times consequence: the expected conflicts per pedestrian, times the expected
     probability of death in a collision at the speed from which drivers brake there. Weights of severity are
     usual in network screening [HSM2010]_, where they are the costs of crashes.
 
-    The run is what is resampled and tested, since what happens within one is not independent. Dispersion
-    and credibility are those of all runs. P values are adjusted for false discoveries
-    [BenjaminiHochberg1995]_.
+    Runs are resampled and tested, because events within a run are not independent. Dispersion and
+    credibility are those of all runs. P values are adjusted for false discoveries [BenjaminiHochberg1995]_.
     """
     ranked = counted.pedestrians.sum(axis=1) >= max(least_pedestrians, 1.0)
     nothing = np.full(len(ranked), np.nan)
@@ -93,7 +92,7 @@ def rank(counted: Counted, least_pedestrians: float, by: str = BY_RISK) -> Ranki
         return Ranking(nothing, nothing, dict.fromkeys(RANK_BY, nothing), by, nothing, nothing, nothing)
     own = counted.of(ranked)
     rates, p_fatal, low, high = _estimated(own, by)
-    # Where no speed is known, all crossings have the same unknown consequence.
+    # If no speed is known, all crossings have the same unknown consequence.
     values = {BY_CONFLICTS: rates, BY_RISK: rates * np.where(np.isfinite(p_fatal), p_fatal, 1.0)}
     return Ranking(
         of_all(rates),
@@ -121,9 +120,9 @@ def _estimated(own: Counted, by: str) -> tuple[FloatArray, FloatArray, FloatArra
     if runs < 2:
         unknown = np.full(len(k), np.nan)
         return rates, p_fatal, unknown, unknown
-    # The same runs for every table with as many of them: the numbers are those of a repetition.
+    # The draws depend only on the number of runs, so that a repetition gives the same numbers.
     drawn = np.random.default_rng(runs).multinomial(runs, np.full(runs, 1.0 / runs), RESAMPLES).T
-    # Ranks are halves of whole numbers: exact in few bytes, of which ten thousand crossings need many.
+    # Ranks are halves of whole numbers, which 4 bytes hold exactly; ten thousand crossings need many of them.
     ranks = np.empty((len(k), RESAMPLES), dtype=np.float32)
     step = max(1, _AT_ONCE // len(k))
     for at in range(0, RESAMPLES, step):
@@ -159,7 +158,7 @@ def _p_worse(own: Counted, by: str) -> FloatArray:
         ]
     )
     found = np.full(len(differences), np.nan)
-    varied = np.ptp(differences, axis=1) >= 1e-12  # false where they are undefined
+    varied = np.ptp(differences, axis=1) >= 1e-12  # false if they are undefined
     if varied.any():
         found[varied] = ttest_1samp(differences[varied], 0.0, axis=1, alternative="greater").pvalue
     defined = np.isfinite(found)

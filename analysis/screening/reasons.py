@@ -1,4 +1,4 @@
-"""What sets a crossing apart from the others of its network, in plain words."""
+"""Says in plain words what sets a crossing apart from the others of its network."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from analysis.arrays import FloatArray
 
 MORE, LONGER = 1.5, 1.3
-"""A volume, or a length, so many times the median is named."""
+"""A volume, or a length, is mentioned if it is more than this many times the median."""
 FASTER_MPS = 10.0 / 3.6
-"""A speed that is higher than the median by so much is named [m/s]."""
+"""A speed is mentioned if it is higher than the median by more than this [m/s]."""
 RATHER_SHARE = 0.15
-"""A share that differs from the median by so much is named."""
+"""A share is mentioned if it is worse than the median by more than this."""
 
 
 def reasons(values: Mapping[str, FloatArray], compared: Sequence[int]) -> list[str]:
-    """Return for each crossing what is unusual about it; empty where nothing is.
+    """Return for each crossing what is unusual about it; empty if nothing is.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def reasons(values: Mapping[str, FloatArray], compared: Sequence[int]) -> list[s
         ``speed`` [m/s], ``vehicles``, ``pedestrians`` [1/h], ``yields``, ``late``, ``red``, ``hidden``
         (shares) and ``length`` [m], shape (n,); nan for what is undefined.
     compared
-        Numbers of the crossings whose median is usual.
+        Indices of the crossings whose median counts as usual.
     """
     usual = {name: _median(some[list(compared)]) for name, some in values.items()}
     return ["; ".join(_of(number, values, usual)) for number in range(len(values["length"]))]

@@ -1,4 +1,4 @@
-"""Rates of rare events, drawn towards what is usual for the exposure: empirical Bayes."""
+"""Rates of rare events, drawn towards the usual rate for the exposure by empirical Bayes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ START = 0.5
 
 
 class Prior(NamedTuple):
-    """How the rates of places differ: a gamma distribution."""
+    """Distribution of the rates of places: a gamma distribution."""
 
     mean: float | FloatArray
     """Events per unit of exposure."""
@@ -25,17 +25,17 @@ class Prior(NamedTuple):
 
 
 def fit(events: FloatArray, exposure: FloatArray) -> Prior:
-    """Return the prior under which the counts are likeliest: they are then negative binomial.
+    """Return the prior under which the counts, then negative binomial, are most likely.
 
     Parameters
     ----------
     events, exposure
-        Of each place, shape (n,); places without exposure say nothing.
+        Values of each place, shape (n,); places without exposure are left out.
 
     Raises
     ------
     ValueError
-        When no place has exposure.
+        If no place has exposure.
 
     Notes
     -----
@@ -68,7 +68,7 @@ def fit(events: FloatArray, exposure: FloatArray) -> Prior:
 
 
 def expected(events: FloatArray, exposure: FloatArray, prior: Prior) -> FloatArray:
-    """Return the expected rate of each place: between what was counted there and the prior's mean.
+    """Return the expected rate of each place, which lies between the rate counted there and the prior's mean.
 
     The prior's mean may be an array that broadcasts with the events.
 

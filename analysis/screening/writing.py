@@ -1,4 +1,4 @@
-"""Writes the ranking of a network's crossings into the folder of the study that it comes from."""
+"""Writes the ranking of a network's crossings into the folder of its study."""
 
 from __future__ import annotations
 
@@ -36,23 +36,23 @@ class Screened:
 
 
 def write_ranking(folder: Path, least_pedestrians: float, by: str = BY_RISK) -> Screened:
-    """Rank the crossings of a study's folder; write crossings.csv, its dictionary and crossings.geojson.
+    """Rank the crossings of a study, and write crossings.csv, its dictionary and crossings.geojson.
 
     Parameters
     ----------
     folder
-        Of a study whose runs recorded everybody.
+        Folder of a study whose runs recorded everybody.
     least_pedestrians
-        A crossing with fewer pedestrians in all runs is listed, and not ranked.
+        A crossing with fewer pedestrians in all runs is listed, but not ranked.
     by
         One of ``RANK_BY``.
 
     Raises
     ------
     StudyError
-        When no valid run recorded everybody.
+        If no valid run recorded everybody.
     OSError
-        When a file cannot be read or written.
+        If a file cannot be read or written.
     """
     counts = read_counts(folder)
     ranking = rank(counts.counted(), least_pedestrians, by)
@@ -82,25 +82,25 @@ class Changed:
 
 
 def write_changes(folder: Path, base: Counts, alt: Counts) -> Changed:
-    """Compare an alternative with the base; write crossing_changes.csv and its dictionary.
+    """Compare an alternative with the base, and write crossing_changes.csv and its dictionary.
 
     Parameters
     ----------
     folder
-        Of the base.
+        Folder of the base.
     base, alt
-        What was counted in the runs of each.
+        Counts of the runs of each.
 
     Raises
     ------
     StudyError
-        When they have no valid seed or no crossing in common.
+        If they have no valid seed or no crossing in common.
     OSError
-        When a file cannot be written.
+        If a file cannot be written.
     """
     rows = change_rows(base, alt)
     files = [
-        # As comparisons.csv: a p value below 0.0000005 is not 0.
+        # As in comparisons.csv, so that a p value below 0.0000005 is not written as 0.
         write_csv(folder / CHANGES.file, CHANGES.names(), cells(CHANGES, rows, number="{:.6g}".format)),
         write_json(folder / CHANGES_PACKAGE, describe([CHANGES], "what an alternative changes")),
     ]

@@ -1,1 +1,1 @@
-"""What a search for failures is made of that needs no run: axes, margins, kinds of failures, boundaries."""
+"""The parts of a search for failures that need no run: axes, margins, kinds of failures, boundaries."""

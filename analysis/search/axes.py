@@ -12,25 +12,25 @@ Value = float | int | str
 Point = Mapping[str, Value]
 """A value for each axis, by name."""
 DIGITS = 4
-"""Significant digits of a searched number, so that a point can be written down and read by people."""
+"""Significant digits of a searched number, so that people can read a point and write it down."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One thing that a search varies: a number between two, or one of some choices."""
+    """One quantity that a search varies: a number within bounds, or one of several choices."""
 
     name: str
     low: float = 0.0
     high: float = 1.0
     whole: bool = False
-    """Whether only whole numbers occur."""
+    """Whether its values are whole numbers."""
     choices: tuple[str, ...] = ()
-    """Not empty: it is no number."""
+    """The choices, if it is not a number."""
     when: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    """It changes something only where each of these axes has one of these choices."""
+    """It has an effect only if each of these axes has one of these choices."""
 
     def matters(self, point: Point) -> bool:
-        """Return whether it changes anything at a point.
+        """Return whether it has an effect at a point.
 
         Examples
         --------
@@ -42,11 +42,11 @@ class Axis:
 
     @property
     def numeric(self) -> bool:
-        """Whether it has an order."""
+        """Whether its values are numbers."""
         return not self.choices
 
     def value(self, share: float) -> Value:
-        """Return what is at this share of the axis, from 0 to 1.
+        """Return the value at a share of the axis, from 0 to 1.
 
         Examples
         --------
@@ -61,7 +61,7 @@ class Axis:
         return min(max(rounded(self.low + share * (self.high - self.low)), self.low), self.high)
 
     def share(self, value: Value) -> float:
-        """Return where on the axis a value is; that of a choice or a whole number is the middle of its part.
+        """Return the share of a value on the axis; for a choice or whole number, the middle of its part.
 
         Examples
         --------
@@ -89,18 +89,18 @@ def rounded(value: float) -> float:
 
 
 def point(axes: Sequence[Axis], shares: Sequence[float]) -> dict[str, Value]:
-    """Return the point at these shares of the axes."""
+    """Return the point at given shares of the axes."""
     return {axis.name: axis.value(float(share)) for axis, share in zip(axes, shares, strict=True)}
 
 
 def shares(axes: Sequence[Axis], points: Sequence[Point]) -> np.ndarray:
-    """Return the shares of points, an array (points, axes)."""
+    """Return the shares of points, as an array (points, axes)."""
     found = [[axis.share(one[axis.name]) for axis in axes] for one in points]
     return np.array(found, dtype=np.float64).reshape(len(points), len(axes))
 
 
 def distance(axes: Sequence[Axis], one: Point, other: Point) -> float:
-    """Return how far two points are apart: 0 to 1, each axis counting the same, a choice 0 or 1.
+    """Return the distance of two points from 0 to 1; all axes weigh the same, and a choice differs by 0 or 1.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Failures grouped into kinds: what happened, then where in the space."""
+"""Groups failures into kinds, by what happened and then by where in the space."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from analysis.search.axes import Axis, Point, shares
 
 APART = 0.25
-"""Failures of one kind are connected by steps shorter than this share of the space's size, each axis
-counting the same."""
+"""Failures of one kind are connected by steps shorter than this share of the space's size; all axes weigh
+the same."""
 NARROW = 0.5
-"""A kind is told by the axes of which it covers less than this share."""
+"""The name of a kind mentions only axes of which it covers less than this share."""
 MOST_NAMED = 3
 
 
@@ -32,12 +32,12 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """Failures that are alike."""
+    """A group of similar failures."""
 
     name: str
     """What happened and where in the space, in words."""
     failures: tuple[Failure, ...]
-    """The clearest one first."""
+    """The clearest failure first."""
 
     @property
     def worst(self) -> Failure:
@@ -48,8 +48,8 @@ class Kind:
 def kinds(axes: Sequence[Axis], failures: Sequence[Failure]) -> list[Kind]:
     """Return the kinds, the clearest failure first.
 
-    Failures are of one kind if the same happened (`happening`) with the same choices, and if they are
-    connected in the numbers: single linkage with steps of `APART` at most.
+    Failures are of one kind if the same happened (`happening`) with the same choices, and if their numbers
+    are connected by single linkage with steps of at most `APART`.
     """
     groups: dict[tuple[str, ...], list[Failure]] = {}
     for one in failures:

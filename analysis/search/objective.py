@@ -1,17 +1,18 @@
-"""The objective of a search: the smallest margin of the criteria that ``cosim check`` holds a run against.
+"""The objective of a search: the smallest margin of the criteria by which ``cosim check`` judges a run.
 
-Each margin is brought to one scale, m / (1 + |m|) with m the distance to the threshold in units of
-`SCALES`, so that it lies between −1 and 1 and is negative where the criterion is violated.
+All margins have the same scale, m / (1 + |m|), where m is the distance to the threshold in units of `SCALES`.
+So a margin lies between −1 and 1 and is negative if the criterion is violated.
 
-Where a criterion counts contacts, or those of a kind, its margin is made of what is continuous about them:
+If a criterion counts contacts, or contacts of a kind, its margin comes from continuous quantities:
 
 - without a contact, the smaller one of the clearance of the moving ego and the time to collision;
-- with one, the impact speed, negative;
-- with one that the careful driver of UN R157 would not have prevented, how much longer that driver would have
-  had to see the risk, positive: it is no failure, and the search is led away from it;
-- one that it does not count, of another kind or of an encounter that it does not choose, has no margin.
+- with a contact, the negative impact speed;
+- with a contact that the careful driver of UN R157 would not have prevented, how much longer that driver
+  would have had to see the risk, positive: it is not a failure, and the search is led away from it;
+- a contact that it does not count, of another kind or of an encounter that it does not choose, has no margin.
 
-A criterion of another count or yes/no has 1 while it is met: a search cannot follow it, only find it.
+A criterion for another count or yes/no value has the margin 1 while it is met: a search can find its
+violation, but has no slope to follow.
 """
 
 from __future__ import annotations
@@ -25,27 +26,27 @@ from analysis.results.run_tables import ENCOUNTERS, RUNS
 from analysis.thresholds import Thresholds
 
 CONTACTS = frozenset(("collision", "n_collisions", "n_collisions_preventable", *COUNTED))
-"""Metrics of which 0 means that there was no contact, or none of a kind."""
+"""Metrics whose value 0 means that there was no contact, or none of a kind."""
 SCALES: Mapping[str, float] = {"m": 2.0, "s": 1.5, "km/h": 10.0, "m/s": 3.0, "m/s^2": 3.0, "m/s^3": 10.0}
-"""Distance to a threshold that counts as half of the way to the end of the scale, by unit; others 1."""
+"""Distance to a threshold that counts as half of the scale, by unit; 1 for other units."""
 LEAST = 0.01
-"""Of a violated criterion, however little it is violated."""
+"""Least size of the margin of a violated criterion, however little it is violated."""
 NOT_PREVENTABLE = "0"
-"""Text of `preventable_r157` of a contact that does not count."""
+"""Text of `preventable_r157` for a contact that does not count."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """A run against the criteria."""
+    """A run judged by the criteria."""
 
     margin: float | None
-    """Smallest one, −1 to 1, negative for a failure that counts; ``None`` without anything to judge."""
+    """Smallest margin, −1 to 1, negative for a failure that counts; ``None`` with nothing to judge."""
     criterion: str = ""
-    """Whose margin that is."""
+    """Criterion with that margin."""
     facts: Mapping[str, str] = field(default_factory=dict)
-    """Row of the encounter, or of the run, that the margin comes from."""
+    """Row of the encounter or run from which the margin comes."""
     unpreventable: bool = False
-    """Whether something was violated that the careful driver would not have prevented."""
+    """Whether there was a violation that the careful driver would not have prevented."""
     judged: frozenset[str] = frozenset()
     """Criteria that had something to judge."""
 
@@ -73,9 +74,9 @@ def judge_run(criteria: Sequence[Criterion], encounters: Sequence[Cells], runs: 
     Parameters
     ----------
     criteria
-        Those of scope encounter and run.
+        Criteria of the scopes encounter and run.
     encounters, runs
-        Rows of its encounters.csv and runs.csv.
+        Rows of the run's encounters.csv and runs.csv.
     """
     best: tuple[_Margin, str] | None = None
     unpreventable, judged = False, set()
@@ -107,14 +108,14 @@ def _of_contacts(
     counted = [row for row in encounters if _is_about(criterion, row)]
     yield from map(_of_contact, counted)
     if of_run and all(row["collision"] != "1" for row in counted):
-        # An encounter tells the kind of its first contact only; the run's count has every one.
+        # An encounter has the kind of its first contact only; the run's count includes every contact.
         yield from _of_numbers(criterion, encounters, runs)
 
 
 def _is_about(criterion: Criterion, row: Cells) -> bool:
-    """Return whether a criterion counts the contact of an encounter, or without one, might count it.
+    """Return whether a criterion counts the contact of an encounter or, without a contact, might count one.
 
-    Whether it was preventable is left to the margin.
+    The margin takes into account whether it was preventable.
     """
     wanted = dict(criterion.where) if criterion.scope == "encounter" else {}
     wanted.pop("preventable_r157", None)
@@ -147,14 +148,14 @@ def _of_numbers(
 
 
 def judge_contacts(encounters: Sequence[Cells], preventable_only: bool) -> float:
-    """Return the margin of a run to a contact, 1 without any encounter.
+    """Return the margin of a run to a contact; 1 without any encounter.
 
     Parameters
     ----------
     encounters
-        Rows of its encounters.csv.
+        Rows of the run's encounters.csv.
     preventable_only
-        Whether a contact counts only where the careful driver would have prevented it.
+        Whether a contact counts only if the careful driver would have prevented it.
     """
     counted = encounters
     if not preventable_only:
@@ -163,7 +164,7 @@ def judge_contacts(encounters: Sequence[Cells], preventable_only: bool) -> float
 
 
 def squashed(value: float) -> float:
-    """Return a number brought between −1 and 1, 0 staying where it is.
+    """Return a number mapped to the range from −1 to 1, with 0 unchanged.
 
     Examples
     --------
@@ -188,7 +189,7 @@ def _of_contact(row: Cells) -> _Margin:
 
 
 def _missing_s(row: Cells) -> float:
-    """Return how much longer the careful driver would have had to see the risk, from a straight brake [s]."""
+    """Return how much longer the careful driver would have had to see the risk to stop by braking [s]."""
     limits = Thresholds()
     speed = _number(row, "max_speed_mps") or 0.0
     seen = _number(row, "contact_risk_seen_s") or 0.0

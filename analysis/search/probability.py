@@ -1,9 +1,9 @@
-"""How probable an event is: crude Monte Carlo, subset simulation, and importance sampling by OpenTURNS.
+"""Probability of an event: crude Monte Carlo, subset simulation, and importance sampling by OpenTURNS.
 
 The inputs are independent standard normal numbers; the event is a margin below 0. The last two methods need
 a margin that says how near the event is. Their own intervals rest on approximations, so each is run several
-times from other random numbers, and the interval comes from the scatter of these replications. They scatter
-by factors: an estimate is a product over levels, near lognormal.
+times with other random numbers, and the interval comes from the scatter of these replications. An estimate
+is a product over levels, so that the replications scatter by factors, nearly lognormally.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from analysis.statistics.intervals import share_interval
 
 METHODS = ("crude", "subset", "importance")
 BLOCK = 100
-"""Margins that are asked for at a time."""
+"""Number of margins computed at a time."""
 BLOCKS_OF_LEVEL = 4
-"""Blocks of each level of a replication."""
+"""Number of blocks in each level of a replication."""
 LEVEL = 0.1
 """Conditional probability of each level."""
 FEWEST_REPLICATIONS = 4
 MOST_REPLICATIONS = 100
 MOST_USELESS, NEARER = 6, 0.95
-"""After so many levels in a row with no threshold below this share of the lowest before, a replication is
-given up."""
+"""A replication is given up after this many levels in a row in which no threshold was below this share of
+the lowest one before."""
 
 Evaluate = Callable[[FloatArray], FloatArray]
-"""Standard normal numbers, an array (n, dimension), to margins, an array (n)."""
+"""Maps standard normal numbers, an array (n, dimension), to margins, an array (n)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,24 +49,24 @@ class Probability:
     variation: float | None
     """Coefficient of variation of the estimate; ``None`` while it is 0."""
     runs: int
-    """Margins that were asked for."""
+    """Number of margins computed."""
     events: int
-    """Of these below 0."""
+    """Number of margins below 0."""
     replications: int
     reached: bool
-    """Whether the wanted coefficient of variation was reached."""
+    """Whether the desired coefficient of variation was reached."""
     dropped: int = 0
-    """Replications without an estimate: they came no nearer to the event, or the runs were used up."""
+    """Number of replications without an estimate: they came no nearer to the event, or ran out of runs."""
     drawn: tuple[float, ...] = field(default=(), repr=False)
-    """Margins of inputs that were drawn from their own distribution, before any method led the draws on."""
+    """Margins of inputs drawn from their own distribution, before a method moved towards the event."""
 
 
 class _GivenUp(Exception):
-    """A replication leads nowhere, or the runs are used up."""
+    """A replication gets no nearer to the event, or the runs are used up."""
 
 
 class _Counting:
-    """Evaluates, counts, and keeps what went wrong, which OpenTURNS would put into words of its own."""
+    """Evaluates and counts margins, and keeps an error that OpenTURNS would replace by one of its own."""
 
     def __init__(self, evaluate: Evaluate, most: int) -> None:
         self._evaluate = evaluate
@@ -77,7 +77,7 @@ class _Counting:
         self.error: BaseException | None = None
 
     def begin(self, level: int) -> None:
-        """Begin a replication with levels of so many inputs, the first drawn from their own distribution."""
+        """Begin a replication with ``level`` inputs per level, the first from their own distribution."""
         self._to_draw = self._level_size = level
         self._end = self.runs + self._most
         self._level: list[float] = []
@@ -101,7 +101,7 @@ class _Counting:
     def _watch(self, margins: FloatArray) -> None:
         """Count the levels that come no nearer to the event.
 
-        Where the margin jumps from well above 0 to below it, a method is led to those who just miss, and
+        If the margin jumps from well above 0 to below it, a method moves to the inputs that just miss, and
         would draw there for ever.
         """
         self._level += margins.tolist()
@@ -125,15 +125,16 @@ def estimate(
     dimension
         Number of inputs.
     variation
-        Wanted coefficient of variation.
+        Desired coefficient of variation.
     most
-        Margins to ask for; a replication that has begun is finished, unless it alone needs twice as many.
+        Number of margins to compute; a replication that has begun is finished, unless it alone needs twice
+        as many.
     seed
 
     Raises
     ------
     ModuleNotFoundError
-        Without OpenTURNS, for importance sampling.
+        If OpenTURNS is missing, for importance sampling.
     """
     counting = _Counting(evaluate, 2 * most)
     if method == "crude":
@@ -142,7 +143,7 @@ def estimate(
 
 
 def _crude(counting: _Counting, dimension: int, variation: float, most: int, seed: int) -> Probability:
-    """Draw until there are enough events; the interval is the exact one of Clopper and Pearson."""
+    """Draw until there are enough events; the interval is the exact interval of Clopper and Pearson."""
     generator = np.random.default_rng(seed)
     counting.begin(most)
     reached = False
@@ -215,9 +216,9 @@ def _variation_of_mean(values: list[float]) -> float | None:
 def _interval(values: list[float]) -> tuple[float, float]:
     """Return the 95 % interval of the mean of positive numbers that scatter by factors.
 
-    Cox's interval of a lognormal mean, with Student's t [Olsson2005]. Its second term is what an interval
-    from the scatter of the mean leaves out: few numbers of a skewed distribution often miss the rare large
-    ones, and then mean and scatter are both too small.
+    This is Cox's interval of a lognormal mean with Student's t [Olsson2005]. An interval from the scatter of
+    the mean would lack its second term: few numbers of a skewed distribution often miss the rare large ones,
+    and then both mean and scatter are too small.
     """
     count = len(values)
     if count < 2:
@@ -229,7 +230,7 @@ def _interval(values: list[float]) -> tuple[float, float]:
 
 
 def _replication(method: str, counting: _Counting, dimension: int, seed: int) -> float | None:
-    """Return one estimate, above 0; ``None`` where the method finds none."""
+    """Return one estimate, above 0; ``None`` if the method finds none."""
     counting.begin(BLOCK * BLOCKS_OF_LEVEL)  # both begin with a level of crude sampling
     try:
         if method == "importance":
@@ -241,7 +242,7 @@ def _replication(method: str, counting: _Counting, dimension: int, seed: int) ->
 
 
 def _importance(counting: _Counting, dimension: int, seed: int) -> float:
-    """Return an estimate; 0 where there is no event.
+    """Return an estimate; 0 if there is no event.
 
     Raises
     ------
@@ -264,7 +265,7 @@ def _importance(counting: _Counting, dimension: int, seed: int) -> float:
     except (TypeError, RuntimeError):
         if counting.error is not None:
             raise counting.error from None
-        raise _GivenUp from None  # by the count, or its own estimate of the variance was below 0
+        raise _GivenUp from None  # the count stopped it, or its own estimate of the variance was below 0
     return float(algorithm.getResult().getProbabilityEstimate()) if counting.events > before else 0.0
 
 
@@ -281,7 +282,7 @@ _UNITS = (
 
 
 def in_words(low: float, high: float) -> str:
-    """Return an interval as numbers of passages.
+    """Return an interval in words, as numbers of passages.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The tables of a search: trials, failures, kinds, influences, each with a column for each axis."""
+"""The tables of a search: trials, failures, unpreventable ones, kinds, influences and progress."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ PACKAGE = "datapackage.json"
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """A run of a trial."""
+    """One run of a trial."""
 
     number: int
-    """Of the trial, from 1."""
+    """Number of the trial, from 1."""
     seed: int
     point: Point
     verdict: Verdict
     invalid: str = ""
     trial_margin: float | None = None
-    """Mean over the seeds of the trial, where there are several."""
+    """Mean margin over the seeds of the trial, if there are several."""
 
     @property
     def status(self) -> str:
@@ -63,15 +63,15 @@ class Tried:
 
 @dataclass(frozen=True, slots=True)
 class KindRow:
-    """A kind of failures, with what was found out about it."""
+    """A kind of failures and what is known about it."""
 
     number: int
     kind: Kind
     scenario: str
-    """Folder of its clearest failure, in that of the search."""
+    """Folder of its clearest failure, within the folder of the search."""
     command: str
     change: str = ""
-    """Smallest change back to success, in words."""
+    """Smallest change that leads back to success, in words."""
     change_runs: int = 0
 
 
@@ -110,7 +110,7 @@ def write_results(
         All runs in the order of the trials.
     kinds
     influences
-        None where nothing is known of them.
+        Empty if nothing is known about them.
     """
     kind_of = {(one.trial, one.seed): row for row in kinds for one in row.kind.failures}
     failures = []

@@ -1,4 +1,4 @@
-"""Which axes decide: Sobol's first-order indices from trials that cover the space evenly, by SALib."""
+"""Which axes matter most: Sobol's first-order indices from trials that cover the space evenly, by SALib."""
 
 from __future__ import annotations
 
@@ -10,43 +10,43 @@ import numpy as np
 from analysis.search.axes import Axis, Point, shares
 
 FEWEST = 40
-"""Trials below which indices say nothing."""
+"""With fewer trials than this, the indices say nothing."""
 HARMONICS = 4
 RESAMPLES = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Influence:
-    """How much an axis decides the margin by itself."""
+    """How much an axis alone decides the margin."""
 
     axis: str
     first_order: float
     """Sobol's first-order index: the share of the margin's variance that the axis explains alone."""
     half_width: float
-    """Of its 95 % interval, from resampling."""
+    """Half width of its 95 % interval, from resampling."""
 
 
 def influences(axes: Sequence[Axis], points: Sequence[Point], margins: Sequence[float]) -> list[Influence]:
-    """Return the influence of each axis, the largest first; none for fewer than `FEWEST` trials.
+    """Return the influence of each axis, the largest first; empty for fewer than `FEWEST` trials.
 
     Parameters
     ----------
     axes
     points
-        That cover the space evenly: the trials of the first generations, not those that a search has led
-        somewhere.
+        Points that cover the space evenly: the trials of the first generations, not those to which the search
+        has led.
     margins
-        Of the points.
+        Margins of the points.
 
     Raises
     ------
     ModuleNotFoundError
-        Without SALib.
+        If SALib is missing.
 
     Notes
     -----
-    Random balance designs with bias correction [Tissot2012]_, which needs no design of its own: any even
-    sample will do. Interactions of axes are in none of the indices.
+    Random balance designs with bias correction [Tissot2012]_. They need no special design: any even sample
+    will do. The indices do not include interactions of axes.
     """
     from SALib.analyze import rbd_fast
 

@@ -1,7 +1,7 @@
 """The smallest change of a failing point that makes it pass, as property-based testing shrinks an example.
 
-Written as a generator that yields points to try and is sent whether each passes, so that whoever has several
-failures can try theirs side by side.
+It is a generator that yields points to try and is sent whether each of them passes, so that several failures
+can be tried side by side.
 """
 
 from __future__ import annotations
@@ -12,46 +12,46 @@ from dataclasses import dataclass
 from analysis.search.axes import Axis, Point, Value, distance, rounded
 
 HALVINGS = 5
-"""How often the way between failing and passing is halved."""
+"""How often the interval between failing and passing is halved."""
 
 Asking = Generator[list[dict[str, Value]], list[bool], "Change | None"]
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What makes a failing point pass."""
+    """A change that makes a failing point pass."""
 
     failing: Point
-    """As near to the boundary as was tried."""
+    """The failing point nearest to the boundary that was tried."""
     passing: Point
-    """Differs from it in ``keys`` only."""
+    """The passing point, which differs from it only in ``keys``."""
     keys: tuple[str, ...]
 
     def in_words(self) -> str:
-        """Return the change as a sentence's part."""
+        """Return the change as part of a sentence."""
         return ", ".join(
             f"{key} {_told(self.passing[key])} instead of {_told(self.failing[key])}" for key in self.keys
         )
 
 
 def nearest(axes: Sequence[Axis], failing: Point, passing: Sequence[Point]) -> Point | None:
-    """Return the passing point that is nearest to a failing one; the first one of several."""
+    """Return the passing point nearest to a failing one; the first of several equally near ones."""
     return min(passing, key=lambda one: distance(axes, failing, one), default=None)
 
 
 def smallest_change(axes: Sequence[Axis], failing: Point, passing: Point) -> Asking:
-    """Find few values, and little of each, that have to change.
+    """Find a small change of few values that makes a failing point pass.
 
-    First every value alone is taken from the passing point; of those that suffice the one with the
-    smallest change is kept. Where none does, values are put back to the failing point's one by one, the
-    largest change first, as long as it still passes. Then the way from failing to passing is halved
-    `HALVINGS` times.
+    First, each value alone is taken from the passing point; of those that suffice, the one with the
+    smallest change is kept. If none suffices, values are put back to those of the failing point one by one,
+    the largest change first, as long as the point still passes. Then the interval from failing to passing is
+    halved `HALVINGS` times.
 
     Parameters
     ----------
     axes
     failing, passing
-        Tried points.
+        Points that were tried.
     """
     by_name = {axis.name: axis for axis in axes}
     keys = [
@@ -90,7 +90,7 @@ def _mixed(failing: Point, passing: Point, keys: Sequence[str]) -> dict[str, Val
 
 
 def _between(axis: Axis, low: Value, high: Value) -> Value:
-    """Return the middle; of choices, which have none, the passing one, of neighbouring numbers the lower."""
+    """Return the middle; for choices, the passing one, and for neighbouring whole numbers, the lower one."""
     if not axis.numeric or isinstance(low, str) or isinstance(high, str):
         return high
     if axis.whole:

@@ -1,10 +1,11 @@
-"""Subset simulation [AuBeck2001]: towards a rare event in levels, each a tenth as probable as the one before.
+"""Subset simulation [AuBeck2001]: approaches a rare event in levels, each a tenth as probable as the last.
 
-A level goes on from the inputs below its threshold by Markov chains whose steps keep the normal distribution
-(conditional sampling [Papaioannou2015]); a step that leaves the level is not taken. The region narrows from
-level to level, so the width of the steps follows it: steps of one width are hardly ever taken at last, and
-the chains repeat themselves. Who goes on is strictly below the threshold, which makes the estimate unbiased
-for chains that forget where they began [Brehier2016].
+Markov chains continue from the inputs below a level's threshold. Their steps keep the normal distribution
+(conditional sampling [Papaioannou2015]), and a step that leaves the level is rejected. The region narrows
+from level to level, so the width of the steps is adapted to it: with a constant width, hardly any step
+would be accepted in the end, and the chains would repeat themselves. Chains continue only from inputs
+strictly below the threshold, which makes the estimate unbiased for chains that forget where they began
+[Brehier2016].
 """
 
 from __future__ import annotations
@@ -17,24 +18,24 @@ import numpy as np
 from analysis.arrays import FloatArray
 
 TAKEN = 0.44
-"""Share of steps that should be taken; the best one for a single number [Papaioannou2015]."""
+"""Target share of accepted steps; the best one for a single number [Papaioannou2015]."""
 
 
 def subset_simulation(
     evaluate: Callable[[FloatArray], FloatArray], dimension: int, *, level: int, share: float, seed: int
 ) -> float:
-    """Return the probability of a margin below 0; 0 where no threshold leads further down.
+    """Return the probability of a margin below 0; 0 if no threshold leads further down.
 
     Parameters
     ----------
     evaluate
-        Standard normal numbers, an array (n, dimension), to margins, an array (n).
+        Maps standard normal numbers, an array (n, dimension), to margins, an array (n).
     dimension
         Number of inputs.
     level
-        Inputs of a level.
+        Number of inputs per level.
     share
-        Of a level, from which the next one goes on.
+        Share of a level from which the next one continues.
     seed
     """
     generator = np.random.default_rng(seed)
@@ -46,7 +47,7 @@ def subset_simulation(
         threshold = float(np.sort(margins)[chains])
         if threshold <= 0.0:
             return probability * np.count_nonzero(margins < 0.0) / level
-        below = np.flatnonzero(margins < threshold)  # fewer than there are chains where margins are equal
+        below = np.flatnonzero(margins < threshold)  # fewer than the chains if margins are equal
         if not below.size:
             return 0.0
         probability *= below.size / level

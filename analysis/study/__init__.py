@@ -1,1 +1,1 @@
-"""Many runs: read, summed up, compared and written."""
+"""Reads, summarises, compares and writes many runs."""

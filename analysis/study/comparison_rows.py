@@ -1,4 +1,4 @@
-"""The rows of comparisons.csv: an alternative against a base on the same seeds."""
+"""The rows of comparisons.csv: an alternative compared with a base on the same seeds."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from analysis.tables.cells import Row
 
 SIGNIFICANT = 0.05
 ALL = "all"
-"""The condition_id of a scenario's conditions together."""
+"""The condition_id for all conditions of a scenario together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
-    """The seeds of a base and an alternative: for each seed one run of each per condition."""
+    """Runs of a base and an alternative: for each seed, one run of each per condition."""
 
     base: tuple[tuple[StudyRun, ...], ...]
     alt: tuple[tuple[StudyRun, ...], ...]
     unpaired: int
-    """Seeds with a run on one side only, or not under every condition."""
+    """Number of seeds with a run on one side only, or not under every condition."""
     invalid: int
-    """Seeds lost because a run was not valid."""
+    """Number of seeds lost because a run was not valid."""
 
 
 def pair_runs(study: Study, conditions: Sequence[Condition], base: str, alt: str) -> Pairs:
     """Pair the valid runs of two labels by seed, over one condition or several.
 
-    Under several conditions a seed counts once, with all its runs: what it is under one condition is not
-    independent of what it is under another.
+    Under several conditions, a seed counts once with all its runs, because its results under different
+    conditions are not independent.
     """
     if not conditions:
         return Pairs((), (), 0, 0)
@@ -61,9 +61,9 @@ def pair_runs(study: Study, conditions: Sequence[Condition], base: str, alt: str
 def comparison_rows(study: Study, baseline: str | None) -> Iterator[Row]:
     """Return one row per condition, pair of labels and measure, in a fixed order.
 
-    A scenario with several conditions has, last, the rows over all of them. Corrected together are the
-    tests of one condition over measures and alternatives: the key measures as one family, all others
-    as another.
+    For a scenario with several conditions, the rows over all of them come last. The tests of one condition
+    over all measures and alternatives are corrected together: the key measures as one family, and all other
+    measures as another.
     """
     labels = study.pairs_of_labels(baseline)
     for _, group in groupby(study.conditions, key=lambda one: one.scenario_id):
@@ -81,17 +81,17 @@ def comparison_rows(study: Study, baseline: str | None) -> Iterator[Row]:
 
 
 def shared_conditions(study: Study, conditions: Sequence[Condition], base: str, alt: str) -> list[Condition]:
-    """Return the conditions that both labels were run under."""
+    """Return the conditions under which both labels were run."""
     return [one for one in conditions if study.seeds(base, one) and study.seeds(alt, one)]
 
 
 def compare_labels(
     study: Study, conditions: Sequence[Condition], base: str, alt: str, measures: Sequence[Measure]
 ) -> list[dict[str, Any]]:
-    """Return the rows of an alternative against a base, without correction and verdict.
+    """Return the rows of an alternative compared with a base, without correction and verdict.
 
-    The conditions are of one scenario. Those that one of the two was never run under are left out;
-    without any other there is no row.
+    The conditions belong to one scenario. Conditions under which one of the two was never run are left out;
+    if none remain, there are no rows.
     """
     shared = shared_conditions(study, conditions, base, alt)
     if not shared:
@@ -110,7 +110,7 @@ def compare_labels(
 
 
 def correct(rows: Sequence[dict[str, Any]], family: str) -> None:
-    """Correct the p values of a family of rows together, and say the verdict of each."""
+    """Correct the p values of a family of rows together, and set the verdict of each."""
     corrected = holm([row["p_value"] for row in rows])
     number = sum(p is not None for p in corrected)
     for row, p in zip(rows, corrected, strict=True):
@@ -158,21 +158,21 @@ def _tested(
     if not found:
         return Comparison(0, status="no_pairs")
     base, alt = (contributions(*np.array([pair[side] for pair in found]).T) for side in (0, 1))
-    # Over several conditions a seed has a share of runs with a yes, and no yes or no.
+    # Over several conditions, a seed has a share of runs with a yes instead of a yes or no.
     if measure.kind == "yes_no" and not several:
         return compare_yes_no(base, alt)
     return compare_values(base, alt)
 
 
 def _seeds_needed(base_mean: float | None, deviation: float | None) -> int | None:
-    """Return the seeds that tell the difference to 10 % of the base's mean; ``None`` where nothing tells."""
+    """Return how many seeds give the difference to 10 % of the base's mean; ``None`` if it is not known."""
     if base_mean is None or not deviation:
         return None
     return replications_needed(base_mean, deviation)
 
 
 def _verdict(row: Row) -> str:
-    """Return what is shown: a corrected p below 0.05, and an interval that does not say otherwise."""
+    """Return the verdict; a difference needs a corrected p below 0.05, and an interval that agrees."""
     difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
     if not row["significant_05"] or not difference:
         return "no_difference_shown"

@@ -30,9 +30,9 @@ _TAIL = {"lower": ("p05", 5.0), "higher": ("p95", 95.0)}
 
 
 def parts(measure: Measure, runs: Sequence[StudyRun]) -> tuple[float, float] | None:
-    """Return what is divided by what over some runs, or ``None`` where the measure is undefined.
+    """Return numerator and denominator over some runs; ``None`` if the measure is undefined.
 
-    The value of a run is itself over 1, so that every measure is a ratio of sums.
+    A value of each run has the denominator 1, so that every measure is a ratio of sums.
     """
     numerator = denominator = 0.0
     for run in runs:
@@ -94,7 +94,7 @@ def _runs(measure: Measure, valid: Sequence[StudyRun]) -> dict[str, Any]:
     interval = exact if measure.kind == "yes_no" else mean_interval(each, measure.lowest, measure.highest)
     none_or_all = events == 0.0 or (measure.kind == "share" and events == exposure)
     if interval is None and none_or_all:
-        interval = exact  # no run differs from the others, and yet the next one might
+        interval = exact  # no run differs from the others, but the next one might
     return {
         "n_defined": len(found),
         "numerator": events,
@@ -177,7 +177,7 @@ def _percentiles(values: FloatArray) -> dict[str, Any]:
 
 
 def _needed(each: FloatArray) -> dict[str, Any]:
-    """Return the runs that are needed, where there is a deviation to tell it from."""
+    """Return how many runs are needed; empty if there is no deviation to compute it from."""
     if len(each) < 2 or all_equal(each):
         return {}
     needed = replications_needed(float(np.mean(each)), float(np.std(each, ddof=1)))

@@ -1,8 +1,8 @@
-"""Design of a study: conditions (scenario and setting), configurations of controllers, pairs.
+"""Design of a study: conditions (scenario and setting), configurations of controllers, and pairs.
 
-A *label* names a configuration of a controller: its name and, where the study has several parameter sets
-of it, the parameters that differ. A *condition* is everything two controllers must share to be compared:
-scenario, demand, egos, step, files. Runs are paired by condition and seed.
+A *label* names a configuration of a controller: its name and, if the study has several parameter sets for
+it, the parameters that differ. A *condition* is everything that two controllers must share to be compared:
+scenario, demand, egos, step and files. Runs are paired by condition and seed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from analysis.errors import StudyError
 from analysis.study.runs import StudyRun, read_whole_runs
 
 REFERENCE = "sumo"
-"""The baseline where none is named and there is one: SUMO's own driver."""
+"""The baseline if none is named and the study has this one: SUMO's own driver."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class Condition:
     condition_id: str
     scenario_id: str
     text: str
-    """What distinguishes it from the study's other conditions of that scenario."""
+    """What distinguishes it from the study's other conditions of the scenario."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class Study:
     runs: tuple[StudyRun, ...]
     conditions: tuple[Condition, ...]
     labels: Mapping[str, str]
-    """config_id to label."""
+    """Labels, by config_id."""
     unreadable: Mapping[Path, str] = field(default_factory=dict)
-    """Folders of runs that are left out because they cannot be read or are not as they were written, each
-    with one line that names the file and what can be done."""
+    """Folders of runs that are left out because they cannot be read or were changed after writing, each with
+    one line that names the file and the remedy."""
 
     def label(self, run: StudyRun) -> str:
         """Return the label of a run's controller."""
@@ -49,7 +49,7 @@ class Study:
         return sorted(set(self.labels.values()))
 
     def matching(self, name: str) -> list[str]:
-        """Return the labels that a label, a controller's name or a config_id stands for."""
+        """Return the labels to which a label, a controller's name or a config_id refers."""
         return sorted(
             {self.label(run) for run in self.runs if name in (self.label(run), run.controller, run.config_id)}
         )
@@ -63,9 +63,10 @@ class Study:
         }
 
     def pairs_of_labels(self, baseline: str | None) -> list[tuple[str, str]]:
-        """Return (base, alternative) for a baseline and every other label.
+        """Return pairs (base, alternative) of a baseline and every other label.
 
-        Without a baseline, or where it stands for all labels, ``sumo`` or the first label is the base.
+        Without a baseline, ``sumo`` is the base if there is one. Otherwise, and if the baseline refers to all
+        labels, the first label is the base.
         """
         labels = self.all_labels()
         bases = self.matching(baseline if baseline is not None else REFERENCE)
@@ -77,12 +78,12 @@ class Study:
 
 
 def read_study(folders: Iterable[Path]) -> Study:
-    """Read run folders, in any order; those that cannot be read are left out and named.
+    """Read run folders, in any order; folders that cannot be read are left out and named.
 
     Raises
     ------
     StudyError
-        As :func:`analysis.study.runs.read_whole_runs`, and when no run can be read.
+        As for :func:`analysis.study.runs.read_whole_runs`, and if no run can be read.
     """
     runs, unreadable = read_whole_runs(folders)
     if unreadable and not runs:
@@ -91,7 +92,7 @@ def read_study(folders: Iterable[Path]) -> Study:
 
 
 def study_of_runs(runs: Sequence[StudyRun]) -> Study:
-    """Return runs with what tells their conditions and their controllers apart."""
+    """Return runs as a study, with names that tell their conditions and controllers apart."""
     return Study(tuple(runs), _conditions(runs), _labels(runs))
 
 
@@ -107,9 +108,9 @@ def _conditions(runs: Sequence[StudyRun]) -> tuple[Condition, ...]:
 
 
 def _telling(settings: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, str]]:
-    """Return the settings without hashes of files, and without what follows from the name of the sensing.
+    """Return the settings without file hashes and without what the name of the sensing model already says.
 
-    Sensing models have different parameters; one that is the same wherever it exists tells nothing.
+    Sensing models have different parameters; one with the same value wherever it exists says nothing.
     """
     values: dict[str, set[str]] = {}
     for setting in settings.values():
@@ -131,7 +132,7 @@ def _labels(runs: Sequence[StudyRun]) -> dict[str, str]:
 
 
 def _differences(given: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
-    """Return for each key the values that not all have in common, as ``name=value name=value``."""
+    """Return for each key the values that differ between keys, as ``name=value name=value``."""
     names = sorted({name for values in given.values() for name in values})
     varied = [name for name in names if len({values.get(name) for values in given.values()}) > 1]
     return {

@@ -1,4 +1,4 @@
-"""Has a measure got worse than in a baseline? The same runs of then and now, paired by seed."""
+"""Tests whether a measure has got worse than in a baseline: the same runs then and now, paired by seed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Pairing:
 def regression_rows(
     pairings: Sequence[Pairing], measures: Sequence[Measure], level: float
 ) -> list[list[dict[str, Any]]]:
-    """Return, for each pairing, a row of comparison for each measure, with ``p_holm`` and ``worse_now``.
+    """Return a row of comparison for each pairing and measure, with ``p_holm`` and ``worse_now``.
 
     The p values of all pairings and measures are corrected together. A measure is worse when its
     corrected p is below the level and its mean has moved in the direction that is worse.
@@ -36,9 +36,9 @@ def regression_rows(
     pairings
         One for each configuration.
     measures
-        What is compared; those without a bad direction are not.
+        Measures to compare; those without a bad direction are left out.
     level
-        Probability to call anything worse when nothing has changed, over the whole family.
+        Probability of calling anything worse although nothing has changed, over the whole family.
     """
     judged = [one for one in measures if one.worse != "neither"]
     groups = [_compared(one, judged) for one in pairings]

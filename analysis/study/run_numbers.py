@@ -1,4 +1,4 @@
-"""Reads the numbers of one run that are summed up over runs, from its CSV files."""
+"""Reads the numbers of one run that are summarised over runs from its CSV files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FLAGS, _TEXTS = ("entered", "collision", "preventable_r157"), ("drac_status", "
 
 
 def read_cells(path: Path) -> tuple[str, ...]:
-    """Return the only row of a run's runs.csv; nothing when there is no such file."""
+    """Return the only row of a run's runs.csv; empty if there is no such file."""
     try:
         rows = read_csv_rows(path)
     except FileNotFoundError:
@@ -42,7 +42,7 @@ def read_cells(path: Path) -> tuple[str, ...]:
 
 
 def numbers_in(cells: Sequence[str]) -> dict[str, float]:
-    """Return the numbers in a row of runs.csv; what is undefined is missing."""
+    """Return the numbers in a row of runs.csv; undefined ones are missing."""
     if not cells:
         return {}
     return {
@@ -58,7 +58,7 @@ def table_text(folder: Path, table: Table = ENCOUNTERS) -> str:
     Raises
     ------
     AnalysisError
-        When it cannot be read, is not as the run wrote it, or has other columns.
+        If it cannot be read, was changed after writing, or has other columns.
     """
     path = folder / table.file
     try:
@@ -75,8 +75,8 @@ def table_text(folder: Path, table: Table = ENCOUNTERS) -> str:
 def arrow_file(content: bytes) -> pa.BufferReader:
     """Return bytes as a file in Arrow's own memory.
 
-    Arrow's threads let go of what they have read when they please: of Python's memory while the interpreter
-    ends, which aborts the process.
+    Arrow's threads release what they have read at any time. If that is Python's memory and the interpreter is
+    ending, the process aborts.
     """
     sink = pa.BufferOutputStream()
     sink.write(content)
@@ -108,7 +108,7 @@ def tallies_and_samples(path: Path, text: str) -> tuple[dict[str, float], dict[s
     tallies = {
         "met": met,
         "met_collision": struck,
-        # An undefined one counts as preventable.
+        # An undefined value counts as preventable.
         "met_preventable": struck & (values["preventable_r157"] != 0.0),
         "met_ttc_lt_1p5": met & (values["min_ttc_s"] < LOW_TTC_S),
         "met_pet_lt_1p5": met & (values["pet_area_s"] < LOW_PET_S),

@@ -1,4 +1,4 @@
-"""Reads the finished runs of a study: what was asked for, and the numbers that are summed up over runs."""
+"""Reads the finished runs of a study: their settings, and the numbers that are summarised over runs."""
 
 from __future__ import annotations
 
@@ -37,24 +37,24 @@ class StudyRun:
     valid: bool
     invalid_reason: str
     setting: Mapping[str, str]
-    """What the run shares with those of other controllers: demand, egos, step, files."""
+    """What the run has in common with runs of other controllers: demand, egos, step, files."""
     condition_id: str
-    """Identity of scenario and setting."""
+    """Identifies scenario and setting."""
     parameters: Mapping[str, str]
-    """Of the controller."""
+    """Parameters of the controller."""
     versions: str
     thresholds: str
-    """Of the analysis; empty where they are not known."""
+    """Thresholds of the analysis; empty if they are not known."""
     cells: tuple[str, ...]
-    """Its row of runs.csv; empty when too little was recorded to analyse."""
+    """Its row of runs.csv; empty if too little was recorded to analyse."""
     numbers: Mapping[str, float]
-    """Columns of runs.csv and tallies of encounters; what is undefined is missing."""
+    """Columns of runs.csv and tallies of encounters; undefined ones are missing."""
     samples: Mapping[str, FloatArray]
     """Defined values of the encounter measures."""
 
 
 def find_run_folders(root: Path, *, nested: bool = False) -> list[Path]:
-    """Return the folders of runs at or below a folder, also of those that lost their ``run.json``, sorted.
+    """Return the sorted folders of runs at or below a folder, including runs that lost their ``run.json``.
 
     Folders whose name begins with a dot or ends in ``.part`` or ``.tmp`` are skipped.
 
@@ -62,7 +62,7 @@ def find_run_folders(root: Path, *, nested: bool = False) -> list[Path]:
     ----------
     root
     nested
-        Also those of a study within the folder of another one.
+        Whether to include the runs of a study within the folder of another study.
     """
     found = []
     alone = not nested and (root / STUDY_FILE).is_file()
@@ -80,20 +80,20 @@ def find_run_folders(root: Path, *, nested: bool = False) -> list[Path]:
 
 
 def _is_of_a_run(name: str) -> bool:
-    """Return whether only folders of runs have such a file; those of studies have hashes too."""
+    """Return whether a file marks a folder of a run; folders of studies have hashes, too."""
     return name == "job.json" or name.endswith(".parquet")
 
 
 def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
-    """Read run folders, in any order; return the runs in a fixed one.
+    """Read run folders, given in any order, and return the runs in a fixed order.
 
-    A run that has not ended is one that is not valid. Two folders with the same run count once.
+    A run that has not ended is not valid. Two folders with the same run count once.
 
     Raises
     ------
     StudyError
-        For a folder that cannot be read, was not analysed or by another version, for two runs of one
-        configuration and seed that are not the same, and for runs analysed with different thresholds.
+        If a folder cannot be read, was not analysed or was analysed by another version, if two runs of one
+        configuration and seed differ, or if runs were analysed with different thresholds.
     """
     runs, unreadable = read_whole_runs(folders)
     if unreadable:
@@ -102,20 +102,19 @@ def read_runs(folders: Iterable[Path]) -> list[StudyRun]:
 
 
 def read_whole_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], dict[Path, str]]:
-    """Read run folders as `read_runs`, and go on where one cannot be read.
+    """Read run folders as `read_runs` does, but go on if one cannot be read.
 
     Returns
     -------
     list
         The runs that can be read.
     dict
-        The folders of the others, each with one line that names the file and what can be done.
+        The folders of the others, each with one line that names the file and the remedy.
 
     Raises
     ------
     StudyError
-        For two runs of one configuration and seed that are not the same, and for runs analysed with
-        different thresholds.
+        If two runs of one configuration and seed differ, or if runs were analysed with different thresholds.
     """
     runs: list[StudyRun] = []
     unreadable: dict[Path, str] = {}
@@ -124,7 +123,7 @@ def read_whole_runs(folders: Iterable[Path]) -> tuple[list[StudyRun], dict[Path,
             runs.append(_read(folder))
         except AnalysisError as error:
             unreadable[folder] = str(error)
-        except (ValueError, TypeError, AttributeError, KeyError) as error:  # of a folder without hashes
+        except (ValueError, TypeError, AttributeError, KeyError) as error:  # only in a folder without hashes
             said = f"a file in it is not what a run writes ({error!r})"
             unreadable[folder] = f"{folder}: {said}; {make_again(folder)}"
     runs.sort(key=lambda run: (run.scenario_id, run.config_id, run.seed, not run.valid, run.run_id))
@@ -192,7 +191,7 @@ def _digest(content: Any) -> str:
 
 
 def _texts(values: Mapping[str, Any]) -> dict[str, str]:
-    """Return the values as ``--set`` takes them."""
+    """Return the values as texts for ``--set``."""
     return {
         key: value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
         for key, value in sorted(values.items())
@@ -219,7 +218,7 @@ def _check_thresholds(runs: Sequence[StudyRun]) -> None:
 
 
 def _once(runs: Sequence[StudyRun]) -> list[StudyRun]:
-    """Return each configuration and seed once, a valid run before a failed one; refuse two that differ."""
+    """Return one run for each configuration and seed, preferring valid ones; refuse two runs that differ."""
     kept: dict[tuple[str, int], StudyRun] = {}
     for run in runs:
         first = kept.setdefault((run.config_id, run.seed), run)
@@ -232,7 +231,7 @@ def _once(runs: Sequence[StudyRun]) -> list[StudyRun]:
 
 
 def _same(one: StudyRun, other: StudyRun) -> bool:
-    """Return whether two runs have the same numbers, wall-clock times aside."""
+    """Return whether two runs have the same numbers, apart from wall-clock times."""
     free = {i for i, name in enumerate(RUNS.names()) if is_wall_clock(name) or name == "git_sha"}
     cells = [[cell for i, cell in enumerate(run.cells) if i not in free] for run in (one, other)]
     return cells[0] == cells[1] and one.run_id == other.run_id

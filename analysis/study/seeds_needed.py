@@ -1,4 +1,4 @@
-"""How many seeds a comparison without a shown difference needs: what to do next."""
+"""How many seeds a comparison that shows no difference needs, which tells the user what to do next."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Row = Mapping[str, Any]
 
 NOT_SHOWN = "no_difference_shown"
 FEWEST_TO_TELL = FEWEST_FOR_RANKS
-"""With fewer seeds not even a difference in the same direction on every seed is significant."""
+"""With fewer seeds, not even a difference in the same direction on every seed is significant."""
 MEANING = (
     '"Needed" is how many seeds would tell the difference to ±10 % of the base\'s mean if it goes on '
     'varying as it did here ("–": it did not vary, the base\'s mean is 0, or the number is out of reach; '
@@ -20,12 +20,12 @@ MEANING = (
 
 
 def seeds_needed(row: Row) -> str:
-    """Return the seeds that a measure without a shown difference needs; nothing for one with.
+    """Return how many seeds a measure that shows no difference needs; empty if it shows one.
 
     Parameters
     ----------
     row
-        Of comparisons.csv, with types.
+        Row of comparisons.csv, with types.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def seeds_needed(row: Row) -> str:
 
 
 def range_needed(rows: Sequence[Row]) -> str:
-    """Return in brackets how many seeds some measures without a shown difference need; empty if enough.
+    """Return in brackets how many seeds measures that show no difference need; empty if there are enough.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Every column of the tables over many runs, once: configs.csv and comparisons.csv."""
+"""Defines the columns of the tables over many runs: configs.csv and comparisons.csv."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _count(name: str, description: str, required: bool = True) -> Column:
 
 
 def _value(name: str, description: str) -> Column:
-    """Return a number in the unit of its row."""
+    """Return a column of numbers in the unit of their row."""
     return Column(name, "number", "as unit", description)
 
 
@@ -163,4 +163,4 @@ COMPARISONS = Table(
 )
 
 STUDY_TABLES = (RUNS, ENCOUNTERS, CONFIGS, COMPARISONS)
-"""The files of a study."""
+"""The tables of a study."""

@@ -1,4 +1,4 @@
-"""Tables over many runs: runs.csv, encounters.csv, configs.csv, comparisons.csv and their dictionary."""
+"""Writes the tables over many runs and their dictionary: runs, encounters, configs and comparisons."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ PACKAGE = "datapackage.json"
 
 
 def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Mapping[Path, str]:
-    """Write the tables of a study; the same runs give the same bytes, in whatever order they come.
+    """Write the tables of a study; the same runs give the same bytes, whatever their order.
 
-    All files are complete before the first of them takes its name.
+    All files are complete before the first of them gets its name.
 
     Parameters
     ----------
     out
-        Folder for the tables; made where there is none.
+        Folder for the tables; it is made if it does not exist.
     folders
-        Run folders. Runs that failed or have not ended are counted, and are in no mean.
+        Run folders. Runs that failed or have not ended are counted, but do not enter any mean.
     baseline
-        What the others are compared with: a controller, a controller with the parameters that tell it
-        from its variants (``vo_mpc horizon=20``), or a config_id. ``None``: ``sumo``, or else the first
-        in the alphabet. One without any run leaves comparisons.csv without rows.
+        What the others are compared with: a controller, a controller with the parameters that distinguish
+        it from its variants (``vo_mpc horizon=20``), or a config_id. ``None``: ``sumo``, or else the first
+        in the alphabet. A baseline without any run leaves comparisons.csv without rows.
 
     Returns
     -------
     Mapping
-        As :attr:`analysis.study.design.Study.unreadable`.
+        As in :attr:`analysis.study.design.Study.unreadable`.
 
     Raises
     ------
     StudyError
-        When no run can be read or runs do not belong together; nothing is written then.
+        If no run can be read or runs do not belong together; nothing is written then.
     OSError
-        When the files cannot be written; those of before are still there.
+        If the files cannot be written; previous files are kept.
     """
     study = read_study(folders)
     out.mkdir(parents=True, exist_ok=True)
@@ -76,7 +76,7 @@ def write_tables(out: Path, folders: Sequence[Path], baseline: str | None) -> Ma
 
 
 def write_comparison(path: Path, rows: Sequence[Row]) -> None:
-    """Write some rows of comparisons to a file of their own."""
+    """Write some rows of comparisons to a separate file."""
     write_csv(path, COMPARISONS.names(), _cells(COMPARISONS, rows))
 
 
@@ -85,13 +85,13 @@ def _rows(table: Table, rows: Iterable[Row]) -> Iterator[str]:
 
 
 def _cells(table: Table, rows: Iterable[Row]) -> Iterable[Sequence[str]]:
-    # Six significant digits: p values and rates of rare events are small, and the last digits of a sum
-    # are not the same on every processor.
+    # Six significant digits, because p values and rates of rare events are small, and the last digits of a
+    # sum differ between processors.
     return cells(table, list(rows), number="{:.6g}".format)
 
 
 def _joined(table: Table, runs: Iterable[StudyRun]) -> Iterator[str]:
-    """Return the lines of one table of all runs, run after run, without holding more than one."""
+    """Yield the lines of one table for all runs, holding only one run in memory at a time."""
     header = ",".join(table.names()) + "\n"
     yield header
     for run in runs:
@@ -100,7 +100,7 @@ def _joined(table: Table, runs: Iterable[StudyRun]) -> Iterator[str]:
 
 
 def _package(out: Path, tables: Sequence[Table]) -> str:
-    """Return the data dictionary: of these tables, and of what else the folder's dictionary describes."""
+    """Return the data dictionary of these tables and of everything else that the folder's dictionary has."""
     package = describe(tables, "a study of many runs")
     mine = {table.name for table in tables}
     package["resources"] += [one for one in _described(out / PACKAGE) if one.get("name") not in mine]
@@ -111,4 +111,4 @@ def _described(path: Path) -> list[dict[str, Any]]:
     try:
         return list(read_json(path)["resources"])
     except (OSError, ValueError, KeyError, TypeError):
-        return []  # there is none, or it was damaged: it is written anew
+        return []  # it is missing or damaged, and is written anew

@@ -1,1 +1,1 @@
-"""Is a simulation like the street? Values of road users, their comparison, and estimates of parameters."""
+"""Compares a simulation with the street: values of road users, their comparison, parameter estimates."""

@@ -1,4 +1,4 @@
-"""Parameters of car following: the Intelligent Driver Model [Treiber2000]_ fitted to followers' tracks."""
+"""Parameters of car following, from the Intelligent Driver Model [Treiber2000]_ fitted to tracks."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from analysis.validation.observed import Observed
 from analysis.validation.quantities import headways
 
 LEAST_S = 8.0
-"""Shorter episodes of following tell too little."""
+"""Shorter episodes of following say too little [s]."""
 FARTHEST_M = 50.0
-"""Nobody follows from farther behind."""
+"""A car farther behind does not follow [m]."""
 MOST_STEPS = 400
 NAMES = (
     ("time_gap", "s"),
@@ -29,16 +29,16 @@ START = np.array([1.2, 2.0, 1.5, 2.0])
 LOW, HIGH = np.array([0.3, 0.5, 0.3, 0.5]), np.array([4.0, 6.0, 4.5, 6.0])
 EXPONENT = 4.0
 MARGIN = 0.02
-"""An estimate nearer than this share of its range to a bound is the bound, and left out."""
+"""An estimate nearer to a bound than this share of its range counts as the bound and is left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Episode:
-    """A car behind another one, sample by sample."""
+    """Samples of a car behind a leader."""
 
     car: str
     gap: FloatArray
-    """From its front to the leader's rear [m]."""
+    """Gap from the car's front to the leader's rear [m]."""
     speed: FloatArray
     leader_speed: FloatArray
     step_s: float
@@ -104,7 +104,7 @@ def fit(episode: Episode, desired_speed: float) -> FloatArray:
 def car_following(seen: Observed, desired_speed: float) -> list[Estimate]:
     """Return time gap, standstill gap, acceleration and deceleration: medians over cars, with intervals.
 
-    A parameter that an episode says nothing of ends at a bound, and is left out for that car.
+    A parameter about which an episode says nothing ends at a bound and is left out for that car.
     """
     fitted = [fit(one, desired_speed) for one in episodes(seen)]
     table = np.array(fitted).reshape(-1, len(NAMES))

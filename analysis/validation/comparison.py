@@ -1,4 +1,4 @@
-"""Real beside simulated: the difference, its interval over road users, and what the data could have shown."""
+"""Compares real with simulated road users: the difference, its interval, and what the data could show."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from analysis.arrays import FloatArray, IntArray
 
 RESAMPLES = 1999
 SEED = 20250101
-"""Of the resamples; a constant, so that the same tracks give the same interval."""
+"""Seed of the resamples, constant so that the same tracks give the same interval."""
 LEVEL = 0.95
 POWER = 0.8
 LEAST = 5
-"""Fewer road users on a side are listed, and not compared."""
+"""Quantities with fewer road users on a side are listed, but not compared."""
 _SHOWN = float(stats.norm.ppf(0.5 + 0.5 * LEVEL) + stats.norm.ppf(POWER))
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """One quantity of two groups of road users; what is undefined is nan."""
+    """One quantity of two groups of road users; undefined values are nan."""
 
     n_real: int
     n_simulated: int
     real: float
-    """Mean."""
+    """Mean of the real road users."""
     simulated: float
     real_sd: float
     simulated_sd: float
@@ -38,11 +38,11 @@ class Comparison:
     """95 % interval of the difference."""
     high: float
     effect: float
-    """The difference in pooled standard deviations."""
+    """Difference in pooled standard deviations."""
     distance: float
-    """Largest distance of the two distribution functions (Kolmogorov-Smirnov), 0 to 1."""
+    """Largest distance between the two distribution functions (Kolmogorov-Smirnov), 0 to 1."""
     detectable: float
-    """Difference that data like these show in four of five cases."""
+    """Difference that such data would show in four of five cases."""
     verdict: str
     """``different``, ``indistinguishable`` or ``too few``."""
 
@@ -50,15 +50,15 @@ class Comparison:
 def compare(real: FloatArray, simulated: FloatArray, names: Sequence[str] | None = None) -> Comparison:
     """Compare the values of real and of simulated road users.
 
-    The interval is the percentile bootstrap of the difference of means: both groups are resampled, each road
-    user as a whole, with all runs in which it drove: the same driver at the same time in another run is no
-    further evidence of its own. Its standard error is that of the resamples; ``detectable`` is 2.80 times
-    that, for a two-sided test at 5 % with a power of 80 %.
+    The interval is the percentile bootstrap of the difference of means. Both groups are resampled, each road
+    user as a whole with all its runs, because the same road user at the same time in another run is no
+    independent evidence. The standard error is that of the resamples; ``detectable`` is 2.80 times that, for
+    a two-sided test at 5 % with a power of 80 %.
 
     Parameters
     ----------
     real, simulated : one value for each road user (of each run), shapes (n,) and (m,)
-    names : who the simulated ones are, of length m; ``None``: no one occurs twice
+    names : names of the simulated road users, of length m; ``None``: nobody occurs twice
 
     Examples
     --------
@@ -105,7 +105,7 @@ def _spread(values: FloatArray) -> float:
 
 
 def _means(values: FloatArray, who: IntArray, rng: np.random.Generator) -> FloatArray:
-    """Return means of resamples of road users, each with all its values, shape (RESAMPLES,)."""
+    """Return the means of resamples of road users, each with all its values, shape (RESAMPLES,)."""
     result = stats.bootstrap(
         (np.bincount(who, weights=values), np.bincount(who)),
         lambda total, number, axis=-1: total.sum(axis=axis) / number.sum(axis=axis),

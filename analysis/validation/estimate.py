@@ -14,7 +14,7 @@ LEVEL = 0.95
 RESAMPLES = 1999
 SEED = 20250102
 LEAST = 5
-"""Fewer road users give no estimate."""
+"""With fewer road users, there is no estimate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,14 +24,14 @@ class Estimate:
     name: str
     unit: str
     value: float
-    """nan where it cannot be estimated."""
+    """The estimate; nan if it cannot be estimated."""
     low: float
     """95 % interval."""
     high: float
     n: int
-    """Road users."""
+    """Number of road users."""
     method: str
-    """How, or why not."""
+    """How it was estimated, or why it could not be."""
 
     @property
     def known(self) -> bool:

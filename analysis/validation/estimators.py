@@ -1,4 +1,4 @@
-"""Everything that is estimated from a recording of real traffic."""
+"""All parameters that are estimated from a recording of real traffic."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from analysis.validation.quantities import (
 )
 
 FREE_SPEED_MPS = 13.89
-"""Desired speed where nobody was free to show it [m/s]."""
+"""Desired speed if nobody was free to show it [m/s]."""
 LEAST_FREE = 0.6
-"""Cars below this share of it turn or stop, and show no desired speed."""
+"""Cars below this share of ``FREE_SPEED_MPS`` turn or stop, and do not show their desired speed."""
 STEADY_MPS2 = 0.3
 
 
 def free_speeds(seen: Observed) -> FloatArray:
     """Return the speed of each car while it is steady and follows nobody within 4 s [m/s].
 
-    Who turns or comes to a stop line drives slower than they would like: speeds below 60 % of 50 km/h are
-    left out, and so are cars that were free for less than a second.
+    Drivers who turn or approach a stop line drive more slowly than they would like, so speeds below 60 % of
+    50 km/h are left out. So are cars that were free for less than a second.
     """
     cars = seen.vehicles[seen.vehicles["class"] == "passenger"]
     found = headways(seen)
@@ -48,7 +48,7 @@ def free_speeds(seen: Observed) -> FloatArray:
 
 
 def estimates(seen: Observed) -> dict[str, Estimate]:
-    """Return all parameters by name; those that the recording says too little of are undefined."""
+    """Return all parameters by name; those about which the recording says too little are undefined."""
     walking = walking_speed(seen).to_numpy(np.float64)
     free = free_speeds(seen)
     desired = mean("desired_speed", "m/s", free)

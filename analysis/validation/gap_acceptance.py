@@ -1,4 +1,4 @@
-"""Which gaps between vehicles pedestrians accept: seen at crossings without signals, fitted by a logit."""
+"""Gaps between vehicles that pedestrians accept at crossings without signals, fitted by a logit."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from analysis.validation.observed import Observed
 
 SIGNAL = "signal"
 LONGEST_GAP_S = 30.0
-"""A longer gap tells nothing: everybody accepts it."""
+"""A longer gap says nothing, because everybody accepts it [s]."""
 LEAST_PEDESTRIANS = 10
-"""With fewer, nothing is fitted."""
+"""With fewer pedestrians, nothing is fitted."""
 LEVEL = 0.95
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """A vehicle that reached a crossing."""
+    """The passage of a vehicle over a crossing."""
 
     time_s: float
     vehicle: str
@@ -36,9 +36,9 @@ class Passage:
 def gaps(seen: Observed) -> pd.DataFrame:
     """Return the gaps that pedestrians were offered: ``id``, ``gap_s``, ``accepted`` (0 or 1).
 
-    A pedestrian is at the crossing from when they first wait for it, or step onto it. The first gap is the
-    time from then to the next vehicle, later ones are those from vehicle to vehicle; they accept the one
-    in which they step onto the crossing, and reject those before it. Crossings with signals are left out.
+    A pedestrian is at the crossing from the time when they first wait for it, or step onto it. The first gap
+    is the time from then to the next vehicle; later gaps are those from vehicle to vehicle. They accept the
+    gap in which they step onto the crossing, and reject those before it. Crossings with signals are left out.
     """
     rows: list[tuple[str, float, float]] = []
     for crossing in seen.crossings:
@@ -57,7 +57,7 @@ def _arrivals(walk: pd.DataFrame) -> list[tuple[float, float]]:
     on = (walk["phase"] == "crossing").to_numpy()
     found, before = [], 0
     for first, last in stretches(on):
-        if first > 0:  # who was on it when they came into view was offered nothing
+        if first > 0:  # a pedestrian who came into view on the crossing was offered no gap
             found.append((float(time[before]) if before < first else float(time[first]), float(time[first])))
         before = last + 1
     return found
@@ -77,7 +77,7 @@ def _offered(passed: FloatArray, arrival: float, entry: float) -> list[tuple[flo
 
 
 def passages(vehicles: pd.DataFrame, crossing: Area) -> list[Passage]:
-    """Return when the fronts of vehicles came over a crossing's axis, in order of time."""
+    """Return when the fronts of vehicles passed a crossing's axis, in order of time."""
     start, end = crossing.shape[0], crossing.shape[-1]
     way = end - start
     length = float(np.hypot(*way))
@@ -98,9 +98,9 @@ def passages(vehicles: pd.DataFrame, crossing: Area) -> list[Passage]:
 def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
     """Return the gap that half of the pedestrians accept, and how sharply they choose.
 
-    P(accept) = 1 / (1 + exp(-(b0 + b1 gap))); the critical gap is -b0 / b1 [s], with an interval by the delta
-    method; b1 [1/s]. Of the model's errors and those robust to several gaps of one pedestrian the larger one
-    counts: with few pedestrians the robust ones are too small.
+    P(accept) = 1 / (1 + exp(-(b0 + b1 gap))). The critical gap is -b0 / b1 [s], with an interval by the delta
+    method; b1 [1/s] says how sharply they choose. The larger of the model's error and the error robust to
+    several gaps of one pedestrian counts, because with few pedestrians the robust one is too small.
     """
     names = ("critical_gap", "s"), ("gap_slope", "1/s")
     accepted = offered["accepted"].to_numpy(np.float64) if len(offered) else np.zeros(0)
@@ -134,7 +134,7 @@ def critical_gap(offered: pd.DataFrame) -> tuple[Estimate, Estimate]:
 
 
 def _separated(accepted: FloatArray, rejected: FloatArray) -> str:
-    """Return how the gaps separate, empty where they overlap: no logit fits separate ones best."""
+    """Return how the gaps are separated; empty if they overlap. Separated gaps have no best logit fit."""
     if accepted.min() >= rejected.max():
         return "no accepted gap is shorter than a rejected one"
     return "no accepted gap is longer than a rejected one" if accepted.max() <= rejected.min() else ""

@@ -1,4 +1,4 @@
-"""A recording of everybody near crossings, real or simulated, as tables that values are made from."""
+"""A recording of everybody near crossings, real or simulated, as tables from which values are computed."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ class Observed:
     """Sorted by id and time: ``id``, ``class``, ``time_s``, ``x_m``, ``y_m`` (front), ``speed_mps``,
     ``lane``, ``along_m`` and ``across_m`` of that lane (nan without one)."""
     people: pd.DataFrame
-    """The same: ``id``, ``time_s``, ``x_m``, ``y_m``, ``speed_mps``, ``phase``, ``crossing``."""
+    """Sorted likewise: ``id``, ``time_s``, ``x_m``, ``y_m``, ``speed_mps``, ``phase``, ``crossing``."""
     encounters: pd.DataFrame
     """Rows of traffic_encounters.csv as texts."""
     crossings: tuple[Area, ...]
     step_s: float
 
     def between(self, begin_s: float, end_s: float) -> Observed:
-        """Return the part in which a road user appears within a span of time."""
+        """Return the part with the road users who first appear within a span of time."""
         people = self.people[_appear(self.people, begin_s, end_s)]
         vehicles = self.vehicles[_appear(self.vehicles, begin_s, end_s)]
         own = self.encounters["ped_id"].isin(set(people["id"]))
@@ -68,7 +68,7 @@ def observe(folder: Path) -> Observed:
     Raises
     ------
     RecordingError
-        When the folder does not hold the traffic near crossings, or a file of it is damaged.
+        If the folder does not contain the traffic near crossings, or a file in it is damaged.
     """
     path = folder / TRAFFIC.file
     if not path.is_file():
@@ -107,7 +107,7 @@ def _on_lanes(vehicles: pd.DataFrame, areas: tuple[Area, ...]) -> pd.DataFrame:
 
 
 def _beside(shape: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return how far along a line points are, and how far to its left [m]."""
+    """Return the distances of points along a line and to its left [m]."""
     line, points = shapely.LineString(shape), shapely.points(x, y)
     along = np.asarray(shapely.line_locate_point(line, points), dtype=np.float64)
     ahead = shapely.line_interpolate_point(line, np.minimum(along + 0.1, line.length))

@@ -1,4 +1,4 @@
-"""What is compared between street and simulation: one value for each road user, never one for each sample."""
+"""Quantities compared between street and simulation: one value per road user, never one per sample."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from analysis.stretches import stretches
 from analysis.validation.observed import Observed
 
 Values = pd.Series
-"""Indexed by road user."""
+"""Values indexed by road user."""
 
 MOVING_MPS, WALKING_MPS = 1.0, 0.3
-"""Faster than this a vehicle moves, a pedestrian walks."""
+"""Above these speeds, a vehicle counts as moving and a pedestrian as walking [m/s]."""
 FOLLOWING_S, FOLLOWING_MPS = 4.0, 3.0
-"""Who drives faster and nearer behind another one in time follows them."""
+"""A car follows another if its time headway is below the first [s] and its speed above the second [m/s]."""
 WINDOW_S = 1.0
-"""Accelerations are changes of speed over this time: those of tracks from sample to sample are noise."""
+"""Accelerations are changes of speed over this time, because from sample to sample tracks are noisy [s]."""
 LEAST_S = 2.0
-"""Road users who were seen for less time give no value."""
+"""Road users who were seen for less than this time have no value [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ def _mean_speed(vehicles: pd.DataFrame, step_s: float) -> Values:
 
 
 def _long_enough(frame: pd.DataFrame, step_s: float) -> Any:
-    """Return the groups of road users who were seen for long enough, with samples a step apart [s]."""
+    """Return the groups of road users who were seen for long enough; samples are ``step_s`` apart."""
     count = frame.groupby("id")["time_s"].transform("size")
     return frame[count * step_s >= LEAST_S].groupby("id")
 
@@ -66,19 +66,19 @@ def _changes(seen: Observed) -> pd.DataFrame:
 
 
 def strongest_acceleration(seen: Observed) -> Values:
-    """Return each car's strongest acceleration over a second, of those that speed up by 1 m/s^2 or more."""
+    """Return the strongest acceleration over a second of each car that reaches 1 m/s^2 or more [m/s^2]."""
     most = _changes(seen).groupby("id")["change"].max()
     return most[most >= 1.0]
 
 
 def strongest_braking(seen: Observed) -> Values:
-    """Return each car's strongest deceleration over a second, of those that brake with 1 m/s^2 or more."""
+    """Return the strongest deceleration over a second of each car that reaches 1 m/s^2 or more [m/s^2]."""
     most = -_changes(seen).groupby("id")["change"].min()
     return most[most >= 1.0]
 
 
 def headways(seen: Observed) -> pd.DataFrame:
-    """Return the times from a leader's front to that of the car behind it, in one lane, while it follows.
+    """Return the times from the front of a leader to the front of the car behind it in the same lane.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def walking_speed(seen: Observed) -> Values:
 
 
 def crossing_time(seen: Observed) -> Values:
-    """Return how long each pedestrian was on a crossing, over walks that were seen from end to end."""
+    """Return each pedestrian's mean time on a crossing, over walks that were seen from end to end."""
     found = {}
     for name, rows in seen.people.groupby("id"):
         on = (rows["phase"] == "crossing").to_numpy()
@@ -158,7 +158,7 @@ def crossing_time(seen: Observed) -> Values:
 
 
 def waiting_time(seen: Observed) -> Values:
-    """Return how long each pedestrian who walked over a crossing had stood before it."""
+    """Return how long each pedestrian who walked over a crossing stood before it."""
     people = seen.people
     stood = (people["phase"] == "waiting") & (people["speed_mps"] < WALKING_MPS)
     waited = stood.groupby(people["id"]).sum() * seen.step_s
@@ -174,7 +174,7 @@ def _of_encounters(seen: Observed, column: str, pick: str) -> Values:
 
 
 def smallest_distance(seen: Observed) -> Values:
-    """Return each pedestrian's smallest distance from any vehicle that they met."""
+    """Return each pedestrian's smallest distance from any vehicle they met."""
     return _of_encounters(seen, "min_dist_m", "min")
 
 
@@ -184,7 +184,7 @@ def smallest_pet(seen: Observed) -> Values:
 
 
 def yielding(seen: Observed) -> Values:
-    """Return the share of vehicles that let a pedestrian go first, of those that could have."""
+    """Return for each pedestrian the share of vehicles that let them go first, of those that could."""
     return _of_encounters(seen, "yielded", "mean")
 
 
@@ -203,4 +203,4 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("smallest_pet", "s", "a pedestrian's smallest PET", smallest_pet),
     Quantity("yielding", "1", "share of vehicles that let a pedestrian go first", yielding),
 )
-"""Outcomes in the order of the tables; what the demand was rebuilt from is not among them."""
+"""Outcomes in the order of the tables; quantities from which the demand was rebuilt are not among them."""

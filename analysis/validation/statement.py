@@ -1,4 +1,4 @@
-"""What validation says, in one sentence: it stands in README.md and in every report of a simulation."""
+"""The result of the validation in one sentence, for README.md and every report of a simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""validation.csv: real beside simulated, a row for each quantity."""
+"""validation.csv: real and simulated values side by side, one row for each quantity."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.validation.quantities import QUANTITIES, Quantity
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One quantity, compared; what a row is made of."""
+    """The comparison of one quantity, from which a row is made."""
 
     quantity: Quantity
     found: Comparison
@@ -66,7 +66,7 @@ VALIDATION = Table(
 
 
 def compared(real: Observed, simulated: Sequence[Observed]) -> list[Compared]:
-    """Compare every quantity of a recording with those of runs, whose road users count together."""
+    """Compare every quantity of a recording with those of several runs, whose road users are pooled."""
     found = []
     for quantity in QUANTITIES:
         ours = pd.concat([pd.Series(dtype=np.float64), *(quantity.values(run) for run in simulated)])

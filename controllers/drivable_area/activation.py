@@ -1,4 +1,4 @@
-"""When the method acts: somebody will be in the reaction space of the car that drives on."""
+"""Decides when the method acts: a pedestrian will be in the reaction space if the car drives on."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ def in_reaction_space(
     standoff: float,
     stretch: float = 1.0,
 ) -> Conflict | None:
-    """Return the first pedestrian who will be on the road in the reaction space; ``None`` for nobody.
+    """Return the first pedestrian who will be on the road in the reaction space; ``None`` if there is none.
 
-    At each instant it is the space of the car where it is and as fast as it is by then: between the tightest
-    arcs at that speed, and as far as the car would get if it braked fully.
+    The space is computed anew for each instant, from the car's place and speed at that instant. It lies
+    between the tightest arcs at that speed and reaches as far as the car would get if it braked fully.
 
     Parameters
     ----------
-    expected : how the car drives on
-    people : expected on the road
-    shape : of the car
-    road : for its edges; who is further away from it does not matter
+    expected : how the car would drive on
+    people : the pedestrians expected on the road
+    shape : shape of the car
+    road : the road whose edges count; people further away from it do not matter
     friction : f of the reaction space
     standoff : distance kept to a pedestrian's path where no stop line says more [m]
-    stretch : the space reaches so many times as far, so that an avoidance that has begun does not end at once
+    stretch : factor on the length of the space, so that an avoidance that has begun does not end at once
 
     Notes
     -----
-    Section 2 of [Wu2023]_ has the entropy of the space 0 while nobody is in it: the risk that the method
-    weighs against speed and curvature begins there. The paper looks at one meeting and does not say when the
-    method starts; this is our reading.
+    In Section 2 of [Wu2023]_ the entropy of the space is 0 while nobody is in it. So the risk that the method
+    weighs against speed and curvature begins when somebody enters it. The paper looks at one meeting and does
+    not say when the method starts; this is our reading.
     """
     if len(people) == 0:
         return None
@@ -53,7 +53,7 @@ def in_reaction_space(
     whom = np.flatnonzero(inside.any(axis=1))
     if len(whom) == 0:
         return None
-    # The car is level with a pedestrian, t_tcz, when the front has come to where they are.
+    # The car is level with a pedestrian, t_tcz, once its front has reached their place.
     level = np.where((forward <= 0.0).any(axis=1), (forward <= 0.0).argmax(axis=1), len(expected.times) - 1)
     person = int(whom[np.argmin(level[whom])])
     k = int(level[person])
@@ -66,7 +66,7 @@ def in_reaction_space(
 def _inside(
     forward: FloatArray, beside: FloatArray, speed: FloatArray, shape: Shape, friction: float, stretch: float
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Say who is in the space when, shape (n, K); a pedestrian's disc counts."""
+    """Say which pedestrians are in the space at which instants, their discs included; shape (n, K)."""
     radius = arc_radius(speed, friction)
     reach = 0.5 * radius * stretch
     side = arc_side(forward, np.broadcast_to(radius, forward.shape), shape.body.width)

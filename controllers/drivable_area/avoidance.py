@@ -1,4 +1,4 @@
-"""Finds the way past pedestrians: scene, search, and the choice from the front."""
+"""Finds a way past pedestrians: describes the scene, searches it, and chooses from the Pareto front."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ from controllers.safety.emergency_braking import GRAVITY
 CREEPING = 2.0
 """A car slower than this may speed up to it to get past [m/s]."""
 GAINED = 4.0
-"""A candidate may be so much faster than the car now, within the speed limit [m/s]."""
+"""A candidate may be this much faster than the car is now, within the speed limit [m/s]."""
 SHORTEST = 5.0
 """Length of the shortest avoidance path [m]."""
 FURTHEST = 4.0
 """Largest shift across the road [m]."""
 SAMPLED = 8
-"""So many pedestrians, the first to be on the road, walk at random; the others keep their velocities."""
+"""The first this many pedestrians to be on the road walk at random; the others keep their velocities."""
 
 
 @dataclass(frozen=True, slots=True)
 class AvoidanceSettings:
-    """How ways past pedestrians are looked for."""
+    """How to search for a way past pedestrians."""
 
     rules: Rules
     budget: Budget
@@ -54,7 +54,7 @@ class Found:
 
     course: Course
     verdict: Verdict
-    """Of all candidates among which it was chosen."""
+    """Verdict on all candidates from which this one was chosen."""
 
 
 def choose(
@@ -66,19 +66,19 @@ def choose(
     hints: FloatArray,
     seed: int,
 ) -> tuple[Front, Verdict, int] | None:
-    """Return front, what became of its candidates and the index of the chosen one; ``None`` without one.
+    """Return the front, the verdict on it and the index of the chosen candidate; ``None`` if it is empty.
 
     Parameters
     ----------
     scene, rules, budget : where, how, and how long to search
     lower, upper : bounds of (y_f, v_s) [m, m/s]
     hints : candidates to begin with, shape (h, 2)
-    seed : of everything random
+    seed : seed of everything random
 
     Notes
     -----
-    NSGA-II finds the front, the weighted sum of Eq. (48) of [Wu2023]_ chooses from it; of equal candidates
-    the first.
+    NSGA-II finds the front; the weighted sum of Eq. (48) of [Wu2023]_ chooses from it. Of equal candidates,
+    the first is chosen.
     """
     used = 4 if rules.weights.progress > 0.0 else 3
     number = min(len(scene.people.x), SAMPLED)
@@ -107,16 +107,16 @@ def plan(
     before: Course | None,
     seed: int,
 ) -> Found | None:
-    """Return the way past the pedestrians on the road, ``None`` where no candidate is possible.
+    """Return the way past the pedestrians on the road; ``None`` if no candidate is feasible.
 
     Parameters
     ----------
     perception : what the ego knows
-    people : on the road or about to be
+    people : the pedestrians on the road or about to enter it
     conflict : the first of them in the way
-    settings : how to look
-    before : the course until now, which is looked at again
-    seed : of everything random
+    settings : how to search
+    before : the course driven until now, which is a candidate again
+    seed : seed of everything random
     """
     ego, road, rules = perception.ego, perception.road, settings.rules
     scene = scene_of(perception, people, conflict, settings)
@@ -143,12 +143,12 @@ def plan(
 def scene_of(
     perception: Perception, people: Conflicts, conflict: Conflict, settings: AvoidanceSettings
 ) -> Scene:
-    """Return what candidates are made for: the avoidance ends where the front is level with the conflict."""
+    """Return the scene for the candidates; the avoidance ends where the front is level with the conflict."""
     ego, road, rules = perception.ego, perception.road, settings.rules
     body, drive = ego.body, ego.drive
     slope = math.tan(min(max(ego.heading_error, -1.0), 1.0))
     turning = math.tan(ego.steering) / body.wheelbase - lane_keeping.curvature_at(road, 0.0)
-    # Eq. (14) of a car that drives the curvature κ: y″ = κ (1 + y′²)^(3/2).
+    # Eq. (14) for a car that drives a curve of curvature κ: y″ = κ (1 + y′²)^(3/2).
     bend = turning * (1.0 + slope * slope) ** 1.5
     limits = CarLimits(
         deceleration=min(settings.friction * GRAVITY, drive.max_deceleration),

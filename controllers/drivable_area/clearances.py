@@ -1,4 +1,4 @@
-"""How far moving bodies stay apart."""
+"""Clearances between moving bodies."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from controllers.interface import Body
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What of the car must not be touched: its rectangle, or the paper's disc.
+    """Outline of the car that must not be touched: its rectangle, or the paper's disc.
 
-    The disc's centre is the reference point that moves along the path.
+    The centre of the disc is the reference point that moves along the path.
     """
 
     body: Body
@@ -26,7 +26,7 @@ class Shape:
 
     @property
     def middle(self) -> float:
-        """Return how far ahead of the reference point the middle is [m]."""
+        """Return how far the middle of the car is ahead of the reference point [m]."""
         return 0.0 if self.disc_radius is not None else self.body.front - 0.5 * self.body.length
 
     def clearance(
@@ -36,8 +36,8 @@ class Shape:
 
         Parameters
         ----------
-        along, across, heading : of the reference point, for the rectangle the rear axle [m, rad]
-        x, y : of the pedestrians; all arrays broadcast [m]
+        along, across, heading : pose of the reference point; for the rectangle, the rear axle [m, rad]
+        x, y : places of the pedestrians; all arrays broadcast [m]
 
         >>> shape = Shape(Body())
         >>> zero = np.zeros(1)
@@ -53,7 +53,7 @@ class Shape:
         return np.asarray(outside + np.minimum(np.maximum(beyond, aside), 0.0) - self.pedestrian_radius)
 
     def beyond_edges(self, across: FloatArray, heading: FloatArray, right: float, left: float) -> FloatArray:
-        """Return how far the car juts out over the ends of the road; negative inside [m].
+        """Return how far the car juts out over the edges of the road; negative inside [m].
 
         >>> Shape(Body()).beyond_edges(np.array([0.0, 1.0]), np.zeros(2), -1.75, 1.75).round(2).tolist()
         [-0.85, 0.15]
@@ -67,7 +67,7 @@ class Shape:
 def _seen_from(
     along: FloatArray, across: FloatArray, heading: FloatArray, x: FloatArray, y: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return places in the axes of bodies."""
+    """Return places in the coordinate systems of bodies, forward and to the left."""
     cosine, sine = np.cos(heading), np.sin(heading)
     dx, dy = x - along, y - across
     return cosine * dx + sine * dy, cosine * dy - sine * dx
@@ -78,7 +78,7 @@ class Boxes:
     """Rectangles of m vehicles at K times, shape (m, K), and their sizes, shape (m,)."""
 
     x: FloatArray
-    """Middle [m]."""
+    """Of the middle [m]."""
     y: FloatArray
     heading: FloatArray
     """Shape (m,) [rad]."""
@@ -90,16 +90,15 @@ class Boxes:
 
 
 def apart(along: FloatArray, across: FloatArray, heading: FloatArray, body: Body, boxes: Boxes) -> FloatArray:
-    """Return by how much the widest gap between a car and rectangles separates them, shape (n, m, K) [m].
+    """Return the widest gap between a car and rectangles along the axes of either, shape (n, m, K) [m].
 
-    Looked along the axes of both: positive exactly where they do not overlap, and then never more than
-    their distance.
+    The gap is positive exactly where they do not overlap, and then never more than their distance.
 
     Parameters
     ----------
-    along, across, heading : of n rear axles, shape (n, K) [m, rad]
-    body : of the car
-    boxes : the others
+    along, across, heading : poses of n rear axles, shape (n, K) [m, rad]
+    body : body of the car
+    boxes : the rectangles
     """
     middle = body.front - 0.5 * body.length
     x = (along + middle * np.cos(heading))[:, None, :]

@@ -1,4 +1,4 @@
-"""Whether driving as road and traffic ask would come too near to a pedestrian, and where."""
+"""Whether and where the ego would come too near to a pedestrian if it only followed road and traffic."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from controllers.interface import Perception
 from controllers.prediction.social_force_model import Walkers
 
 SHIFTING = 1.3
-"""Speed across the road with which a lane is returned or changed to [m/s]."""
+"""Lateral speed at which the ego returns to its lane or changes lanes [m/s]."""
 ROAD_MARGIN = 0.5
-"""People this near to the road matter, should they be about to enter it [m]."""
+"""People up to this far from the road matter if they are about to enter it [m]."""
 VIEW = 80.0
 """Vehicles further away do not matter [m]."""
 LASTS = 2.0
-"""Vehicles are expected to keep an acceleration, and to move across the road, for so long [s]."""
+"""Vehicles are expected to keep their acceleration and to move across the road for this long [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,23 +32,23 @@ class Conflict:
     time: float
     """[s]"""
     along: float
-    """Where the pedestrian is then [m]."""
+    """Place of the pedestrian at that time [m]."""
     across: float
     place: float
-    """Where a front bumper would have to stop for everybody in conflict [m]."""
+    """Place where the front bumper would have to stop for everybody in conflict [m]."""
 
 
 def relevant(
     perception: Perception, watch: Watch, horizon: float, assume: PedestrianAssumptions
 ) -> Conflicts:
-    """Return those who are on the road, or will be within a time, and how they are expected to walk.
+    """Return the pedestrians who are or will soon be on the road, and how they are expected to walk.
 
     Parameters
     ----------
     perception : what the ego knows
     watch : what is remembered of pedestrians; updated here
-    horizon : [s]
-    assume : of those whose velocity does not say what they will do
+    horizon : time within which people who will be on the road count [s]
+    assume : assumptions about people whose velocity does not say what they will do
     """
     road = perception.road
     band = road.right_edge - ROAD_MARGIN, road.left_edge + ROAD_MARGIN
@@ -56,13 +56,13 @@ def relevant(
 
 
 def walkers(people: Conflicts) -> Walkers:
-    """Return them as those who keep their expected velocities."""
+    """Return the people as walkers who keep their expected velocities."""
     return Walkers(people.along, people.across, people.along_speed, people.across_speed)
 
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """How the ego would drive without pedestrians; K instants."""
+    """How the ego would drive without pedestrians, at K instants."""
 
     times: FloatArray
     along: FloatArray
@@ -72,19 +72,19 @@ class Outlook:
 
 
 def outlook(perception: Perception, times: FloatArray, acceleration: FloatArray, target: float) -> Outlook:
-    """Return where following the road leads.
+    """Return how the ego would drive if it followed the road.
 
     Parameters
     ----------
     perception : what the ego knows
     times : instants from 0 [s]
-    acceleration : from each instant to the next [m/s^2]
+    acceleration : acceleration from each instant to the next [m/s^2]
     target : across coordinate of the lane to be in [m]
     """
     ego = perception.ego
     steps = np.diff(times)
     changed = np.concatenate(([0.0], np.cumsum(acceleration[:-1] * steps)))
-    # Where the sum falls below zero the car stands until it speeds up again.
+    # Where the sum falls below zero, the car stands until it speeds up again.
     speed = ego.speed + changed
     speed = speed - np.minimum(np.minimum.accumulate(speed), 0.0)
     along = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)))
@@ -97,14 +97,14 @@ def outlook(perception: Perception, times: FloatArray, acceleration: FloatArray,
 def first_conflict(
     expected: Outlook, people: Conflicts, shape: Shape, margin: FloatArray, standoff: float
 ) -> Conflict | None:
-    """Return the first pedestrian to whom less than a margin would be left, ``None`` if there is none.
+    """Return the first pedestrian to whom the ego would not keep the margin; ``None`` if there is none.
 
     Parameters
     ----------
-    expected : the motion
-    people : expected on the road
-    shape : of the car
-    margin : for each of them, shape (n,) [m]
+    expected : motion of the ego
+    people : the pedestrians expected on the road
+    shape : shape of the car
+    margin : margin for each pedestrian, shape (n,) [m]
     standoff : distance kept to a pedestrian's path where no stop line says more [m]
     """
     if len(people) == 0:
@@ -132,12 +132,12 @@ def first_conflict(
 def stopping_place(
     people: Conflicts, whom: IntArray, met: FloatArray, shape: Shape, standoff: float
 ) -> FloatArray:
-    """Return where a front bumper would have to stop for some of the people, shape (m,) [m].
+    """Return where the front bumper would have to stop for each of some people, shape (m,) [m].
 
     Parameters
     ----------
-    people, whom : all of them, and the indices of those to stop for
-    met : where these are when they are met [m]
+    people, whom : all people, and the indices of those to stop for
+    met : where the latter are when the ego meets them [m]
     shape, standoff : as in :func:`first_conflict`
     """
     lines = people.stop_line[whom]
@@ -149,9 +149,10 @@ def stopping_place(
 def boxes(perception: Perception, times: FloatArray) -> Boxes:
     """Return other vehicles as rectangles at several times.
 
-    Those that go the same or the opposite way keep their lane's direction, and their acceleration for a
-    while; those that cross count where they are, because what they will do is the right of way's business.
-    Vehicles behind the ego in its own way are left out: they follow.
+    Vehicles that drive in the same or the opposite direction go on along the road and, for a while, across
+    it. Those in the same direction keep their acceleration for a while. Crossing vehicles stay where they
+    are, because the right-of-way rules deal with what they will do. Vehicles behind the ego in its own path
+    are left out: they follow.
     """
     vehicles, body = perception.vehicles, perception.ego.body
     box = footprints(vehicles)

@@ -1,4 +1,4 @@
-"""What a candidate costs: nearness at speed, curvature, and the weights between them and the entropy."""
+"""Costs of a candidate: nearness at speed, curvature, and the weights of these and of the entropy."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from controllers.drivable_area.motions import POINTS, arc_lengths
 from controllers.drivable_area.quintic_path import QuinticPaths, curvature
 
 PAPER_GRAVITY = 9.8
-"""As the paper's safety coefficient has it [m/s^2]."""
+"""Gravity as in the paper's safety coefficient [m/s^2]."""
 
 
 class SpeedRisk(StrEnum):
-    """What the safety coefficient C_vs is, of which the paper's print says too little."""
+    """Readings of the safety coefficient C_vs, which the paper does not define completely."""
 
     METRES_PER_SECOND = "m/s"
     """3.6 v_s / (2 · 9.8) / 9.8 with v_s in m/s."""
@@ -34,12 +34,12 @@ def speed_risk(final_speed: FloatArray, form: SpeedRisk) -> FloatArray:
     Parameters
     ----------
     final_speed : v_s [m/s]
-    form : which reading
+    form : the reading
 
     Notes
     -----
-    Table 1 of [Wu2023]_ prints (3.6 v_s / (2 · 9.8)) / 9.8 without a unit for v_s. The squared forms read a
-    square into it.
+    Table 1 of [Wu2023]_ prints (3.6 v_s / (2 · 9.8)) / 9.8 without a unit for v_s. The squared forms assume
+    that a square is missing.
 
     >>> speed_risk(np.array([5.0]), SpeedRisk.METRES_PER_SECOND).round(4).tolist()
     [0.0937]
@@ -54,16 +54,16 @@ def speed_risk(final_speed: FloatArray, form: SpeedRisk) -> FloatArray:
 
 
 LEAST_CLEARANCE = 0.05
-"""A smaller clearance counts as this in the cost, which stays finite so [m]."""
+"""A smaller clearance counts as this in the cost, which therefore stays finite [m]."""
 
 
 def distance_cost(risk: FloatArray, clearance: FloatArray) -> FloatArray:
-    """Return C_vs over the clearance d_cp − r_veh − r_pe [1/m].
+    """Return C_vs divided by the clearance d_cp − r_veh − r_pe [1/m].
 
     Parameters
     ----------
     risk : C_vs, shape (n,)
-    clearance : the smallest one on the way, inf with nobody there, shape (n,) [m]
+    clearance : smallest clearance on the way, inf if nobody is there, shape (n,) [m]
 
     Notes
     -----
@@ -98,8 +98,8 @@ class CostWeights:
 
     Notes
     -----
-    Eq. (48) and Table 1 of [Wu2023]_, where J_c is called a weight of safety and J_d one of stability: the
-    names are exchanged, the values equal. ``progress`` is not in the paper; without it, standing still
+    Eq. (48) and Table 1 of [Wu2023]_. The paper calls J_c a weight of safety and J_d one of stability: the
+    names are swapped, but the values are equal. ``progress`` is not in the paper; without it, standing still
     costs nothing.
     """
 
@@ -110,7 +110,7 @@ class CostWeights:
     entropy: float = 0.6
     """J_s"""
     progress: float = 0.0
-    """Of 1 − v_s / v_max, what is lost of the speed."""
+    """Weight of 1 − v_s / v_max, the lost share of the speed."""
 
     def total(self, costs: FloatArray) -> FloatArray:
         """Return the weighted sums; columns are curvature, distance, entropy and progress, shape (n, 4)."""

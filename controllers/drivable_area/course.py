@@ -1,4 +1,4 @@
-"""A chosen candidate that is being driven: where it leads, and how the car is kept on it."""
+"""A chosen candidate while it is driven: where it leads, and the commands that keep the car on it."""
 
 from __future__ import annotations
 
@@ -15,40 +15,40 @@ from controllers.driving import lane_keeping
 from controllers.interface import EgoState, Perception
 
 SPEED_GAIN = 1.0
-"""What an error of the speed asks for [1/s]."""
+"""Acceleration commanded per unit of speed error [1/s]."""
 PLACE_GAIN = 0.2
-"""What an error of the distance driven asks for; a car that is too far ahead brakes [1/s^2]."""
+"""Acceleration commanded per unit of distance error; a car that is too far ahead brakes [1/s^2]."""
 APPROACH_TIME = 0.8
-"""Time constant with which a distance to the path decays [s]."""
+"""Time constant with which the distance to the path decays [s]."""
 HEADING_TIME = 0.3
-"""Time constant with which a heading error decays [s]."""
+"""Time constant with which the heading error decays [s]."""
 APPROACH_LENGTH = 3.0
-"""What ``APPROACH_TIME`` becomes at low speed [m]."""
+"""Length constant that takes the place of ``APPROACH_TIME`` at low speed [m]."""
 HEADING_LENGTH = 1.2
-"""What ``HEADING_TIME`` becomes at low speed [m]."""
+"""Length constant that takes the place of ``HEADING_TIME`` at low speed [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """One candidate, and how far the car has come on it."""
+    """One candidate, and how far the car has driven along it."""
 
     path: QuinticPaths
-    """Of one path, in the route frame it was planned in."""
+    """A single path, in the route frame in which it was planned."""
     speeds: SmoothBraking
     lane: int
-    """``Lane.number`` of the reference lane it was planned in."""
+    """``Lane.number`` of the reference lane in which it was planned."""
     offset: float = 0.0
-    """Across coordinate now of that lane's centre line [m]."""
+    """Present across coordinate of that lane's centre line [m]."""
     elapsed: float = 0.0
-    """Since it was planned [s]."""
+    """Time since it was planned [s]."""
     progress: float = 0.0
-    """Along the road since then [m]."""
+    """Distance along the road since then [m]."""
     driven: float = 0.0
-    """Along its own way since then [m]."""
+    """Distance that the car has driven since then [m]."""
 
     @property
     def end(self) -> float:
-        """Return y_f as an across coordinate now [m]."""
+        """Return y_f as a present across coordinate [m]."""
         return float(self.path.end[0]) + self.offset
 
     @property
@@ -86,7 +86,7 @@ class Course:
         now, _, _ = self.speeds.at(np.array([[self.elapsed]]))
         grid = np.linspace(0.0, self.path.length, 61)
         lengths = arc_lengths(self.path, grid)[0]
-        # The car's own distance counts, and from there on the plan's.
+        # The course starts where the car really is and goes on from there as planned.
         here = float(np.interp(self.progress, grid, lengths)) + max(self.progress - grid[-1], 0.0)
         ahead = here + position[0] - now[0, 0]
         along = np.interp(ahead, lengths, grid) + np.maximum(ahead - lengths[-1], 0.0)
@@ -94,17 +94,17 @@ class Course:
         return along - self.progress, across[0] + self.offset, np.arctan(slope[0]), speed[0]
 
     def accelerations(self, ego: EgoState, times: FloatArray) -> FloatArray:
-        """Return the commands that keep the planned speed behind the drive's lag [m/s^2].
+        """Return the commands that make the car keep the planned speed in spite of the drive's lag [m/s^2].
 
         Parameters
         ----------
-        ego : as it is
-        times : when the commands begin, from now [s]
+        ego : present state of the ego
+        times : times from now at which the commands begin [s]
         """
         drive = ego.drive
         step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
         middle = times + 0.5 * step + self.elapsed
-        # A first-order lag shows now what was commanded before: its inverse is a look ahead.
+        # A first-order lag delays a command, so the command is what is planned one lag later.
         _, _, ahead = self.speeds.at((middle + drive.drive_lag)[None, :])
         position, speed, _ = self.speeds.at(np.array([[self.elapsed]]))
         behind = min(max(position[0, 0] - self.driven, -2.0), 2.0)
@@ -116,19 +116,19 @@ class Course:
 
 
 def steering(perception: Perception, course: Course, acceleration: FloatArray, lateral: float) -> FloatArray:
-    """Return the front-wheel angles that keep the car on a course, one per instant [rad].
+    """Return the front-wheel angles that keep the car on a course, one for each instant [rad].
 
     Parameters
     ----------
     perception : what the ego knows
-    course : to be on
-    acceleration : commanded meanwhile, at ``lane_keeping.instants(perception.ego)`` [m/s^2]
+    course : course to keep the car on
+    acceleration : acceleration commanded at ``lane_keeping.instants(perception.ego)`` [m/s^2]
     lateral : largest lateral acceleration [m/s^2]
 
     Notes
     -----
-    The law of lane keeping, about a path that bends: ψ* = ψ_path − e / ℓ_e, curvature = that of road and
-    path a little ahead + (ψ* − ψ) / ℓ_ψ − sin(ψ − ψ_path) / ℓ_e.
+    This is the control law of lane keeping for a curved path: ψ* = ψ_path − e / ℓ_e, and curvature = that of
+    road and path a little ahead + (ψ* − ψ) / ℓ_ψ − sin(ψ − ψ_path) / ℓ_e.
     """
     ego, road = perception.ego, perception.road
     drive, car = ego.drive, lane_keeping.Bicycle(ego)

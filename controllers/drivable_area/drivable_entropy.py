@@ -1,4 +1,4 @@
-"""How uncertain it is where in the reaction space pedestrians are met."""
+"""Entropy of the places in the reaction space at which the car meets pedestrians."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from controllers.arrays import FloatArray
 
 
 class EntropyMode(StrEnum):
-    """What the probabilities cost."""
+    """How the probabilities become a cost."""
 
     PAPER = "paper"
     """−Σ ln P / S_z over the places with P > 0, as printed."""
     SHANNON = "shannon"
-    """−Σ P ln P / S_z, the entropy proper."""
+    """−Σ P ln P / S_z, Shannon's entropy."""
     RISK = "risk"
     """−ln(1 − P) of the probability of a collision."""
 
 
 class EntropyAt(StrEnum):
-    """At which instant of a candidate the places of pedestrians are looked at."""
+    """The instant of a candidate at which the places of pedestrians count."""
 
     LARGEST = "largest"
-    """At each, of which the one with the largest entropy counts."""
+    """The instant with the largest entropy."""
     MEETING = "meeting"
-    """When the car is level with the first pedestrian in conflict, t_tcz of Eqs. (29) and (30); 0 for a
-    candidate that stops before."""
+    """The instant at which the car is level with the first pedestrian in conflict, t_tcz of Eqs. (29) and
+    (30); the entropy of a candidate that stops before is 0."""
 
 
 LEAST_PROBABILITY = 1e-6
-"""Of no collision; −ln of it bounds the risk."""
+"""Smallest probability of no collision; −ln of it is the largest risk."""
 
 
 def entropy_cost(
@@ -48,10 +48,10 @@ def entropy_cost(
 
     Notes
     -----
-    Eqs. (4)-(7) and (47) of [Wu2023]_. Printed is Σ ln P: a certain meeting costs nothing and the least
-    likely one most. 0 where nobody is in the space, and where the space has no area. For several
-    pedestrians P_j is the joint probability that one of them is in the space and at that place, so that
-    Shannon's form includes the P ln P of Eq. (5).
+    Eqs. (4)-(7) and (47) of [Wu2023]_. The paper prints Σ ln P, with which a certain meeting costs nothing
+    and the least likely one most. The entropy is 0 if nobody is in the space or if the space has no area. For
+    several pedestrians, P_j is the joint probability that one of them is in the space and at that place, so
+    that Shannon's form includes the P ln P of Eq. (5).
 
     >>> float(entropy_cost(np.array([0.5, 0.5]), np.zeros(()), 1.0, EntropyMode.SHANNON).round(4))
     0.6931

@@ -1,4 +1,4 @@
-"""What candidates cost in a scene, and which of them are possible."""
+"""What candidates cost in a scene, and which of them are feasible."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from controllers.prediction.social_force_model import SocialForceModel, Walkers
 from controllers.safety.emergency_braking import GRAVITY
 
 STANDING = 0.1
-"""A slower car runs into nobody [m/s]."""
+"""Below this speed, the car counts as standing and runs into nobody [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +38,13 @@ class CarLimits:
     deceleration: float = 0.8 * GRAVITY
     """a_bmax [m/s^2]"""
     acceleration: float = 1.5
-    """Where a candidate is faster than the car now [m/s^2]."""
+    """Acceleration of candidates that become faster than the car is now [m/s^2]."""
     curvature: float = 0.26
     """k_lim [1/m]"""
     friction: float = 0.8
-    """f; braking and turning together need f g at most."""
+    """f; braking and turning together may need at most f g."""
     steering_rate: float = 0.6
-    """Of the front wheels [rad/s]."""
+    """Largest steering rate of the front wheels [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +60,11 @@ class Rules:
     within_friction: bool = True
     """Whether candidates have to stay within the tyres' grip and the steering's rate."""
     full_braking: bool = False
-    """Whether v_s is reached as fast as possible, as in the paper, or no earlier than where it is needed."""
+    """Whether the car reaches v_s as fast as possible, as in the paper, or only where it is needed."""
     dead_time: float = 0.0
     """[s]"""
     margin: float = 0.3
-    """Distance to pedestrians' discs that is reached within ``margin_time`` [m]."""
+    """Distance that has to be kept to pedestrians' discs; it grows from 0 to this in ``margin_time`` [m]."""
     margin_time: float = 1.0
     """[s]"""
     vehicle_margin: float = 0.3
@@ -76,18 +76,18 @@ class Rules:
     step: float = 0.1
     """[s]"""
     walks: int = 16
-    """Random walks of each pedestrian."""
+    """Number of random walks of each pedestrian."""
     model: SocialForceModel = field(default_factory=SocialForceModel)
 
     @property
     def times(self) -> FloatArray:
-        """Return the instants at which candidates are looked at [s]."""
+        """Return the instants at which candidates are judged [s]."""
         return np.arange(round(self.horizon / self.step) + 1, dtype=np.float64) * self.step
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What candidates are made for; the x axis runs along the road, from the car's reference point on."""
+    """The scene for the candidates; the x axis runs along the road from the car's reference point."""
 
     shape: Shape
     limits: CarLimits
@@ -95,18 +95,18 @@ class Scene:
     speed: float
     """v0 [m/s]"""
     fastest: float
-    """Highest final speed, to which progress is compared [m/s]."""
+    """Highest final speed, with which progress is compared [m/s]."""
     acceleration: float
     """a0 [m/s^2]"""
     length: float
     """x_f [m]"""
     braking_distance: float
-    """Where v_s is needed [m]."""
+    """Distance within which v_s should be reached [m]."""
     right: float
-    """Ends of the road [m]."""
+    """Across coordinate of the road's right edge; ``left`` likewise [m]."""
     left: float
     people: Walkers
-    """Where they are, and the velocities they are expected to keep; shape (p,)."""
+    """Where the pedestrians are, and the velocities they are expected to keep; shape (p,)."""
     boxes: Boxes | None = None
     """Other vehicles at the rules' times."""
     bend: FloatArray = field(default_factory=lambda: np.zeros(1))
@@ -118,15 +118,15 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What was found out about n candidates."""
+    """The results for n candidates."""
 
     motions: Motions
     paths: QuinticPaths
     speeds: SmoothBraking
     costs: FloatArray
-    """Curvature, distance, entropy, progress; shape (n, 4)."""
+    """Costs of curvature, distance, entropy and progress; shape (n, 4)."""
     violations: FloatArray
-    """Pedestrians, vehicles, edges, limits; positive where broken, shape (n, 4)."""
+    """Violations for pedestrians, vehicles, edges and limits; positive where violated, shape (n, 4)."""
     lateral: FloatArray
     """Largest lateral acceleration, shape (n,) [m/s^2]."""
     total: FloatArray
@@ -135,19 +135,19 @@ class Verdict:
 
     @property
     def feasible(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Say which candidates break nothing."""
+        """Say which candidates violate nothing."""
         return np.asarray((self.violations <= 0.0).all(axis=1))
 
 
 def judge(scene: Scene, rules: Rules, end: FloatArray, final_speed: FloatArray, noise: FloatArray) -> Verdict:
-    """Return what becomes of n candidates.
+    """Return the verdict on n candidates.
 
     Parameters
     ----------
-    scene, rules : where and how
+    scene, rules : the scene, and how to make and judge candidates
     end : y_f, shape (n,) [m]
     final_speed : v_s, shape (n,) [m/s]
-    noise : standard normal numbers of the random walks of the first p people, shape (K, p, w)
+    noise : standard normal numbers for the random walks of the first p people, shape (K, p, w)
     """
     paths = quintic_paths(scene.start, scene.length, end)
     speeds = smooth_speeds(scene, rules, final_speed)
@@ -184,8 +184,8 @@ def judge(scene: Scene, rules: Rules, end: FloatArray, final_speed: FloatArray, 
 def smooth_speeds(scene: Scene, rules: Rules, final_speed: FloatArray) -> SmoothBraking:
     """Return the cubic speeds.
 
-    With ``full_braking`` they brake as hard as allowed. Otherwise v_s is reached at ``braking_distance``,
-    or where that needs more than the limit, as soon as the limit allows.
+    With ``full_braking`` the candidates brake as hard as allowed. Otherwise they reach v_s at
+    ``braking_distance`` or, if that takes more braking than the limit, as soon as the limit allows.
     """
     limits, start = scene.limits, scene.speed
     begin = min(max(scene.acceleration, -limits.deceleration), limits.acceleration)
@@ -195,7 +195,7 @@ def smooth_speeds(scene: Scene, rules: Rules, final_speed: FloatArray) -> Smooth
     if not rules.full_braking:
         mean = 0.5 * (start + final_speed)
         left = max(scene.braking_distance - rules.dead_time * start, 0.0)
-        # (v0 + v_s) t / 2 + a0 t² / 12 = distance; without a root the place is never reached.
+        # (v0 + v_s) t / 2 + a0 t² / 12 = distance; without a root, the car never reaches the place.
         under = mean**2 + begin * left / 3.0
         needed = 2.0 * left / np.maximum(mean + np.sqrt(np.maximum(under, 0.0)), 1e-9)
         needed = np.where(under < 0.0, np.inf, needed)
@@ -209,7 +209,7 @@ def smooth_speeds(scene: Scene, rules: Rules, final_speed: FloatArray) -> Smooth
 
 
 def _people_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArray:
-    """Return by how much the margin is not kept to people who keep their velocities [m]."""
+    """Return by how much the car falls short of the margin to people who keep their velocities [m]."""
     people = scene.people
     if len(people.x) == 0:
         return np.full(len(moving.along), -1.0)
@@ -224,9 +224,10 @@ def _people_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArray
 
 
 def _vehicle_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArray:
-    """Return by how much the margin is not kept to vehicles [m].
+    """Return by how much the car falls short of the margin to vehicles [m].
 
-    One nearer than the margin already must not come nearer; one that overlaps already is not counted.
+    The car must not come nearer to a vehicle that is already nearer than the margin. A vehicle that already
+    overlaps the car does not count.
     """
     boxes = scene.boxes
     if boxes is None or len(boxes) == 0:
@@ -239,14 +240,14 @@ def _vehicle_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArra
 
 
 def _edge_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArray:
-    """Return how far the car comes over the ends of the road, if further than it is now [m]."""
+    """Return how much further than now the car comes over the edges of the road [m]."""
     beyond = scene.shape.beyond_edges(moving.across, moving.heading, scene.right, scene.left)
     allowed = np.maximum(-rules.edge_margin, beyond[:, :1])
     return np.asarray((beyond - allowed - 1e-6).max(axis=1))
 
 
 def _effort(scene: Scene, rules: Rules, moving: Motions) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return lateral and total accelerations [m/s^2], and the share by which limits are exceeded."""
+    """Return lateral and total accelerations [m/s^2], and the share by which they exceed the limits."""
     limits = scene.limits
     road = np.interp(moving.along, np.arange(len(scene.bend)) * scene.bend_step, scene.bend)
     turning = moving.curvature + road
@@ -259,7 +260,7 @@ def _effort(scene: Scene, rules: Rules, moving: Motions) -> tuple[FloatArray, Fl
     if rules.within_friction:
         angle = np.arctan(scene.wheelbase * turning)
         rate = np.where(driven[:, 1:], np.abs(np.diff(angle, axis=1)), 0.0).max(axis=1) / rules.step
-        # 2 %: what rounding and the step do to a car that brakes as hard as it can already.
+        # The 2 % allow for rounding and the step size if the car already brakes as hard as it can.
         worst = np.maximum(worst, total / (1.02 * limits.friction * GRAVITY) - 1.0)
         worst = np.maximum(worst, rate / limits.steering_rate - 1.0)
     return lateral, total, np.asarray(worst)

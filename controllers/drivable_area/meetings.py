@@ -16,11 +16,11 @@ from controllers.prediction.social_force_model import CarOutline, SocialForceMod
 PLACE = 0.25
 """Width of a place in the reaction space [m]."""
 PLACES = 48
-"""From 6 m right to 6 m left of the car."""
+"""Number of places, from 6 m right to 6 m left of the car."""
 LEAST_AREA = 1.0
-"""A smaller reaction space, that of a slow car, counts as this [m^2]."""
+"""A smaller reaction space, as a slow car has, counts as this [m^2]."""
 EVERY = 2
-"""The reaction space is looked at once in so many steps."""
+"""The entropy is computed once in this many steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +28,11 @@ class Meetings:
     """How n candidates meet p pedestrians."""
 
     clearance: FloatArray
-    """Least distance to the mean of anybody's walks; inf with nobody there, shape (n,) [m]."""
+    """Least distance to the mean of any pedestrian's walks; inf if nobody is there, shape (n,) [m]."""
     collision: FloatArray
-    """Probability that anybody is touched, shape (n,)."""
+    """Probability that the car touches anybody, shape (n,)."""
     entropy: FloatArray
-    """Of the meetings, shape (n,)."""
+    """Entropy of the meetings, shape (n,)."""
 
 
 def meetings(
@@ -45,32 +45,32 @@ def meetings(
     mode: EntropyMode,
     met_at: FloatArray | None = None,
 ) -> Meetings:
-    """Let people walk while the candidates drive.
+    """Let people walk while the candidates drive, and return how they meet.
 
     Parameters
     ----------
-    shape : of the car
-    people : at the beginning, shape (p,)
+    shape : shape of the car
+    people : the people at the beginning, shape (p,)
     moving : the n candidates
-    model : of walking
+    model : model of walking
     friction : f of the reaction space
     noise : standard normal numbers, shape (K, p, w) for w walks
-    mode : of the entropy
-    met_at : when each candidate meets the pedestrian in conflict, inf for never, shape (n,) [s]; ``None``: of
-        the entropies at all instants the largest counts
+    mode : form of the entropy
+    met_at : when each candidate meets the pedestrian in conflict, inf if never, shape (n,) [s]; ``None``: the
+        largest entropy of all instants counts
 
     Notes
     -----
-    [Wu2023]_ means the instant t_tcz of Eq. (30). By then a car that lets somebody pass finds nobody in its
-    reaction space, so that the entropy says nothing about the approach; the largest one does. The space is
-    that of the car at its speed by then.
+    [Wu2023]_ takes the entropy at the instant t_tcz of Eq. (30). By then, a car that lets a pedestrian pass
+    finds nobody in its reaction space, so that this entropy says nothing about the approach; the largest one
+    does. The space at an instant follows from the car's speed at that instant.
     """
     count, _ = moving.along.shape
     number = noise.shape[1]
     if number == 0:
         none = np.zeros(count)
         return Meetings(np.full(count, np.inf), none, none)
-    # Everything but the walking looks at all instants at once: it is the number of calls that takes time.
+    # All but the walking is computed for all instants at once, because the number of calls takes the time.
     x, y = _walked(shape, people, moving, model, noise)
     along, across, heading = (one.T for one in (moving.along, moving.across, moving.heading))
     pose = along[:, :, None, None], across[:, :, None, None], heading[:, :, None, None]
@@ -90,7 +90,7 @@ def meetings(
 
 
 def _at_meeting(entropy: FloatArray, times: FloatArray, met_at: FloatArray) -> FloatArray:
-    """Return the entropies, shape (K, n), at the last instant before each candidate meets somebody."""
+    """Return each candidate's entropy, from shape (K, n), at the last instant before it meets somebody."""
     known = met_at <= times[-1]
     index = np.searchsorted(times, np.where(known, met_at, 0.0), side="right") - 1
     return np.asarray(np.where(known, entropy[index, np.arange(len(met_at))], 0.0))
@@ -99,7 +99,7 @@ def _at_meeting(entropy: FloatArray, times: FloatArray, met_at: FloatArray) -> F
 def _walked(
     shape: Shape, people: Walkers, moving: Motions, model: SocialForceModel, noise: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return where the walks of everybody lead while each candidate drives, x and y of shape (K, n, p, w)."""
+    """Return the places on everybody's walks while each candidate drives, x and y of shape (K, n, p, w)."""
     size = (len(moving.along), *noise.shape[1:])
     walkers = Walkers(
         *(
@@ -144,11 +144,11 @@ def _places(
 
     Parameters
     ----------
-    shape : of the car
-    x, y : of the walks, shape (K, n, p, w) [m]
-    pose : of the reference point, shape (K, n, 1, 1) [m, m, rad]
-    speed : shape (K, n) [m/s]
-    friction : of the reaction space
+    shape : shape of the car
+    x, y : places on the walks, shape (K, n, p, w) [m]
+    pose : pose of the reference point, shape (K, n, 1, 1) [m, m, rad]
+    speed : speed of the car, shape (K, n) [m/s]
+    friction : f of the reaction space
 
     Returns
     -------

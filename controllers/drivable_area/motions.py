@@ -1,4 +1,4 @@
-"""Candidates as motions: a path across the road, driven at a speed that changes."""
+"""Motions of candidates: a path across the road, driven at a changing speed."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from controllers.drivable_area.braking_profile import SmoothBraking
 from controllers.drivable_area.quintic_path import QuinticPaths, curvature
 
 POINTS = 101
-"""Points along a path at which its length is summed up."""
+"""Number of points along a path at which its length is summed up."""
 
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """n candidates at K times; all but ``times`` of shape (n, K)."""
+    """Motions of n candidates at K times; all arrays but ``times`` have shape (n, K)."""
 
     times: FloatArray
-    """From now, ascending, shape (K,) [s]."""
+    """Times from now, ascending, shape (K,) [s]."""
     along: FloatArray
     """x [m]"""
     across: FloatArray
@@ -41,7 +41,7 @@ def motions(paths: QuinticPaths, speeds: SmoothBraking, times: FloatArray, dead_
     ----------
     paths, speeds : n of each
     times : shape (K,) [s]
-    dead_time : during which the first speed is held [s]
+    dead_time : time for which the car keeps its initial speed [s]
     """
     begun = np.maximum(times - dead_time, 0.0)
     driven, speed, acceleration = speeds.at(begun[None, :])

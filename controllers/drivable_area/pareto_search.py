@@ -10,12 +10,12 @@ import numpy as np
 from controllers.arrays import FloatArray
 
 Judge = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Genes, shape (n, 2) -> costs, shape (n, m), and violations that are positive where broken, (n, k)."""
+"""Genes, shape (n, 2) -> costs, shape (n, m), and violations, positive where violated, shape (n, k)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """How long to search: population · generations candidates are looked at, whatever the clock says."""
+    """How long to search: population · generations candidates are evaluated, however long that takes."""
 
     population: int = 20
     generations: int = 10
@@ -23,14 +23,14 @@ class Budget:
 
 @dataclass(frozen=True, slots=True)
 class Front:
-    """The last population's candidates that keep every constraint and that none of it dominates."""
+    """The candidates of the last population that keep all constraints and that no other one dominates."""
 
     genes: FloatArray
     """Shape (n, 2); n is 0 when nothing feasible was found."""
     costs: FloatArray
     """Shape (n, m)."""
     looked_at: int
-    """Candidates evaluated."""
+    """Number of candidates evaluated."""
 
 
 def search(
@@ -46,16 +46,16 @@ def search(
 
     Parameters
     ----------
-    judge : what candidates cost, and which constraints they break
+    judge : returns what candidates cost, and which constraints they violate
     sizes : number of costs and of constraints
     lower, upper : bounds of the genes, shape (2,)
-    hints : candidates to begin with, shape (h, 2); the rest of the first population is drawn evenly
+    hints : candidates to begin with, shape (h, 2); the rest of the first population is drawn uniformly
     budget : how long to search
-    seed : of everything random
+    seed : seed of everything random
 
     Notes
     -----
-    Section 4.2 of [Wu2023]_ names the algorithm and none of its settings.
+    Section 4.2 of [Wu2023]_ names the algorithm but none of its settings.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem

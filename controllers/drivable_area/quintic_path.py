@@ -1,4 +1,4 @@
-"""Paths across the road: a polynomial of fifth degree to an offset, which is then kept."""
+"""Paths across the road: a polynomial of fifth degree to an offset, which the path then keeps."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def curvature(slope: FloatArray, bend: FloatArray) -> FloatArray:
 
     Notes
     -----
-    Eq. (11) of [Wu2023]_, written for the path instead of the motion along it.
+    This is Eq. (11) of [Wu2023]_, written for the path instead of the motion along it.
     """
     return np.asarray(bend / (1.0 + slope**2) ** 1.5)
 
@@ -37,7 +37,7 @@ class QuinticPaths:
 
     Notes
     -----
-    Eqs. (12)-(16) of [Wu2023]_: y(0), y′(0) and y″(0) given, y(x_f) = y_f, y′(x_f) = y″(x_f) = 0.
+    Eqs. (12)-(16) of [Wu2023]_: y(0), y′(0) and y″(0) are given; y(x_f) = y_f and y′(x_f) = y″(x_f) = 0.
     """
 
     coefficients: FloatArray
@@ -82,7 +82,7 @@ def quintic_paths(start: PathStart, length: float, end: FloatArray) -> QuinticPa
 
     Notes
     -----
-    With s = x / x_f and c = (y_f − y_i, y′(0) x_f, y″(0) x_f²) the three free coefficients in s are
+    With s = x / x_f and c = (y_f − y_i, y′(0) x_f, y″(0) x_f²), the three free coefficients in s are
     10 c_0 − 6 c_1 − 1.5 c_2, −15 c_0 + 8 c_1 + 1.5 c_2 and 6 c_0 − 3 c_1 − 0.5 c_2. From a straight start
     this is y_i + (y_f − y_i) (10 s³ − 15 s⁴ + 6 s⁵).
 

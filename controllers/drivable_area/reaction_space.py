@@ -1,4 +1,4 @@
-"""The reaction space: where a car can be at all while it brakes or steers as hard as the tyres hold."""
+"""The reaction space: all places that a car can reach while it brakes or steers at the limit of its tyres."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def arc_radius(speed: FloatArray, friction: float) -> FloatArray:
 
 
 def arc_side(forward: FloatArray, radius: FloatArray, width: float) -> FloatArray:
-    """Return B / 2 + R − √(R² − x²), how far to the side the arc is at x [m]."""
+    """Return B / 2 + R − √(R² − x²), the distance of the arc to the side at x [m]."""
     inside = np.clip(forward, 0.0, radius)
     return np.asarray(0.5 * width + radius - np.sqrt(np.maximum(radius**2 - inside**2, 0.0)))
 
@@ -25,7 +25,7 @@ def arc_side(forward: FloatArray, radius: FloatArray, width: float) -> FloatArra
 def space_area(reach: FloatArray, radius: FloatArray, width: float) -> FloatArray:
     """Return the area between the arcs from 0 to x [m^2].
 
-    B x + 2 R x − x √(R² − x²) − R² asin(x / R)
+    It is B x + 2 R x − x √(R² − x²) − R² asin(x / R).
     """
     safe = np.where(radius > 0.0, radius, 1.0)
     root = np.sqrt(np.maximum(radius**2 - reach**2, 0.0))
@@ -36,7 +36,7 @@ def space_area(reach: FloatArray, radius: FloatArray, width: float) -> FloatArra
 
 @dataclass(frozen=True, slots=True)
 class ReactionSpace:
-    """The area between the two tightest arcs at constant speed, as far as the car gets while it brakes.
+    """The area between the two tightest arcs at constant speed, as long as the car's stopping distance.
 
     R = v0² / (f g); ω = f g / v0; x(t) = R sin ωt; y(t) = ±(B / 2 + R (1 − cos ωt)).
 
@@ -49,8 +49,9 @@ class ReactionSpace:
 
     Notes
     -----
-    Eqs. (1)-(3) of [Wu2023]_. The printed angle f g / v0 lacks the time; its sine and cosine are for the
-    other order of axes. The printed Eq. (3) integrates an acceleration once, which gives a speed.
+    Eqs. (1)-(3) of [Wu2023]_. The printed angle f g / v0 lacks the time, and its sine and cosine are swapped
+    because they belong to the other order of axes. The printed Eq. (3) integrates an acceleration once, which
+    gives a speed.
     """
 
     speed: float
@@ -78,19 +79,19 @@ class ReactionSpace:
         return self.reach_at(self.stopping_time)
 
     def reach_at(self, time: float) -> float:
-        """Return x_r(t) = v0 t − (f g + a_r) t² / 2, at rest after the stopping time [m]."""
+        """Return x_r(t) = v0 t − (f g + a_r) t² / 2, constant after the stopping time [m]."""
         time = min(time, self.stopping_time)
         return self.speed * time - 0.5 * (self.friction * GRAVITY + self.resistance) * time**2
 
     def limit(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the left arc at those times: x forward and y to the left [m]."""
+        """Return the left arc at given times: x forward and y to the left [m]."""
         if self.radius == 0.0:
             return np.zeros(len(times)), np.full(len(times), 0.5 * self.width)
         angle = times * self.speed / self.radius
         return self.radius * np.sin(angle), 0.5 * self.width + self.radius * (1.0 - np.cos(angle))
 
     def half_width(self, forward: FloatArray) -> FloatArray:
-        """Return how far to the side the arc is at x; see :func:`arc_side` [m]."""
+        """Return the distance of the arc to the side at x; see :func:`arc_side` [m]."""
         return arc_side(forward, np.asarray(self.radius), self.width)
 
     @property
@@ -107,7 +108,7 @@ class ReactionSpace:
         return (forward >= 0.0) & (forward <= self.reach) & (np.abs(left) <= self.half_width(forward))
 
     def outline(self, count: int = 20) -> FloatArray:
-        """Return the border from the right front corner of the car to the left one, (2 n, 2) [m]."""
+        """Return the border from the right front corner of the car to the left one, shape (2 n, 2) [m]."""
         forward = np.linspace(0.0, self.reach, count)
         side = self.half_width(forward)
         return np.concatenate((np.column_stack((forward, -side)), np.column_stack((forward, side))[::-1]))

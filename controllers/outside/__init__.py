@@ -1,1 +1,1 @@
-"""Controllers that no package announces: given as an object, or kept in a file beside the user's work."""
+"""Controllers from outside any installed package: given as an object, or kept in a file of the user."""

@@ -1,4 +1,4 @@
-"""Controllers named by where they are: ``./patient.py``, ``process:./my_controller``, ``fmu:acc.fmu``."""
+"""Controllers named by their address: ``./patient.py``, ``process:./my_controller``, ``fmu:acc.fmu``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from controllers.interface import Controller
 
 
 class AddressError(ValueError):
-    """There is nothing at an address, or nothing that can drive; one line for the user."""
+    """There is nothing at an address, or nothing that can drive; the message is one line for the user."""
 
 
 PROCESS, FMU = "process:", "fmu:"
@@ -24,7 +24,7 @@ PROCESS, FMU = "process:", "fmu:"
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What is at an address, in the form of a module of the catalogue."""
+    """The controller at an address, with the names that a module of the catalogue has."""
 
     build: Callable[..., Controller]
     documentation: str
@@ -40,13 +40,13 @@ def is_address(name: str) -> bool:
 
 
 def files(name: str) -> dict[str, str]:
-    """Return the files that a controller at an address is made of, and their SHA-256."""
+    """Return the names of the files that make up a controller at an address, and their SHA-256."""
     paths = [Path(word) for word in _words(name)] if is_address(name) else []
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths if path.is_file()}
 
 
 def find(name: str) -> Found:
-    """Return what is at an address.
+    """Return the controller at an address.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def find(name: str) -> Found:
 
 
 def _words(name: str) -> list[str]:
-    """Return what in an address may be a file."""
+    """Return the parts of an address that may be files."""
     if name.startswith(PROCESS):
         return shlex.split(name.removeprefix(PROCESS))
     if name.startswith(FMU):
@@ -84,7 +84,7 @@ def _words(name: str) -> list[str]:
 def _python_file(path: Path) -> ModuleType:
     if not path.is_file():
         raise AddressError(f"no controller '{path}': there is no such file")
-    # A name that no package has; the file's own content decides, so that a changed file is loaded anew.
+    # No package has this name. It depends on the file's content, so that a changed file is loaded anew.
     digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     name = f"_controller_{path.stem}_{digest}"
     if name in sys.modules:

@@ -1,4 +1,4 @@
-"""A function that drives: it answers a perception with an acceleration, a command or a plan."""
+"""Functions as controllers: a function answers a perception with an acceleration, a command or a plan."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class FromFunction:
         return Decision(Manoeuvre.KEEP, perception.road.reference)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Return what the function answers as a plan."""
+        """Return the function's answer as a plan."""
         return plan_of(self.function(perception), perception)
 
 
 def plan_of(answer: object, perception: Perception) -> Plan:
-    """Return an answer as a plan.
+    """Return a function's or program's answer as a plan.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def plan_of(answer: object, perception: Perception) -> Plan:
         A plan, a command, an acceleration [m/s^2], or an acceleration and a front-wheel angle [rad];
         without an angle the ego keeps its lane.
     perception
-        What was answered to.
+        The perception that was answered.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def plan_of(answer: object, perception: Perception) -> Plan:
             f"got {type(answer).__name__}"
         )
     if not np.isfinite(values).all():
-        return Plan(constant_command(float(values[0]), float(values[-1])))  # told by who checks all commands
+        return Plan(constant_command(float(values[0]), float(values[-1])))  # refused by the check of commands
     times = lane_keeping.instants(perception.ego)
     acceleration = np.full(len(times), float(values[0]))
     if len(values) == 2:

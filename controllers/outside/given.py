@@ -1,4 +1,4 @@
-"""A controller that a program hands over instead of a name, as runs are made of it."""
+"""A controller that a program hands over instead of a name, in the form that runs use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Given:
-    """A controller without an entry in the catalogue; its text is its name."""
+    """A controller without an entry in the catalogue; ``str`` of it is its name."""
 
     name: str
     build: Callable[..., Controller]

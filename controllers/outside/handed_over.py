@@ -1,4 +1,4 @@
-"""What a program hands over to drive: a function, a class, an object or a module instead of a name."""
+"""Controllers that a program hands over instead of a name: a function, a class, an object or a module."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXPECTED = (
 
 
 def given(thing: object) -> str | Given:
-    """Return what a program hands over as something that runs can be made of; a name as it is.
+    """Return what a program hands over in the form that runs use; a name is returned as it is.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def given(thing: object) -> str | Given:
     if isinstance(thing, type):
         return Given(name, thing, _source(thing))
     if callable(getattr(thing, "decide", None)) and callable(getattr(thing, "plan", None)):
-        # Every ego of every run has an object of its own, as with controllers of the catalogue.
+        # Every ego of every run gets its own object, as with controllers of the catalogue.
         return Given(name, lambda: cast(Controller, copy.deepcopy(thing)), _source(type(thing)))
     if not callable(thing):
         raise TypeError(f"controller {thing!r}: {EXPECTED}")
@@ -51,7 +51,7 @@ def given(thing: object) -> str | Given:
 
 
 def _needed(function: Callable[..., object]) -> int:
-    """Return how many arguments have to be given by place."""
+    """Return how many positional arguments without a default a function has."""
     kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
     return sum(
         one.kind in kinds and one.default is inspect.Parameter.empty

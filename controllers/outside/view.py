@@ -23,13 +23,13 @@ from controllers.interface import (
 Observation = NDArray[np.float32]
 
 FAR = 150.0
-"""Distances beyond this are told as this [m]."""
+"""Larger distances are reported as this [m]."""
 BEHIND = 10.0
 """Pedestrians further behind the rear axle are left out [m]."""
 FASTEST = 60.0
 """[m/s]"""
 PER_PEDESTRIAN = 7
-"""Numbers of one pedestrian."""
+"""How many numbers describe one pedestrian."""
 NEIGHBOURS = ("ahead", "behind", "left_ahead", "left_behind", "right_ahead", "right_behind")
 
 
@@ -38,19 +38,19 @@ class Entry:
     """One number of an observation."""
 
     name: str
-    """Ends in its unit, but for those without one."""
+    """Ends in the unit, if there is one."""
     low: float
     high: float
     meaning: str
 
 
 class View:
-    """What of a perception becomes numbers; distances count from the front bumper along the route.
+    """Turns a perception into numbers; distances are measured along the route from the front bumper.
 
     Parameters
     ----------
     pedestrians
-        How many are told, the nearest ones; places that are not needed are 0.
+        Number of pedestrians reported, the nearest ones; places that are not needed are 0.
     """
 
     def __init__(self, pedestrians: int = 6) -> None:
@@ -66,7 +66,7 @@ class View:
         return len(self.entries)
 
     def place(self, name: str) -> int:
-        """Return where in an observation a number is.
+        """Return the index of a number in an observation.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class View:
         return self._places[name]
 
     def observe(self, perception: Perception) -> Observation:
-        """Return the numbers, cut to their bounds; shape (n,)."""
+        """Return the numbers, limited to their bounds; shape (n,)."""
         scalars = [*_ego(perception), *_road(perception), *_vehicles(perception)]
         seen = np.zeros(len(self.entries), np.float32)
         seen[: len(scalars)] = scalars

@@ -1,1 +1,1 @@
-"""The potential-field method: steering down a field that pedestrians, vehicles and lanes make."""
+"""The potential-field method: steering down a field made by pedestrians, vehicles and lanes."""

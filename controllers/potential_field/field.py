@@ -1,17 +1,18 @@
-"""Artificial potential field of a road, and how far to stay away from whom.
+"""Artificial potential field of a road, and the distances to keep from pedestrians.
 
 The car moves down the gradient of
 
     U = −K_att x + ½ K_c (y − y_r)² + ½ K_e Σ_j (1 / (y − y_j))² + Σ_l K_l exp(−(y − y_l)² / (2 s²))
         + Σ_o K_o exp(−½ (((x − x_o) / σ_x)² + ((y − y_o) / σ_y)²)),
 
-drawn onwards (1), to the centre line of a lane (2), away from the road's edges (3), from the lines between
-lanes (4) and from obstacles (5).
+whose terms draw it onwards (1) and to the centre line of a lane (2), and push it away from the road's edges
+(3), from the lines between lanes (4) and from obstacles (5).
 
 Notes
 -----
-The formulas of [LiLuZhang]_ are lost; these are the forms that its text describes. Its own contribution is
-the long half-axis of the obstacles' ellipses, which follows the shift that a car needs to get past.
+The formulas of [LiLuZhang]_ are lost; these are the forms that its text describes. The paper's own
+contribution is the long half-axis of the obstacles' ellipses, which follows from the shift that a car needs
+to get past.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ import numpy as np
 from controllers.arrays import FloatArray
 
 NEAREST_EDGE = 0.05
-"""Nearer to an edge, or beyond it, its push grows no more [m]."""
+"""The push of an edge does not grow any more at less than this distance from it, or beyond it [m]."""
 
 
 def side_distance(pedestrian_radius: float, car_width: float, margin: float) -> float:
-    """Return the distance between the centre lines of car and pedestrian that is safe [m].
+    """Return the safe lateral distance between the centres of car and pedestrian [m].
 
     S_ysafe = R_p + W_c / 2 + S_m, Eq. (10) of [LiLuZhang]_.
 
@@ -38,15 +39,15 @@ def side_distance(pedestrian_radius: float, car_width: float, margin: float) -> 
 
 
 def needed_shift(obstacle: FloatArray, centre: float | FloatArray, safe: float | FloatArray) -> FloatArray:
-    """Return how far the car has to move over, to the nearer side [m].
+    """Return how far the car has to move to the nearer side [m].
 
     S_y = max(0, S_ysafe − |y_obs − y_c|), Eq. (9) of [LiLuZhang]_.
 
     Parameters
     ----------
     obstacle : y_obs [m]
-    centre : y_c, of the lane that the car would be in, not of the car: moving over already, it would seem
-        to need less, and the field would collapse while it is being used [m]
+    centre : y_c of the lane that the car would be in [m]; not that of the car itself, which would seem to
+        need less shift once it has begun to move over, so that the field would collapse while it is in use
     safe : S_ysafe [m]
 
     >>> needed_shift(np.array([3.0, 5.0]), 2.0, 1.83).round(2).tolist()
@@ -58,7 +59,7 @@ def needed_shift(obstacle: FloatArray, centre: float | FloatArray, safe: float |
 def distance_to_shift(
     speed: float | FloatArray, shift: FloatArray, lateral_acceleration: float
 ) -> FloatArray:
-    """Return how far the car drives while it moves over [m].
+    """Return how far the car drives while it makes the shift [m].
 
     S_x = v_c √(2 S_y / a_y), Eq. (8) of [LiLuZhang]_; the form 2 v_c √(S_y / a_y) with twice the
     acceleration is the same.
@@ -72,7 +73,7 @@ def distance_to_shift(
 def meeting_time(
     along: FloatArray, along_speed: FloatArray, car_along: float, car_speed: float
 ) -> FloatArray:
-    """Return when car and pedestrian are level, T_cp = (x_p − x_c) / (v_c − v_px); inf for never [s].
+    """Return when car and pedestrian are level, T_cp = (x_p − x_c) / (v_c − v_px); inf if never [s].
 
     >>> meeting_time(np.array([50.0]), np.array([0.0]), 0.0, 25.0).tolist()
     [2.0]
@@ -83,15 +84,15 @@ def meeting_time(
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """Weights of the parts of the field. Each may be an array of the shape of the points asked for.
+    """Weights of the terms of the field. Each may be an array of the same shape as the points evaluated.
 
     Notes
     -----
-    The paper's values are lost; the defaults were tuned on its own four scenes.
+    The paper's values are lost; the defaults were tuned on its four scenes.
     """
 
     onwards: float | FloatArray = 1.0
-    """K_att [1/m]: the others are relative to it."""
+    """K_att [1/m]; the other weights are relative to it."""
     centre: float | FloatArray = 0.05
     """K_c [1/m²]."""
     obstacle: float | FloatArray = 0.30
@@ -106,10 +107,10 @@ class Gains:
 
 @dataclass(frozen=True, slots=True)
 class Obstacles:
-    """What pushes the car away; arrays whose last axis is the obstacles', of length n.
+    """Obstacles that push the car away; the last axis of each array runs over the n obstacles.
 
-    The first axis, where there are two, is that of the points asked for: obstacles that differ from point
-    to point, because the points belong to different lanes.
+    If there are two axes, the first runs over the points evaluated: the obstacles may differ from point to
+    point, because the points belong to different lanes.
     """
 
     along: FloatArray
@@ -121,10 +122,10 @@ class Obstacles:
     along_speed: FloatArray
     across_speed: FloatArray
     share: FloatArray
-    """Share of ``Gains.obstacle``: 1, or 0 for what is no obstacle to that point."""
+    """Share of ``Gains.obstacle``: 1, or 0 where it is no obstacle to that point."""
 
     def row(self, row: int) -> Obstacles:
-        """Return those of one point, where they differ from point to point; shape (1, n)."""
+        """Return the obstacles of one point, if they differ from point to point; shape (1, n)."""
         one = slice(row, row + 1)
         return Obstacles(
             self.along[one],
@@ -153,9 +154,9 @@ class Field:
     Parameters
     ----------
     right_edge, left_edge : across coordinates of the road's edges [m]
-    centre : y_r, of the lane's centre line; an array has the shape of the points asked for [m]
+    centre : y_r of the lane's centre line; an array has the shape of the points evaluated [m]
     lines : across coordinates of the lines between lanes, shape (l,) [m]
-    obstacles : with their velocities; where they are depends on the time asked for
+    obstacles : obstacles with their velocities; their places depend on the time of the evaluation
     gains : weights
     """
 
@@ -167,7 +168,7 @@ class Field:
     gains: Gains = field(default_factory=Gains)
 
     def potential(self, along: FloatArray, across: FloatArray, time: float | FloatArray = 0.0) -> FloatArray:
-        """Return U at points, shape (m,) like theirs."""
+        """Return U at points, of the points' shape (m,)."""
         gains, obstacles = self.gains, self.obstacles
         to_right, to_left = self._to_edges(across)
         from_line = across[..., None] - self.lines
@@ -188,7 +189,7 @@ class Field:
     def gradient(
         self, along: FloatArray, across: FloatArray, time: float | FloatArray = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return ∂U/∂x and ∂U/∂y at points, shape (m,) each like theirs."""
+        """Return ∂U/∂x and ∂U/∂y at points, each of the points' shape (m,)."""
         gains, obstacles = self.gains, self.obstacles
         to_right, to_left = self._to_edges(across)
         from_line = across[..., None] - self.lines
@@ -211,12 +212,12 @@ class Field:
         return np.arctan2(-by_across, -by_along)
 
     def row(self, row: int) -> Field:
-        """Return the field of one point, where centre line and obstacles differ from point to point."""
+        """Return the field of one point, if centre line and obstacles differ from point to point."""
         centre = np.asarray(self.centre)[row : row + 1]
         return replace(self, centre=centre, obstacles=self.obstacles.row(row))
 
     def _to_edges(self, across: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the distances to the right and the left edge, from inside the road [m]."""
+        """Return the distances to the right and the left edge, positive inside the road [m]."""
         return (
             np.maximum(across - self.right_edge, NEAREST_EDGE),
             np.maximum(self.left_edge - across, NEAREST_EDGE),
@@ -225,7 +226,7 @@ class Field:
     def _from_obstacles(
         self, along: FloatArray, across: FloatArray, time: float | FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return how far along and across each point is from each obstacle, shape (m, n) [m]."""
+        """Return the distances along and across from each obstacle to each point, shape (m, n) [m]."""
         obstacles = self.obstacles
         at = np.asarray(time)[..., None]
         return (
@@ -237,17 +238,17 @@ class Field:
 def descend(
     shape: Field, along: FloatArray, across: FloatArray, speed: float, step: float, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the paths of steepest descent from points, along and across, shape (count + 1, m) each [m].
+    """Return the paths of steepest descent from points, along and across, each of shape (count + 1, m) [m].
 
-    Steps of equal length along −∇U / |∇U|, each by the midpoint rule (Runge–Kutta of second order). The
-    time at which moving obstacles are looked at is the length of the path over the speed.
+    The steps have equal lengths along −∇U / |∇U| and follow the midpoint rule (Runge–Kutta of second order).
+    Moving obstacles are placed at the time that the car needs for the length of the path.
 
     Parameters
     ----------
     shape : the field
     along, across : where the paths begin, shape (m,) [m]
-    speed : of the car [m/s]
-    step : length [m]
+    speed : speed of the car [m/s]
+    step : length of a step [m]
     count : number of steps
     """
     rows_along, rows_across = np.zeros((count + 1, len(along))), np.zeros((count + 1, len(along)))

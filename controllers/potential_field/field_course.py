@@ -1,4 +1,4 @@
-"""Which lane's field an ego can drive down without meeting anybody or leaving its road."""
+"""Finds the lane whose field an ego can drive down without meeting anybody or leaving its road."""
 
 from __future__ import annotations
 
@@ -35,62 +35,62 @@ from controllers.potential_field.surroundings import (
 from controllers.prediction.forecast import Forecast, Predictor
 
 WALKING = 0.2
-"""A slower pedestrian stands [m/s]."""
+"""Below this speed, a pedestrian counts as standing [m/s]."""
 NEAR = 3.0
-"""Vehicles are expected to keep their velocities for so long [s]."""
+"""Vehicles are expected to keep their velocities for this long [s]."""
 KEPT = 0.1
-"""So much less than the clearance wanted is enough to go on with braking that has begun [m]."""
+"""Once the ego has begun to brake for a way, the way may leave this much less than the clearance [m]."""
 TOLERANCE = 0.05
-"""How much more than now the body may jut out beyond an edge, or near a pedestrian who is too near [m]."""
+"""The body may get this much further over an edge, or nearer to a pedestrian already too near [m]."""
 WIDE = 0.5
-"""More than the clearance wanted that a straight drive has to leave for no other to be simulated [m]."""
+"""If a straight drive leaves this much more than the clearance, no other drive is simulated [m]."""
 STOP_GAP = 1.0
-"""Distance that a stopping ego leaves to the place of the pedestrian [m]."""
+"""Distance that a stopping ego leaves to the pedestrian's place [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class CourseSettings:
-    """When a path is free."""
+    """Conditions for a path to be free."""
 
     clearance: float | None
-    """What has to be left beside a pedestrian on a simulated drive; ``None``: whoever is met [m]."""
+    """Clearance to keep to pedestrians on a simulated drive; ``None``: they never block a drive [m]."""
     road: FieldSettings = field(default_factory=FieldSettings)
     guidance: Guidance = field(default_factory=Guidance)
     unsure: float = 0.15
-    """What is added to that for who walks, for every second until then [m/s]."""
+    """Added to ``clearance`` for pedestrians who walk, for every second ahead [m/s]."""
     strengths: tuple[float, ...] = (1.0, 2.0)
-    """What the gain of obstacles is multiplied by, one after the other, until a way is free."""
+    """Factors on the gain of obstacles, tried one after the other until a way is free."""
     vehicle_clearance: float = 0.3
-    """What has to be left beside a vehicle [m]."""
+    """Clearance to keep to vehicles [m]."""
     brakings: tuple[float, ...] = ()
-    """Steady decelerations that the drives are repeated with, one after the other, while no way is free at
-    the speed that traffic allows [m/s^2]."""
+    """Steady decelerations with which the drives are repeated, one after the other, if no way is free at the
+    speed that traffic allows [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """What was found out about the ways past the pedestrians ahead."""
+    """What is known of the ways past the pedestrians ahead."""
 
     drives: Drives
-    """The one without obstacles first, then one for each lane tried."""
+    """First the drive without obstacles, then one for each lane and strength tried."""
     shape: Field
-    """The fields, a row for each drive."""
+    """The fields, one row for each drive."""
     chosen: int
-    """Row of the first drive down a field that is free; 0 if none is."""
+    """Row of the first free drive; 0 if none is free."""
     stop_within: float | None
     """How far the ego may drive if it stops for the pedestrians met on the drive without obstacles; inf if
     stopping would not help them, ``None`` if nobody is met there [m]."""
     because: str
-    """The pedestrian who matters most."""
+    """Name of the pedestrian who matters most."""
     passing: str
-    """Who is passed on which side."""
+    """On which side the ego passes whom, for example ``left=a|b right=c``."""
     pushed: bool
-    """Whether anybody has to be gone round: where the ego will be level with them, they are in its path."""
+    """Whether the ego has to go round anybody who will be in its path when it is level with them."""
     met: Meetings
     ellipses: FloatArray
     """Outlines of the obstacles' ellipses at one half-axis, shape (k, 2) [m]."""
     braking: float = 0.0
-    """Deceleration with which the chosen way is free; 0 where it is free at the speed that traffic allows
+    """Deceleration with which the chosen way is free; 0 if it is free at the speed that traffic allows
     [m/s^2]."""
 
     @property
@@ -100,7 +100,7 @@ class Course:
 
 
 class CourseFinder:
-    """Finds the ways past pedestrians; one per ego, because a predictor may remember."""
+    """Finds the ways past pedestrians; each ego needs its own, because a predictor may have a memory."""
 
     def __init__(self, predictor: Predictor, settings: CourseSettings) -> None:
         self._predictor = predictor
@@ -108,13 +108,13 @@ class CourseFinder:
         self._braking = 0.0
 
     def find(self, perception: Perception, decision: Decision, acceleration: float) -> Course | None:
-        """Return the course past the pedestrians in the way; ``None`` where there are none, or in a bend.
+        """Return the course past the pedestrians in the way; ``None`` if there are none, or in a bend.
 
-        Tried in this order, each with the gain of obstacles as it is and a stronger one: the field of the
-        target lane, of the lane the ego is in, and of the lanes beside it that are free. Free is a way on
-        which, at a speed that changes by ``acceleration``, nobody is met: no pedestrians, neither where the
-        predictor expects them nor where their present velocity takes them, and no vehicle that would not be
-        met without pedestrians too.
+        The fields of these lanes are tried in order: the target lane, the ego's lane, and free lanes beside
+        it. Each is tried with the gain of obstacles as it is, and then with a stronger one. The ego's speed
+        changes by ``acceleration``. A way is free if the ego meets no pedestrian on it, neither where the
+        predictor expects them nor where their present velocity takes them, and no vehicle that it would not
+        also meet without pedestrians.
         """
         forecast = self._predictor.predict(perception, FORECAST_TIMES)
         near = near_the_way(perception, forecast)
@@ -136,7 +136,7 @@ class CourseFinder:
         acceleration: float,
         course: Course,
     ) -> Course:
-        """Return the ways past with the least steady braking that makes one free, else that course."""
+        """Return the ways past with the first steady braking that makes one free, or else ``course``."""
         for braking in self.settings.brakings if perception.ego.speed > SLOWEST else ():
             slower = self._past(perception, decision, forecast, min(acceleration, -braking), braking)
             if slower is not None and slower.free:
@@ -152,9 +152,9 @@ class CourseFinder:
         acceleration: float,
         braking: float = 0.0,
     ) -> Course | None:
-        """Return the ways past those people at a speed that changes by an acceleration.
+        """Return the ways past the pedestrians at a speed that changes by an acceleration.
 
-        An ego that brakes for it may find that nobody has to be gone round any more.
+        If the ego brakes, it may be that it need not go round anybody any more.
         """
         settings, count = self.settings, len(perception.pedestrians)
         met = meetings(perception, forecast, braking)
@@ -201,9 +201,9 @@ class CourseFinder:
         )
 
     def _settled(self, perception: Perception, forecast: Forecast, drives: Drives) -> NDArray[np.bool_]:
-        """Say at the end of which drives nobody ahead is in the way any more, shape (m,).
+        """Say on which drives nobody ahead is in the way any more at the end, shape (m,).
 
-        Otherwise braking would count as a way past whoever it only puts off.
+        Without this condition, braking would count as a way past pedestrians whom the ego only meets later.
         """
         people, body, end = perception.pedestrians, perception.ego.body, drives.times[-1:]
         then = forecast.at(end)
@@ -215,9 +215,9 @@ class CourseFinder:
     def _wide_of_all(
         self, perception: Perception, forecast: Forecast, speeds: FloatArray, centre: float
     ) -> bool:
-        """Say whether nobody comes near an ego that drives straight on, here or on a centre line.
+        """Say whether nobody comes near an ego that drives straight on, where it is now or on a centre line.
 
-        Saves the simulated drives where they would say nothing else.
+        In that case the drives need not be simulated: their result would be the same.
         """
         along = np.concatenate([[0.0], np.cumsum(0.5 * STEP * (speeds[:-1] + speeds[1:]))])
         shape = (len(speeds), 2)
@@ -234,10 +234,11 @@ class CourseFinder:
     def _hits(
         self, perception: Perception, forecast: Forecast, drives: Drives, more: float = 0.0
     ) -> tuple[BoolArray, BoolArray]:
-        """Say when on which drive whom it comes too near to, shape (K, m, n), and whom to stop for, (K, n).
+        """Say where the ego comes too near to whom, shape (K, m, n), and for whom to stop, shape (K, n).
 
-        The ego does not stop for pedestrians standing beside the way, wherever the predictor expects them to
-        go: at a crossing where pedestrians have to wait, they and the ego would wait for each other.
+        The axes are instants, drives and pedestrians. The ego does not stop for pedestrians who stand beside
+        the way, wherever the predictor expects them to go: at a crossing where pedestrians have to wait, they
+        and the ego would wait for each other.
         """
         body, people, times = perception.ego.body, perception.pedestrians, drives.times
         if self.settings.clearance is None:
@@ -253,13 +254,13 @@ class CourseFinder:
         straight = disc_clearances(*path, body, straight_on, straight_over, alone)
         walks = np.hypot(people.along_speed, people.across_speed) >= WALKING
         wanted = self.settings.clearance + more + self.settings.unsure * times[:, None, None] * walks
-        # Who is too near already only must not come nearer.
+        # Pedestrians who are too near already must only not come nearer.
         wanted = np.minimum(wanted, np.minimum(expected, straight)[0] - TOLERANCE)
         ahead, now = expected < wanted, straight < wanted
         return ahead | now, (ahead[:, 0] & walks) | now[:, 0]
 
     def _on_road(self, perception: Perception, drives: Drives) -> NDArray[np.bool_]:
-        """Say which of the drives leave neither the road nor the vehicles on it alone, shape (m,)."""
+        """Say which drives neither leave the road nor meet additional vehicles, shape (m,)."""
         body, road = perception.ego.body, perception.road
         out = beyond_edges(drives.across, drives.heading, body, road.right_edge, road.left_edge)
         leaves = (out > np.maximum(out[0], 0.0) + TOLERANCE).any(axis=0)
@@ -273,7 +274,7 @@ class CourseFinder:
             perception.vehicles,
             self.settings.vehicle_clearance,
         )
-        # Whom the ego would meet without any pedestrian is followed, or braked for.
+        # Vehicles that the ego would also meet without pedestrians do not count: it follows them or brakes.
         return np.asarray(~leaves & ~(vehicles & ~vehicles[0]).any(axis=1))
 
 
@@ -291,12 +292,12 @@ def follow(
 
 
 def _stop(perception: Perception, forecast: Forecast, hits: BoolArray) -> tuple[float | None, int]:
-    """Return how far the ego may drive to stop before whom it meets first, and who that is.
+    """Return how far the ego may drive to stop before the pedestrian it meets first, and their index.
 
     Parameters
     ----------
-    perception : for the pedestrians
-    forecast : of them, K times
+    perception : what the ego knows
+    forecast : where the pedestrians will be, at K times
     hits : when the ego would come too near to whom, shape (K, n)
     """
     if not hits.any():
@@ -306,14 +307,14 @@ def _stop(perception: Perception, forecast: Forecast, hits: BoolArray) -> tuple[
     places = forecast.along[them, instant] - perception.pedestrians.radius[them]
     first = int(np.argmin(places))
     room = float(places[first]) - perception.ego.body.front
-    # Stopping does not help pedestrians who meet the flank: the ego would stand in their way.
+    # Stopping does not help pedestrians who walk into the ego's side: it would stand in their way.
     return (max(room - STOP_GAP, 0.0) if room > 0.0 else float("inf")), int(them[first])
 
 
 def _sides(
     perception: Perception, met: Meetings, drives: Drives, row: int, concerned: NDArray[np.bool_]
 ) -> str:
-    """Return on which side of the ego's path each pedestrian in the way is left behind."""
+    """Return on which side the ego passes each pedestrian in the way: left if its path is left of them."""
     people, body = perception.pedestrians, perception.ego.body
     level = met.along - body.front + 0.5 * body.length
     own = np.interp(level, drives.along[:, row], drives.across[:, row])

@@ -1,8 +1,8 @@
 """Steering down a potential field with a car that has a heading, limits and lags.
 
-The direction of steepest descent is the heading that the car is to have; its curvature command is what
-that direction turns by along the way, and a part that takes the heading error away. Run against a
-kinematic bicycle, the law also says where the car would really go, for several fields at once.
+The direction of steepest descent is the desired heading of the car. The curvature command is the rate at
+which that direction turns along the way, plus a part that reduces the heading error. Applied to a kinematic
+bicycle model, the law also says where the car would really go, for several fields at once.
 """
 
 from __future__ import annotations
@@ -16,30 +16,30 @@ from controllers.interface import EgoState, RoadAhead
 from controllers.potential_field.field import Field
 
 TURNED_OVER = 0.5
-"""Distance over which it is looked how the direction of descent turns [m]."""
+"""Distance over which the turning of the direction of descent is measured [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Guidance:
-    """How briskly to follow the field."""
+    """Parameters for following the field."""
 
     heading_time: float = 0.3
-    """Time constant with which a heading error decays [s]."""
+    """Time constant with which the heading error decays [s]."""
     heading_length: float = 1.4
-    """What ``heading_time`` becomes at low speed, as a distance [m]."""
+    """Length constant that takes the place of ``heading_time`` at low speed [m]."""
     preview: float = 0.12
-    """How far ahead the field is looked at, because the wheel needs time to turn [s]."""
+    """How far ahead the field is evaluated, because the wheels need time to turn [s]."""
     lateral_acceleration: float = 4.0
     """Largest lateral acceleration, the road's own curve included [m/s^2]."""
     lateral_speed: float = 4.0
-    """Fastest movement across the road [m/s]."""
+    """Largest lateral speed [m/s]."""
     steepest: float = 0.5
     """Largest angle to the road [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drives:
-    """Where the car would go, K instants and m fields; rear axle, in the route frame."""
+    """Where the rear axle would go at K instants in m fields, in the route frame."""
 
     times: FloatArray
     """Shape (K,), from 0 [s]."""
@@ -63,17 +63,17 @@ def drive(
     step: float,
     guidance: Guidance | None = None,
 ) -> Drives:
-    """Return what becomes of the car in fields.
+    """Return how the car would drive in several fields.
 
     Parameters
     ----------
-    shape : the field; its arrays of shape (count,) make several of it
-    count : m
-    ego : where it begins
-    road : for the curvature of its lane
-    speeds : at the beginning of every step and at the end of the last, shape (K,) [m/s]
-    step : length [s]
-    guidance : how briskly
+    shape : the fields, as one field with arrays of shape (count,)
+    count : number m of fields
+    ego : state of the ego at the beginning
+    road : the road, for the curvature of the reference lane
+    speeds : speeds at the beginning of every step and at the end of the last, shape (K,) [m/s]
+    step : duration of a step [s]
+    guidance : how to follow the field
     """
     guidance = guidance or Guidance()
     instants = len(speeds)
@@ -109,7 +109,7 @@ def _angle(
     ego: EgoState,
     guidance: Guidance,
 ) -> FloatArray:
-    """Return the front-wheel angle that follows the field [rad], from where the car is a preview ahead."""
+    """Return the front-wheel angle that follows the field, as seen from the place one preview ahead [rad]."""
     x, y, psi = state
     wheelbase = ego.body.wheelbase
     early = speed * guidance.preview
@@ -130,7 +130,7 @@ def _angle(
 
 
 def _bend(road: RoadAhead, along: FloatArray) -> FloatArray:
-    """Return the curvature of the reference lane [1/m], 0 where the view has ended."""
+    """Return the curvature of the reference lane; 0 beyond the view [1/m]."""
     if len(road.curvature) == 0 or road.curvature_step <= 0.0:
         return np.zeros_like(along)
     places = np.arange(len(road.curvature)) * road.curvature_step

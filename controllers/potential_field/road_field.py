@@ -1,7 +1,7 @@
 """The potential field around an ego: lanes and edges of its road, pedestrians it will meet, vehicles beside.
 
-In the route frame, for the rear axle: what is drawn away is the middle of the body, so obstacles stand in
-the field as far behind their place as the middle is ahead of the axle.
+The field is in the route frame and steers the rear axle, but the obstacles push the middle of the body away.
+So they stand in the field as far behind their real place as the middle is ahead of the axle.
 """
 
 from __future__ import annotations
@@ -26,30 +26,30 @@ from controllers.potential_field.field import (
 from controllers.prediction.forecast import Forecast
 
 FORECAST_TIMES: Final = np.arange(0.0, 5.05, 0.1)
-"""When it is asked where people will be [s]."""
+"""Times at which the places of people are predicted [s]."""
 SLOWEST = 2.0
-"""A slower ego, and a standing one, is taken to drive at this speed [m/s]."""
+"""A slower or standing ego is treated as if it drove at this speed [m/s]."""
 LONG_BEHIND = 3.0
-"""Whom the ego was level with longer ago does not matter any more [s]."""
+"""Pedestrians with whom the ego was level longer ago than this do not matter any more [s]."""
 SHORTEST_AXIS = 1.0
-"""Where the ego needs less distance to get past, there is no obstacle [m]."""
+"""A pedestrian is no obstacle if the ego needs less than this distance to get past [m]."""
 VEHICLE_SIDE = 0.4
-"""Side half-axis of a vehicle as a share of the safe distance beside it: its field ends at its lane."""
+"""Side half-axis of a vehicle as a share of the safe distance beside it; its field ends at its lane."""
 VEHICLE_TIME = 0.5
-"""Long half-axis of a vehicle: half of both lengths, and what is closed in this time [s]."""
+"""The long half-axis of a vehicle is half of both lengths plus the distance closed in this time [s]."""
 VEHICLE_RANGE = 60.0
 """Vehicles further away do not matter [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldSettings:
-    """Which field.
+    """Parameters of the field.
 
     Parameters
     ----------
-    margin : what has to be left beside a pedestrian, S_m [m]
-    lateral_acceleration : a_y of the distance that a shift takes [m/s^2]
-    fixed_axis : the long half-axis for everybody; ``None`` lets it follow the needed shift [m]
+    margin : S_m, distance to be left beside a pedestrian [m]
+    lateral_acceleration : a_y, from which the distance for a shift follows [m/s^2]
+    fixed_axis : the long half-axis for everybody; ``None``: it follows from the needed shift [m]
     gains : weights
     """
 
@@ -61,21 +61,21 @@ class FieldSettings:
 
 @dataclass(frozen=True, slots=True)
 class Meetings:
-    """Where the ego will be level with each pedestrian, should it keep its speed; arrays of length n."""
+    """Where the ego will be level with each pedestrian; arrays of length n."""
 
     along: FloatArray
     """x of the predicted conflict point [m]."""
     across: FloatArray
     radius: FloatArray
-    """Of the disc, and how unsure the prediction is by then [m]."""
+    """Radius of the disc plus the uncertainty of the prediction at that time [m]."""
     matters: NDArray[np.bool_]
-    """Whether that is neither too far ahead nor long ago."""
+    """Whether the meeting is neither too far ahead nor too long ago."""
 
 
 def braked_speeds(ego: EgoState, braking: float, times: FloatArray) -> FloatArray:
-    """Return the speeds of an ego that brakes from now on, no slower than it counts as driving [m/s].
+    """Return the speeds of an ego that brakes from now on, down to ``SLOWEST`` or its lower speed now [m/s].
 
-    Its drive follows the command with a lag: a(t) = −b + (a + b) exp(−t / T).
+    The ego's drive follows the command with a lag: a(t) = −b + (a + b) exp(−t / T).
     """
     lag = max(ego.drive.drive_lag, 1e-3)
     late = (ego.acceleration + braking) * lag * -np.expm1(-times / lag)
@@ -92,7 +92,7 @@ def meetings(perception: Perception, forecast: Forecast, braking: float = 0.0) -
     ----------
     perception : what the ego knows
     forecast : where the pedestrians will be, at ``FORECAST_TIMES``
-    braking : of the ego; the paper keeps its speed constant [m/s^2]
+    braking : deceleration of the ego; the paper keeps its speed constant [m/s^2]
     """
     people, ego = perception.pedestrians, perception.ego
     speed, middle = max(ego.speed, SLOWEST), _middle(perception)
@@ -105,7 +105,7 @@ def meetings(perception: Perception, forecast: Forecast, braking: float = 0.0) -
     passed = ahead <= 0.0
     each, first = np.arange(len(people)), np.argmax(passed, axis=1)
     last = np.maximum(first - 1, 0)
-    # From the last sample ahead to the first one behind both move straight.
+    # Between the last sample ahead and the first one behind, both move uniformly.
     share = ahead[each, last] / np.maximum(ahead[each, last] - ahead[each, first], 1e-9)
 
     def level(values: FloatArray) -> FloatArray:
@@ -128,13 +128,13 @@ def meetings(perception: Perception, forecast: Forecast, braking: float = 0.0) -
 def obstacles_on(
     perception: Perception, met: Meetings, centres: FloatArray, settings: FieldSettings
 ) -> Obstacles:
-    """Return what is in the way of an ego in lanes with given centre lines, shape (m, n).
+    """Return the obstacles for an ego in lanes with given centre lines, shape (m, n).
 
     Parameters
     ----------
-    perception, met : the pedestrians around, and where they are met
-    centres : across coordinates, shape (m,) [m]
-    settings : which field
+    perception, met : what the ego knows, and where it meets the pedestrians
+    centres : across coordinates of the centre lines, shape (m,) [m]
+    settings : parameters of the field
     """
     ego = perception.ego
     speed = max(ego.speed, SLOWEST)
@@ -173,7 +173,7 @@ def field_of(
 
 
 def _vehicles_beside(perception: Perception, centres: FloatArray, settings: FieldSettings) -> Obstacles:
-    """Return the vehicles beside each lane; those in it are followed, not driven round."""
+    """Return the vehicles beside each lane; the ego follows those in the lane and does not go round them."""
     vehicles, ego = perception.vehicles, perception.ego
     turned_length = vehicles.length * np.abs(np.cos(vehicles.heading_error))
     middle = vehicles.along - 0.5 * vehicles.length * np.cos(vehicles.heading_error)
@@ -204,5 +204,5 @@ def _middle(perception: Perception) -> float:
 
 
 def _merged(lines: FloatArray) -> FloatArray:
-    """Return lines without those that are the border of two lanes twice."""
+    """Return the lines, with the border that two lanes share only once."""
     return lines[np.diff(lines, prepend=-np.inf) > 0.5]

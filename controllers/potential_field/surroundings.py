@@ -1,4 +1,4 @@
-"""What of an ego's surroundings matters to its way down a field: who, how far, in which lanes, how fast."""
+"""What matters of an ego's surroundings to its way down a field: people, distances, lanes and speeds."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from controllers.potential_field.road_field import LONG_BEHIND, SLOWEST, braked_
 from controllers.prediction.forecast import Forecast
 
 STEP = 0.1
-"""Of the simulated drives [s]."""
+"""Time step of the simulated drives [s]."""
 SHORTEST = 1.5
-"""So far the simulated drives go at least [s] …"""
+"""The simulated drives last at least this long [s] …"""
 LONGEST = 4.5
-"""… and at most [s]."""
+"""… and at most this long [s]."""
 STRAIGHT = 0.02
-"""In a tighter bend the field, which knows straight roads, does not steer [1/m]."""
+"""In a tighter bend the field does not steer, because it is made for straight roads [1/m]."""
 GAINS_FOR = 1.0
 """An ego that speeds up is expected to do so for this time [s]."""
 BESIDE = 8.0
-"""Pedestrians who never come so near to the ego's lane in the time looked at do not matter [m]."""
+"""Pedestrians who stay further than this to the side of the ego during the forecast do not matter [m]."""
 
 
 def near_the_way(perception: Perception, forecast: Forecast) -> NDArray[np.int64]:
-    """Return who may come near the lanes that the ego drives on within the time looked at, by index."""
+    """Return the indices of the pedestrians who may come near the ego's path during the forecast."""
     people, ego = perception.pedestrians, perception.ego
     speed = max(ego.speed, SLOWEST)
     furthest = ego.body.front + speed * LONGEST + BESIDE
@@ -37,7 +37,7 @@ def near_the_way(perception: Perception, forecast: Forecast) -> NDArray[np.int64
 
 
 def instants(perception: Perception, braking: float) -> FloatArray:
-    """Return the instants to look at, until the ego is past everybody; all of them if it brakes [s]."""
+    """Return the instants to simulate until the ego is past everybody; all of them if it brakes [s]."""
     ego = perception.ego
     furthest = float(perception.pedestrians.along.max()) + ego.body.length
     if braking:
@@ -47,7 +47,7 @@ def instants(perception: Perception, braking: float) -> FloatArray:
 
 
 def bends(perception: Perception) -> bool:
-    """Say whether the road that matters is a bend."""
+    """Say whether the road ahead bends too much for the field."""
     road, ego = perception.road, perception.ego
     places = np.arange(len(road.curvature)) * road.curvature_step
     near = places < max(2.0 * ego.speed, 10.0)
@@ -55,7 +55,7 @@ def bends(perception: Perception) -> bool:
 
 
 def centre_lines(perception: Perception, decision: Decision) -> FloatArray:
-    """Return the centre lines of the target lane and, if it is another one, of the ego's lane."""
+    """Return the centre line of the target lane and, if it is another lane, that of the ego's lane."""
     road = perception.road
     lanes = [road.lane(decision.target_lane), road.lane(road.reference)]
     offsets = [lane.offset for lane in lanes if lane is not None] or [0.0]
@@ -63,7 +63,7 @@ def centre_lines(perception: Perception, decision: Decision) -> FloatArray:
 
 
 def centre_lines_beside(perception: Perception, centres: FloatArray) -> list[float]:
-    """Return the centre lines of further lanes beside the ego's that it could go to."""
+    """Return the centre lines of other lanes beside the ego's to which it could change."""
     road = perception.road
     return [
         lane.offset
@@ -77,9 +77,9 @@ def centre_lines_beside(perception: Perception, centres: FloatArray) -> list[flo
 def expected_speeds(
     perception: Perception, acceleration: float, instants: FloatArray, braking: float = 0.0
 ) -> FloatArray:
-    """Return the expected speeds [m/s].
+    """Return the expected speeds of the ego [m/s].
 
-    An ego that brakes for a way past does so until it is past; one that speeds up does so for a while.
+    If it brakes for a way past, it brakes until it is past; if it speeds up, it does so for a while.
     """
     ego = perception.ego
     if acceleration == -braking < 0.0:

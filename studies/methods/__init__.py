@@ -1,1 +1,1 @@
-"""The methods of the papers against each other in traffic: ``make study-papers``."""
+"""Compares the methods of the papers in traffic: ``make study-papers``."""

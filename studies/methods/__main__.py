@@ -23,20 +23,20 @@ from studies.zoo.programs import ZooError
 
 FOLDER = Path(__file__).parent
 FILES = (*sorted(FOLDER.glob("*.toml")), Path(untuned.NAME))
-"""What is run unless others are named: study files, and the network that nobody tuned for."""
+"""What is run by default: study files, and the network that nobody tuned for."""
 LEVELS = tuple(untuned.LEVELS)
-"""Of demand, in the order in which study files vary it."""
+"""Levels of demand, in the order in which study files vary it."""
 ORDER = ("busy", "light", "crowded")
-"""In which the levels are run."""
+"""Order in which the levels are run."""
 PLAN = "plan.json"
-"""What the whole study is, in its folder."""
+"""File in the study's folder that describes the whole study."""
 
 Block = tuple[str, str]
-"""A level of demand, and the name of a study."""
+"""A level of demand and the name of a study."""
 
 
 def at_level(table: StudyTable, level: str) -> StudyTable:
-    """Return a study with one of its levels of demand alone."""
+    """Return a study with only one of its levels of demand."""
     vary = {key: [values[LEVELS.index(level)]] for key, values in table.vary.items()}
     return table.model_copy(update={"vary": vary})
 
@@ -44,19 +44,19 @@ def at_level(table: StudyTable, level: str) -> StudyTable:
 def studies(
     out: Path, files: Sequence[Path], levels: Sequence[str], seeds: str | None
 ) -> dict[Block, StudyTable]:
-    """Return what is run, in its order for one seed.
+    """Return the studies to run, in their order for one seed.
 
     Parameters
     ----------
-    out : where generated networks lie
+    out : folder of the generated networks
     files : study files, or the name of the network that nobody tuned for
-    levels : of demand
-    seeds : instead of those of the files
+    levels : levels of demand
+    seeds : seeds that replace those of the files
 
     Raises
     ------
     CosimError, ZooError
-        A study file that is not valid; a network that could not be made.
+        If a study file is not valid, or a network could not be made.
     """
     tables = {file.stem: read_study(file) for file in files if file.name != untuned.NAME}
     made: dict[str, StudyTable] = {}
@@ -83,7 +83,7 @@ def batches(out: Path, tables: dict[Block, StudyTable]) -> Iterator[tuple[Path, 
 
 
 def write_plan(out: Path, tables: dict[Block, StudyTable]) -> None:
-    """Write how many runs the whole has, and of what: what was planned before stays."""
+    """Write how many runs each batch of the whole study has; earlier plans are kept."""
     path = out / PLAN
     before = read_json(path)["runs"] if path.exists() else {}
     runs = {
@@ -94,7 +94,7 @@ def write_plan(out: Path, tables: dict[Block, StudyTable]) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Run them; 0 if every run is valid."""
+    """Run the studies of a command line; return 0 if every run is valid."""
     parser = argparse.ArgumentParser(prog="studies.methods", description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("files", type=Path, nargs="*", metavar="STUDY.toml", help=f"or {untuned.NAME}")

@@ -1,4 +1,4 @@
-"""Every other method against ours, paired by condition and seed, and whether ours is non-inferior to it."""
+"""Compares every other method with ours, paired by condition and seed, and tests our non-inferiority."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ from studies.methods.rows import Row
 
 OURS = "vo_mpc"
 MARGIN = 0.5
-"""Of non-inferiority: preventable contacts per 100 entered encounters."""
+"""Margin of non-inferiority: preventable contacts per 100 entered encounters."""
 ASSUMED = 0.001
 """Share of preventable contacts of both methods for which the power is stated."""
 LEVEL = 0.05
-"""One-sided."""
+"""One-sided level of significance."""
 REST = 1e-9
-"""Probability of more contacts than those that are added up to the power."""
+"""Probability of more contacts than the sum for the power takes into account."""
 CERTAIN = 0.99
-"""Power from which on more encounters no longer lower it to where it matters."""
+"""Above this power, more encounters never again lower it to a level that matters."""
 
 
 @dataclass(frozen=True, slots=True)
 class Against:
-    """A method against ours."""
+    """A method compared with ours."""
 
     method: str
     delay: Comparison
-    """The method's minus ours [s]."""
+    """The method's delay minus ours [s]."""
     delay_p: float | None
-    """After Holm's correction over the methods, as the next."""
+    """P value after Holm's correction over the methods; ``jerk_p`` likewise."""
     jerk: Comparison
     jerk_p: float | None
     excess: float | None
     """Our preventable contacts per 100 entered encounters, minus the method's."""
     bound: float | None
-    """Upper bound of that, one-sided at 95 %."""
+    """Upper bound of ``excess``, one-sided at 95 %."""
 
     @property
     def shown(self) -> bool:
@@ -52,15 +52,15 @@ class Against:
 
 
 def against(study: Study, rows: Mapping[str, Row]) -> list[Against]:
-    """Return every other method against ours.
+    """Return the comparison of every other method with ours.
 
-    That ours is non-inferior to *every* method is shown if each bound is below the margin: a claim about all
-    of them needs no correction (intersection and union).
+    Ours is shown to be non-inferior to *every* method if each bound is below the margin. A claim about all of
+    them together needs no correction (intersection-union test).
 
     Parameters
     ----------
-    study : for the pairs
-    rows : of each label over all conditions
+    study : the study, for the pairs
+    rows : row of each label over all conditions
     """
     others = [label for label in rows if label != OURS]
     delays = [_paired(study, label, "ego_delay_mean_s") for label in others]
@@ -82,9 +82,9 @@ def against(study: Study, rows: Mapping[str, Row]) -> list[Against]:
 def differences(
     study: Study, conditions: Sequence[Condition], labels: Sequence[str]
 ) -> dict[tuple[str, str], str]:
-    """Return each method's delay against ours under each condition, as text, by condition and method.
+    """Return each method's delay minus ours under each condition, as text, by condition and method.
 
-    A star says that it differs, with the false discovery rate over all of them held at 5 %
+    A star marks a difference that is significant at a false discovery rate of 5 % over all of them
     [BenjaminiHochberg1995]_.
     """
     found = {
@@ -113,8 +113,8 @@ def upper_bound(
 
     Notes
     -----
-    Method 10 of [Newcombe1998]_, from Wilson's bounds of both shares; without any event on either side it
-    is z^2 / (n + z^2). Trials count as independent, though those of one run are not quite.
+    Method 10 of [Newcombe1998]_, from Wilson's bounds of both shares. Without any event on either side, the
+    bound is z^2 / (n + z^2). Trials count as independent, although those of one run are not entirely.
 
     Examples
     --------
@@ -128,9 +128,9 @@ def upper_bound(
 
 
 def power(encounters: int, share: float) -> float:
-    """Return how probably non-inferiority is shown if both methods touch with this probability.
+    """Return the probability of showing non-inferiority if both methods have contacts with this probability.
 
-    Exact: a sum over the contacts of both.
+    The result is exact, a sum over the contacts of both.
 
     Examples
     --------
@@ -146,9 +146,10 @@ def power(encounters: int, share: float) -> float:
 
 
 def needed(share: float, wanted: float = 0.8) -> int:
-    """Return the encounters of each method from which on the power is enough, to the next 100.
+    """Return how many encounters of each method are needed for the power, rounded up to 100.
 
-    Contacts are whole numbers, so that a few more encounters may lower the power.
+    The power suffices for this and every larger number. Contacts are whole numbers, so that a few more
+    encounters may lower it.
 
     Examples
     --------

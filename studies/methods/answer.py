@@ -1,4 +1,4 @@
-"""What a study of the methods found, in five sentences, from its numbers."""
+"""The findings of a study of the methods in five sentences, made from its numbers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from studies.methods.against import ASSUMED, MARGIN, OURS, Against, needed, powe
 from studies.methods.rows import Row
 
 ENOUGH = 150
-"""Encounters that each cell is to have."""
+"""Number of encounters that each cell should have."""
 REFERENCES = ("sumo", "septic_lane_change")
-"""SUMO's own driver, and one that does not react to pedestrians: no methods of avoidance."""
+"""SUMO's own driver, and one that does not react to pedestrians; neither is a method of avoidance."""
 
 
 def front(rows: Mapping[str, Row]) -> list[str]:
-    """Return the methods that no other one beats in both preventable contacts per encounter and delay."""
+    """Return the methods that no other method beats in both preventable contacts per encounter and delay."""
     points = {
         label: (row.preventable / row.encounters, row.delay)
         for label, row in rows.items()
@@ -40,10 +40,10 @@ def sentences(
     Parameters
     ----------
     study : what was run
-    rows : of all labels over all conditions
-    fewest : encounters of the cell that has the fewest
-    others : every other method against ours
-    planned : runs of the whole study; 0: not known
+    rows : rows of all labels over all conditions
+    fewest : number of encounters of the cell with the fewest
+    others : comparisons of every other method with ours
+    planned : number of runs of the whole study; 0 if it is not known
     """
     return [
         _size(study, fewest, planned),

@@ -1,4 +1,4 @@
-"""What a page of the methods rests on: how much of the whole study has been run."""
+"""The section on what a page of the methods rests on: how much of the whole study has been run."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from studies.methods.rows import Row, title
 
 
 def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Mapping[str, int]) -> str:
-    """Return the section: the command, what was run of it, and the cells that are too small.
+    """Return the section: the command, how much of it was run, and how large the cells are.
 
     Parameters
     ----------
-    study : what everybody drove
+    study : the runs of conditions and seeds that all methods drove
     rows_of : the rows of each condition
-    planned : runs of each batch of the whole study, by its folder; empty: not known
+    planned : number of runs of each batch of the whole study, by its folder; empty if it is not known
     """
     seeds = sorted({run.seed for run in study.runs})
     cells = [row for found in rows_of.values() for row in found]

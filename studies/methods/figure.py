@@ -1,4 +1,4 @@
-"""Safety against delay: one point a method, with intervals."""
+"""Figure of safety against delay: one point per method, with intervals."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ COLOURS = "tab10"
 
 
 def draw(path: Path, rows: Mapping[str, Row], others: Sequence[Against]) -> None:
-    """Draw contacts per 100 encounters, with their exact interval, over the delay in pairs of runs.
+    """Draw contacts per 100 encounters, with their exact interval, over the difference of delays.
 
-    Drivers that avoid nobody would flatten all others: where they do not fit, they stand at the upper edge,
-    and the legend says so.
+    Drivers that avoid nobody would compress the scale for all others. If they do not fit, they are drawn at
+    the upper edge, and the legend says so.
 
     Parameters
     ----------
-    path : of the picture
-    rows : of each label over all conditions
-    others : every other method against ours; one without a difference of delays is left out
+    path : path of the figure
+    rows : row of each label over all conditions
+    others : comparisons of every other method with ours; methods without a difference of delays are left out
     """
     figure = Figure(figsize=(8.5, 5.0), layout="constrained")
     axes = figure.add_subplot()
@@ -56,7 +56,7 @@ def draw(path: Path, rows: Mapping[str, Row], others: Sequence[Against]) -> None
             label=f"{label} ({100.0 * share:.1f}, not to scale)" if beyond else label,
             clip_on=not beyond,
             color=colormaps[COLOURS](number % 10),
-            # A colour that comes again has another marker.
+            # A colour that is used again has another marker.
             marker=MARKERS[(number // 10 + number) % len(MARKERS)],
         )
     axes.axvline(0.0, color="0.8", linewidth=0.8, zorder=0)

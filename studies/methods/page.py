@@ -1,8 +1,8 @@
-"""``python -m studies.methods.page STUDIES PAGE``: what the methods came to, and a table for each condition.
+"""``python -m studies.methods.page STUDIES PAGE``: the results of the methods, in total and by condition.
 
-Reads the runs of all studies in a folder, whether the whole was run or it was stopped, and those of the table
-beside the page that were driven elsewhere under the same conditions. Writes that table with all of them, and
-from it the page and its picture: the answer, what it rests on, and the tables.
+Reads the runs of all studies in a folder, whether they are complete or were stopped. Adds the runs in the
+table beside the page that were driven elsewhere under the same conditions. Writes that table with all of
+these runs, and from it the page and its figure: the answer, what it rests on, and the tables.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from studies.methods.table import driven, merged, read_table, write_table
 
 FIGURE = "study-papers.png"
 VARIANTS, MIDBLOCK = "rules_as_printed", "midblock_zebra"
-"""The study of a variant that one method has, and that of the same streets."""
+"""The study of a variant of one method, and the study on the same streets."""
 
 _HEADINGS = (
     "method",
@@ -108,11 +108,11 @@ def markdown(
 
     Parameters
     ----------
-    study : what everybody drove
+    study : the runs of conditions and seeds that all methods drove
     whole : the row of each method over all conditions
-    others : every other method against ours
-    aside : variants of single methods
-    planned : runs of each batch of the whole study, by its folder, without variants
+    others : comparisons of every other method with ours
+    aside : study of variants of single methods
+    planned : number of runs of each batch of the whole study, by its folder, without variants
     """
     rows_of = {condition: rows(study, condition) for condition in study.conditions}
     fewest = min((row.encounters for found in rows_of.values() for row in found), default=0)
@@ -138,12 +138,12 @@ def markdown(
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write what the studies in a folder found into a page, with its table and its picture beside it.
+    """Write the results of the studies in a folder into a page, with its table and figure beside it.
 
     Raises
     ------
     StudyError
-        If there are no runs in the folder, or they or those of the table cannot be read.
+        If there are no runs in the folder, or if these or the table cannot be read.
     """
     path = page.with_suffix(".csv")
     write_table(path, merged(driven(folder), read_table(path) if path.exists() else []))
@@ -160,7 +160,7 @@ def write_page(folder: Path, page: Path) -> None:
 
 
 def _planned(plan: Path) -> Mapping[str, int]:
-    """Return the planned runs of each batch, without those of variants, which have a table of their own."""
+    """Return the number of planned runs of each batch, without variants, which have a separate table."""
     runs = json.loads(plan.read_text("utf-8"))["runs"] if plan.exists() else {}
     return {batch: number for batch, number in runs.items() if VARIANTS not in Path(batch).parts}
 

@@ -1,4 +1,4 @@
-"""How many people an ego that is near a crossing has about it."""
+"""Counts the people around an ego that is near a crossing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from analysis.arrays import FloatArray
 from analysis.recording.reading import RecordedRun
 
 NEAR_M = 45.0
-"""Of an ego, or an ego of a crossing: the distance within which encounters begin [m]."""
+"""Within this distance, people are near an ego and an ego is near a crossing; encounters begin there [m]."""
 EVERY_S = 1.0
 """How often the people near an ego are counted [s]."""
 

@@ -1,4 +1,4 @@
-"""One method under one condition: what its runs come to."""
+"""The results of one method under one condition."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ class Row:
     people_at_once: float | None
     encounters: int
     contacts: int
-    """Encounters with a collision."""
+    """Number of encounters with a collision."""
     contact_share: Interval | None
     least_ttc: float | None
     short_ttc: int
-    """Encounters with TTC < 1.5 s."""
+    """Number of encounters with TTC < 1.5 s."""
     delay: float | None
     jerk: float | None
     control_ms: float | None
     preventable: int = 0
-    """Those whose first collision the careful driver of R157 would have prevented."""
+    """Number of contacts whose first collision the careful driver of R157 would have prevented."""
     applies: float | None = None
     """Share of the plans near pedestrians in which the method's condition holds."""
     acts: float | None = None
-    """Share of those in which its own plan is driven."""
+    """Share of those plans in which its own plan is driven."""
     overridden: float | None = None
     """Share of the plans near pedestrians in which braking or a fallback overrides it."""
     solved: float | None = None
@@ -82,7 +82,7 @@ def _row(label: str, runs: Sequence[StudyRun]) -> Row:
 
 
 def title(study: Study, condition: Condition) -> str:
-    """Return the scenario of a condition, and its level of demand as its runs' folders name it."""
+    """Return the scenario of a condition and its level of demand, taken from the folders of its runs."""
     parts = {
         part for run in study.runs if run.condition_id == condition.condition_id for part in run.folder.parts
     }
@@ -91,9 +91,9 @@ def title(study: Study, condition: Condition) -> str:
 
 
 def balanced(study: Study) -> Study:
-    """Return the part of a study that everybody drove, so that one that was stopped stays comparable.
+    """Return the part of a study that all methods drove, so that a stopped study remains comparable.
 
-    It is the conditions and seeds with the most labels.
+    It consists of the conditions and seeds with the most labels.
     """
     drivers: dict[tuple[str, int], set[str]] = {}
     for run in study.runs:
@@ -111,7 +111,7 @@ def pooled(study: Study, label: str) -> Row:
 
 
 def _near(runs: Sequence[StudyRun], name: str, of: str = "") -> float | None:
-    """Return a share over the plans near pedestrians of all runs, or over those of another share of them."""
+    """Return a share over all runs' plans near pedestrians, or over the share ``of`` of these plans."""
     known = [run for run in runs if name in run.numbers and run.numbers.get("n_plans_near_ped")]
     plans = [run.numbers["n_plans_near_ped"] * (run.numbers[of] if of else 1.0) for run in known]
     if not sum(plans):

@@ -1,7 +1,7 @@
-"""The table that a page of the methods is made of: one row for each run.
+"""The table from which a page of the methods is made: one row for each run.
 
-It is published beside the page. What was driven on one machine can so be added to what was driven on
-another, and whoever doubts the page has its numbers.
+It is published beside the page. In this way, runs from one machine can be added to runs from another, and
+readers can check the numbers of the page.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from studies.finished import run_folders
 from studies.methods.people import people_at_once
 
 PEOPLE, LEAST_TTC = "people_at_once", "least_ttc_s"
-"""Numbers of a run beside those of runs.csv and the tallies of its encounters."""
+"""Numbers of a run in addition to those of runs.csv and the tallies of its encounters."""
 NUMBERS = (
     "ego_count",
     "met",
@@ -39,17 +39,17 @@ NUMBERS = (
     LEAST_TTC,
 )
 SETTING = ("duration_s", "ego_count", "ego_headway_s", "pedestrians_per_hour")
-"""What tells the conditions of a scenario apart."""
+"""Settings that distinguish the conditions of a scenario."""
 PARAMETERS = ("rules",)
-"""What tells the variants of a method apart."""
+"""Parameters that distinguish the variants of a method."""
 _IDENTITY = ("run", "code", "scenario_id", "condition_id", "config_id", "controller", "seed", "valid")
 HEADS = (*_IDENTITY, *(f"set_{name}" for name in (*SETTING, *PARAMETERS)), *NUMBERS)
 
 
 def driven(folder: Path) -> list[StudyRun]:
-    """Return the runs below a folder, each with what a page needs of it; its folder is as seen from there.
+    """Return the runs below a folder with what a page needs; their folders are relative to that folder.
 
-    ``versions`` of each is the commit of the tool that drove it; empty where it is not known.
+    ``versions`` of a run is the commit of the tool that drove it; empty if it is not known.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def driven(folder: Path) -> list[StudyRun]:
 
 
 def merged(driven: Sequence[StudyRun], published: Iterable[StudyRun]) -> list[StudyRun]:
-    """Return runs, and of those of a table the ones under the same conditions that were not driven again."""
+    """Return the driven runs, and the published runs under the same conditions that were not driven again."""
     conditions, folders = {run.condition_id for run in driven}, {run.folder for run in driven}
     kept = [one for one in published if one.condition_id in conditions and one.folder not in folders]
     return sorted([*driven, *kept], key=lambda run: run.folder.as_posix())
@@ -80,7 +80,7 @@ def read_table(path: Path) -> list[StudyRun]:
     Raises
     ------
     StudyError
-        If it cannot be read or has other columns.
+        If the table cannot be read or has other columns.
     """
     try:
         rows = read_csv(path)

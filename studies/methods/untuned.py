@@ -1,7 +1,6 @@
 """A network that nobody tuned for: ``netgenerate`` makes it from a seed, with three levels of demand.
 
-It is one of the zoo's kinds, made with a seed that the zoo never used; nobody looked at it before the study
-drove it.
+It is one of the zoo's kinds, made with a seed that the zoo never used. Nobody looked at it before the study.
 """
 
 from __future__ import annotations
@@ -17,21 +16,21 @@ from studies.zoo.recipe import Demand, Recipe
 NAME = "untuned_network"
 KIND, SEED = "random-priority", 220_022
 LEVELS = {"light": (2.0, 150.0), "busy": (1.4, 170.0), "crowded": (0.7, 130.0)}
-"""Mean time between two pedestrians who set out, and how long a run is, for each level [s]."""
+"""Mean time between two pedestrians who set out, and duration of a run, for each level [s]."""
 EGO_SHARE = 0.2
 
 
 def tables(
     out: Path, controllers: Sequence[str], seeds: str | list[int], levels: Sequence[str]
 ) -> dict[str, StudyTable]:
-    """Make what is missing of the towns, and return a study of each level of demand, by level.
+    """Make the towns that are missing, and return the study for each level of demand, by level.
 
     Parameters
     ----------
-    out : where the towns lie
-    controllers : who drives
-    seeds : of the runs
-    levels : of ``LEVELS``
+    out : folder in which the towns are
+    controllers : controllers that drive
+    seeds : seeds of the runs
+    levels : some of ``LEVELS``
 
     Raises
     ------
@@ -55,6 +54,6 @@ def tables(
 
 
 def _network(folder: Path, rng: random.Random) -> None:
-    """Make the same network at every level; the generator of the level is for its demand alone."""
+    """Make the same network at every level; the level's own random generator is only used for its demand."""
     kinds = {recipe.name: recipe for recipe in generated.recipes()}
     kinds[KIND].make(folder, random.Random(f"{SEED}-{KIND}"))

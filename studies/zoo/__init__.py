@@ -1,1 +1,1 @@
-"""``make zoo``: controllers on networks that nobody tuned for, made and collected from a number of seed."""
+"""``make zoo``: controllers on networks that nobody tuned for, generated from a seed or collected."""

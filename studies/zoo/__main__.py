@@ -32,7 +32,7 @@ from studies.zoo.results import Run
 from studies.zoo.tally import of
 
 PLAN = "zoo.json"
-"""What the results of a folder were made with."""
+"""File that says how the results of a folder were made."""
 QUICK_DURATION_S = 100.0
 
 
@@ -63,13 +63,13 @@ def _list() -> int:
 
 
 def _one(given: argparse.Namespace, more: Sequence[str]) -> int:
-    """Make one network and one run on it, through ``cosim run``."""
+    """Make one network and one run on it with ``cosim run``."""
     (recipe,) = chosen([given.network])
     name = f"{given.seed}-{recipe.name}-{given.controller}-{given.run_seed}"
     folder: Path = given.out or DEFAULT_PARENT / "zoo-one" / name
     if (folder / "run").exists():
         raise ZooError(f"{folder / 'run'} is there already; remove it, or give another --out")
-    shutil.rmtree(folder / TOWN, ignore_errors=True)  # it may be that of another duration
+    shutil.rmtree(folder / TOWN, ignore_errors=True)  # it may be one for another duration
     configuration = town.make(recipe, given.seed, given.duration_s, folder / TOWN)
     words = ["run", str(configuration), "--controller", given.controller, "--seed", str(given.run_seed)]
     words += ["--ego-share", f"{given.ego_share:g}", "--duration-s", f"{given.duration_s:g}"]
@@ -126,7 +126,7 @@ def _command(given: argparse.Namespace) -> str:
 
 
 def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe], sources: Mapping[str, str]) -> None:
-    """Refuse a folder whose results were made otherwise than they would be now."""
+    """Refuse a folder whose results were made differently from how they would be made now."""
     now = {
         **asdict(plan),
         "networks": [recipe.name for recipe in recipes],
@@ -147,7 +147,7 @@ def _claim(folder: Path, plan: Plan, recipes: Sequence[Recipe], sources: Mapping
 
 
 def _tell(head: str, runs: Sequence[Run], plan: Plan) -> None:
-    """Print what became of a network's runs, with a command for each failure and each contact."""
+    """Print the results of a network's runs, with a command for each failure and each contact."""
     print(head, flush=True)
     for controller in plan.controllers:
         tally = of(runs, controller)

@@ -1,4 +1,4 @@
-"""What the zoo is held against: each bar, what was measured, and whether it is met."""
+"""The bars that the zoo has to meet: each bar, what was measured, and whether it is met."""
 
 from __future__ import annotations
 
@@ -11,37 +11,37 @@ from studies.zoo.tally import Tally, of, shared
 JUDGED = "vo_mpc"
 REFERENCE, RIVAL = "sumo", "aeb"
 SUDDEN = ("appeared", "touching_at_start")
-"""Classes of contacts with people first seen inside the emergency stopping distance, or in the body."""
+"""Classes of contacts with people first seen inside the emergency stopping distance or touching the body."""
 EXPLAINED = {"tight_bend": "bends too tight for a car", "off_lane": "places beside the lane that SUMO lacks"}
-"""Causes of interventions that say what happened."""
+"""Causes of interventions that explain them."""
 FORESEEABLE = "n_stopped_on_crossing_foreseeable"
 LEAST_ENTERED, LEAST_NETWORKS, LEAST_ON_EACH = 2000, 15, 100
 
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """One bar."""
+    """One bar and what was measured."""
 
     what: str
     measured: str
     met: bool | None
-    """``None`` where nothing was measured that it could be held against."""
+    """Whether the bar is met; ``None`` if nothing was measured for it."""
 
     @property
     def verdict(self) -> str:
-        """Return the verdict in a word."""
+        """Return the verdict in one word."""
         return {True: "met", False: "**missed**", None: "open"}[self.met]
 
 
 def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
-    """Return every bar.
+    """Return all bars.
 
     Parameters
     ----------
     runs : Sequence
-        Of all controllers.
+        Runs of all controllers.
     own_demand : Sequence
-        Networks that somebody else's configuration runs on, whose encounters are what they are.
+        Networks with a ready-made configuration, which need not have a number of encounters.
     """
     judged = of(runs, JUDGED)
     contacts, entered = judged.contacts, judged.entered

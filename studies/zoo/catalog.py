@@ -1,4 +1,4 @@
-"""Every network of the zoo, by name, and how much each is driven."""
+"""All networks of the zoo by name, and how much each is driven."""
 
 from __future__ import annotations
 
@@ -29,34 +29,34 @@ class Plan:
     """How much of the zoo is driven."""
 
     seed: int
-    """Decides networks and demand."""
+    """Seed of networks and demand."""
     duration_s: float = 300.0
     """Simulated time of a run [s]."""
     runs: int = 2
-    """Runs of each controller on each network, with seeds of their own."""
+    """Number of runs of each controller on each network, each with its own seed."""
     ego_share: float = EGO_SHARE
     """Share of the passenger cars that a controller drives."""
     controllers: tuple[str, ...] = CONTROLLERS
 
     def run_seeds(self, factor: int = 1) -> list[int]:
-        """Return the seeds of the runs, other ones for each seed of the zoo."""
+        """Return the seeds of the runs, which depend on the seed of the zoo."""
         rng = random.Random(f"{self.seed}-runs")
         return [rng.randrange(1, 10**6) for _ in range(factor * self.runs)]
 
 
 def all_recipes() -> tuple[list[Recipe], list[str]]:
-    """Return every network that can be made here, and one line for each source that is not there."""
+    """Return all networks that can be made here, and one line for each source that is missing."""
     found, missing = collected.recipes()
     return [*generated.recipes(), *plain.recipes(), *found, *collected.as_they_are()], missing
 
 
 def chosen(names: Sequence[str]) -> list[Recipe]:
-    """Return the networks of these names.
+    """Return the networks with given names.
 
     Raises
     ------
     ZooError
-        For a name that does not exist.
+        If a name does not exist.
     """
     recipes, missing = all_recipes()
     by_name = {recipe.name: recipe for recipe in recipes}

@@ -1,4 +1,4 @@
-"""Networks inside installed packages: SUMO's games and RiLSA examples, and those of ``sumo-rl``."""
+"""Networks in installed packages: SUMO's games and RiLSA examples, and the networks of ``sumo-rl``."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from studies.zoo.recipe import NET, Demand, Recipe
 GAMES = HOME / "tools" / "game"
 RILSA = HOME / "tools" / "sumolib" / "scenario" / "scenarios" / "RealWorld"
 NO_CARS = ("rail",)
-"""How configurations begin that have no passenger cars."""
+"""Beginnings of the names of configurations without passenger cars."""
 TOWN_SPEED_MPS = 17.0
-"""Sidewalks and crossings are guessed at roads up to this speed limit [m/s]."""
+"""Sidewalks and crossings are guessed for roads up to this speed limit [m/s]."""
 
 RUN_FACTORS = {"A10KW": 3, "DRT": 3}
-"""Games whose networks have few pedestrians for their size."""
+"""Factors on the number of runs of games whose networks have few pedestrians for their size."""
 
 _NET_OF_GAME = re.compile(r'net-file value="([^"]+)"')
 
 
 def recipes() -> tuple[list[Recipe], list[str]]:
-    """Return the networks that are there, and one line for each package that is not."""
+    """Return the available networks, and one line for each missing package."""
     found = [*_games(), *_rilsa()]
     resco = _resco()
     missing = [] if resco else ["sumo-rl is not installed: its Cologne and Ingolstadt networks are left out"]
@@ -35,7 +35,7 @@ def recipes() -> tuple[list[Recipe], list[str]]:
 
 
 def as_they_are() -> list[Recipe]:
-    """Return the configurations of SUMO's games, to be run as they were written."""
+    """Return the configurations of SUMO's games, to be run unchanged."""
     return [
         Recipe(
             f"as-is-{path.stem.lower().replace('_', '-')}",
@@ -108,7 +108,7 @@ def _with_crossings(net: Path, folder: Path, rng: random.Random) -> None:
 
 
 def _copy_game(path: Path, folder: Path, rng: random.Random) -> None:
-    """Copy a configuration and what it names, so that nothing is written into the installed package."""
+    """Copy a configuration and the files it names, so that nothing is written into the installed package."""
     try:
         for name in sorted(set(re.findall(r'value="([^"]+\.(?:xml|gz)[^"]*)"', path.read_text("utf-8")))):
             for part in name.split(","):

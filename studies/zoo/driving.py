@@ -1,4 +1,4 @@
-"""Drives the controllers through one town: a batch of its own, in processes of its own, with time limits."""
+"""Drives the controllers through one town, in a separate batch with separate processes and time limits."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from studies.zoo.recipe import Recipe
 
 TOWN, RESULTS, STATE, LOG = "town", "results", "state.json", "log.txt"
 START_S = 900.0
-"""Beside its runs, a batch may take this long [s]."""
+"""A batch may take this long in addition to its runs [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a batch may use."""
+    """Limits of a batch."""
 
     jobs: int = 2
-    """Runs at a time."""
+    """Number of runs at a time."""
     run_timeout_s: float = 900.0
-    """Wall-clock time of a run [s]."""
+    """Longest wall-clock time of a run [s]."""
     keep_recordings: bool = False
 
 
 def is_done(folder: Path) -> bool:
-    """Tell whether a network's runs have all been tried."""
+    """Return whether all runs of a network have been tried."""
     return (folder / STATE).exists()
 
 
 def drive(recipe: Recipe, plan: Plan, limits: Limits, folder: Path) -> None:
-    """Make a town and all its runs; whatever goes wrong is a line in ``state.json``.
+    """Make a town and all its runs; a problem is written as one line into ``state.json``.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def drive(recipe: Recipe, plan: Plan, limits: Limits, folder: Path) -> None:
     plan : Plan
     limits : Limits
     folder : Path
-        Of this network; what an interrupted call left there is gone on with.
+        Folder of this network; the call goes on with what an interrupted one left there.
     """
     folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -58,7 +58,7 @@ def drive(recipe: Recipe, plan: Plan, limits: Limits, folder: Path) -> None:
 
 
 def seeds_of(recipe: Recipe, plan: Plan) -> list[int]:
-    """Return the seeds of a network's runs: one for somebody else's configuration, which is only to run."""
+    """Return the seeds of a network's runs; one for a ready-made configuration, which only has to run."""
     return plan.run_seeds()[:1] if recipe.as_it_is else plan.run_seeds(recipe.run_factor)
 
 
@@ -101,7 +101,7 @@ def cosim(*words: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment in which ``cosim`` is found from any folder."""
+    """Return an environment in which ``cosim`` is found from any folder."""
     root = str(Path(__file__).resolve().parents[2])
     others = os.environ.get("PYTHONPATH", "")
     return {**os.environ, "PYTHONPATH": f"{root}{os.pathsep}{others}" if others else root}

@@ -1,4 +1,4 @@
-"""Networks of ``netgenerate``: grids, spiders and random nets with every kind of junction."""
+"""Networks from ``netgenerate``: grids, spider's webs and random networks with every kind of junction."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Draw = Callable[[random.Random], Options]
 def grid(
     junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2), length: tuple[int, int] = (90, 190)
 ) -> Draw:
-    """Return how the options of a grid are drawn.
+    """Return a function that draws the options of a grid.
 
     Parameters
     ----------
     junctions : str
-        Their type.
+        Type of the junctions.
     more : str
         Further options of ``netgenerate``.
     lanes : tuple
@@ -41,7 +41,7 @@ def grid(
 
 
 def spider(junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2)) -> Draw:
-    """Return how the options of a spider's web are drawn."""
+    """Return a function that draws the options of a spider's web."""
 
     def draw(rng: random.Random) -> Options:
         arms, radius = rng.randrange(5, 9), rng.randrange(90, 150)
@@ -54,7 +54,7 @@ def spider(junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2)) -> Draw:
 def scattered(
     junctions: str, *more: str, lanes: tuple[int, ...] = (1, 2), length: tuple[int, int] = (70, 180)
 ) -> Draw:
-    """Return how the options of a random network are drawn; ``length`` is that of its streets [m]."""
+    """Return a function that draws the options of a random network; ``length`` of its streets [m]."""
 
     def draw(rng: random.Random) -> Options:
         size = [f"--rand.min-distance={length[0]}", f"--rand.max-distance={length[1]}"]
@@ -103,7 +103,7 @@ KINDS: dict[str, tuple[str, Draw]] = {
     ),
     "random-short": ("random, streets of 35 to 80 m", scattered("priority", length=(35, 80))),
 }
-"""What each is called, what it is, and how its options are drawn."""
+"""Description and function that draws the options of each network, by name."""
 
 
 def recipes() -> list[Recipe]:

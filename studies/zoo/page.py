@@ -13,7 +13,7 @@ from studies.zoo.tables import CLASSES, CONTACTS, bars_table, contact_cells, poo
 
 TITLE = "# The zoo: networks that nobody tuned for"
 MOST_REASON = 160
-"""Of a failure's reason, as shown [characters]."""
+"""A failure's reason is cut to this length [characters]."""
 
 
 def text(
@@ -34,7 +34,7 @@ def text(
     runs : Sequence
         All requested runs.
     missing : Sequence
-        One line for each source of networks that was not there.
+        One line for each source of networks that was missing.
     command : str
         Command that makes the same page.
     sources : Mapping

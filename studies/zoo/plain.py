@@ -1,4 +1,4 @@
-"""Networks that ``netgenerate`` has no option for: roundabouts, refuges, and the settings of osmWebWizard."""
+"""Networks for which ``netgenerate`` has no option: roundabouts, refuges, and osmWebWizard's settings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ARMS: tuple[Point, ...] = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 """Directions of the streets at a junction, counter-clockwise."""
 RING_SPEED_MPS = 8.3
 STREET_SPEED_MPS = 13.89
-"""netconvert guesses crossings at streets no faster than this [m/s]."""
+"""Speed limit of the streets; netconvert guesses crossings only up to this limit [m/s]."""
 WIZARD = (
     *(
         "--geometry.remove",
@@ -29,7 +29,7 @@ WIZARD = (
     ),
     *("--tls.join", "--tls.default-type", "actuated", "--crossings.guess", "--sidewalks.guess"),
 )
-"""What osmWebWizard hands to ``netconvert``, apart from what needs OpenStreetMap's tags."""
+"""Options that osmWebWizard passes to ``netconvert``, except those that need OpenStreetMap's tags."""
 
 
 def recipes() -> list[Recipe]:
@@ -50,7 +50,7 @@ def recipes() -> list[Recipe]:
 
 
 def _roundabouts(folder: Path, rng: random.Random) -> None:
-    """Four roundabouts joined by streets, each with two streets that leave the town."""
+    """Make four roundabouts joined by streets, each with two streets that leave the town."""
     radius, distance, lanes = rng.uniform(14.0, 22.0), rng.uniform(150.0, 220.0), rng.choice((1, 2))
     nodes: list[str] = []
     edges: list[str] = []
@@ -78,7 +78,7 @@ def _roundabouts(folder: Path, rng: random.Random) -> None:
 
 
 def _refuges(folder: Path, rng: random.Random) -> None:
-    """Three by three junctions whose streets have a median, so that crossings come in two parts."""
+    """Make three by three junctions whose streets have a median, so that crossings have two parts."""
     distance, lanes = rng.uniform(130.0, 190.0), rng.choice((1, 2))
     half_median_m = rng.uniform(1.5, 3.0)
     kind = rng.choice(("traffic_light", "priority"))
@@ -90,7 +90,7 @@ def _refuges(folder: Path, rng: random.Random) -> None:
             there = (column + int(arm[0]), row + int(arm[1]))
             if there in places:
                 start = (column * distance, row * distance)
-                # A metre to the right of the direction of travel is a metre of median.
+                # Shifting each direction to its right by half the median leaves room for the median.
                 right = (start[0] + arm[1] * half_median_m, start[1] - arm[0] * half_median_m)
                 shape = _points([right, _along(right, arm, distance)])
                 edges.append(_street(f"{column}{row}", f"{there[0]}{there[1]}", lanes, f'shape="{shape}"'))
@@ -98,7 +98,7 @@ def _refuges(folder: Path, rng: random.Random) -> None:
 
 
 def _wizard(folder: Path, rng: random.Random) -> None:
-    """A random network as the wizard's ``netconvert`` would leave it."""
+    """Make a random network with the options that osmWebWizard passes to ``netconvert``."""
     seed, iterations = rng.randrange(10**6), rng.randrange(30, 50)
     shape = ("--rand", f"--rand.iterations={iterations}", "--rand.min-distance=50", "--rand.max-distance=180")
     lanes = ("-L", rng.choice((1, 2)), "--random-lanenumber", "--seed", seed)
@@ -122,7 +122,7 @@ def _along(start: Point, arm: Point, way: float) -> Point:
 
 
 def _arc(centre: Point, radius: float, begin: float) -> str:
-    """Return a quarter of a circle from an angle on [rad]."""
+    """Return a quarter of a circle that starts at an angle [rad]."""
     angles = [begin + step * math.pi / 16 for step in range(9)]
     return _points(_along(centre, (math.cos(angle), math.sin(angle)), radius) for angle in angles)
 

@@ -1,4 +1,4 @@
-"""The programs of the installed SUMO, called with a time limit."""
+"""Calls the programs of the installed SUMO with a time limit."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import sumo
 
 HOME = Path(sumo.SUMO_HOME)
 LIMIT_S = 300.0
-"""Time that one program may take [s]."""
+"""Longest time that one program may take [s]."""
 
 _COMMENT = re.compile(r"<!--.*?-->\s*", re.DOTALL)
 
 
 class ZooError(Exception):
-    """A network could not be made; the text is one line."""
+    """A network could not be made; the message is one line."""
 
 
 def call(*words: object, folder: Path, limit_s: float = LIMIT_S) -> None:
@@ -30,12 +30,12 @@ def call(*words: object, folder: Path, limit_s: float = LIMIT_S) -> None:
         Name of the program, or path of a ``.py`` file below SUMO's ``tools``, and its arguments.
     folder : Path
     limit_s : float
-        Time after which it is ended [s].
+        Time after which the program is ended [s].
 
     Raises
     ------
     ZooError
-        If it fails or takes too long; the text holds the last thing it said.
+        If the program fails or takes too long; the message contains the last error in its output.
     """
     name, *arguments = map(str, words)
     script = name.endswith(".py")
@@ -58,7 +58,7 @@ def call(*words: object, folder: Path, limit_s: float = LIMIT_S) -> None:
 
 
 def without_comments(path: Path) -> None:
-    """Remove SUMO's comments, which hold the time and the folder: the same seed gives the same bytes."""
+    """Remove SUMO's comments, which contain time and folder, so that the same seed gives the same bytes."""
     path.write_text(_COMMENT.sub("", path.read_text("utf-8")), "utf-8")
 
 

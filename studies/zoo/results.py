@@ -1,4 +1,4 @@
-"""Reads what became of every run of the zoo."""
+"""Reads the results of all runs of the zoo."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from studies.zoo.driving import RESULTS, STATE, seeds_of
 from studies.zoo.recipe import Recipe
 
 _WORK = re.compile(rf"{RESULTS}/\.work/[^\s:]*/run/?")
-"""Folder of a run in flight, which is gone when its reason is read."""
+"""Matches the working folder of a run, which no longer exists when the reason is read."""
 DEFAULT_DURATION_S = Plan(0).duration_s
 
 
@@ -25,52 +25,52 @@ class Contact:
     person: str
     time_s: float | None
     impact_kmh: float | None
-    """``None`` where the ego stood."""
+    """Impact speed; ``None`` if the ego stood."""
     preventable: bool
     """Whether the careful driver would have avoided it; undefined counts as preventable."""
     place: str = ""
-    """Empty where the analysis does not say."""
+    """Place of the contact; empty if the analysis does not say."""
     moved_by: str = ""
     kind: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run that was asked for."""
+    """One requested run."""
 
     network: str
     controller: str
     seed: int
     reason: str
-    """Why it is not valid; empty where it is."""
+    """Why it is not valid; empty if it is."""
     of_sumo: bool
-    """Whether it ended, but SUMO teleported an ego."""
+    """Whether it ended, but is not valid because SUMO teleported an ego."""
     command: str
-    """Makes the same run by itself."""
+    """Command that makes only this run."""
     numbers: Mapping[str, float]
-    """Its row of ``runs.csv``; empty where there is none."""
+    """Its row of ``runs.csv``; empty if there is none."""
     contacts: tuple[Contact, ...]
-    """With a moving ego; those of a run that failed later are among them."""
+    """Contacts with a moving ego, including those of a run that failed later."""
 
     @property
     def valid(self) -> bool:
-        """Whether it went to its end without a fault."""
+        """Whether it reached its end without a fault."""
         return not self.reason
 
     def number(self, name: str) -> float:
-        """Return a column of ``runs.csv``, 0 where it is empty."""
+        """Return a column of ``runs.csv``, 0 if it is empty."""
         return self.numbers.get(name, 0.0)
 
 
 def read(recipe: Recipe, plan: Plan, folder: Path) -> list[Run]:
-    """Return every run that a network was to have, made or not.
+    """Return all planned runs of a network, made or not.
 
     Parameters
     ----------
     recipe : Recipe
     plan : Plan
     folder : Path
-        Of this network.
+        Folder of this network.
     """
     results = folder / RESULTS
     made = {_key(read_json(one / "job.json")): one for one in _folders(results / "runs")}

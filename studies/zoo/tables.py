@@ -1,4 +1,4 @@
-"""The tables of the zoo in Markdown, and the same as CSV files beside the runs."""
+"""The tables of the zoo in Markdown, and as CSV files beside the runs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CLASSES = ("place", "moved_by", "class")
 
 
 def cells(name: str, tally: Tally) -> list[str]:
-    """Return one row under `HEADS`."""
+    """Return one row with the columns `HEADS`."""
     return [
         name,
         f"{len(tally.valid)} of {len(tally.runs)}",
@@ -47,17 +47,17 @@ def cells(name: str, tally: Tally) -> list[str]:
 
 
 def pooled(runs: Sequence[Run], controllers: Iterable[str], network: str | None = None) -> str:
-    """Return a table with one row a controller, of one network or of all."""
+    """Return a table with one row per controller, for one network or for all."""
     return table(HEADS, [cells(name, of(runs, name, network)) for name in controllers])
 
 
 def bars_table(bars: Sequence[Bar]) -> str:
-    """Return the bars with what was measured."""
+    """Return a table of the bars with what was measured."""
     return table(("bar", "measured", "verdict"), [(bar.what, bar.measured, bar.verdict) for bar in bars])
 
 
 def contact_cells(run: Run, contact: Contact) -> list[str]:
-    """Return a contact under `CONTACTS` and `CLASSES`."""
+    """Return a contact as a row with the columns `CONTACTS` and `CLASSES`."""
     return [
         *(run.network, run.controller, str(run.seed), contact.ego, contact.person),
         *(_decimal(contact.time_s), _decimal(contact.impact_kmh), "yes" if contact.preventable else "no"),
@@ -66,7 +66,7 @@ def contact_cells(run: Run, contact: Contact) -> list[str]:
 
 
 def write(folder: Path, runs: Sequence[Run]) -> None:
-    """Write ``networks.csv``, ``contacts.csv`` and ``failures.csv``; failed runs included."""
+    """Write ``networks.csv``, ``contacts.csv`` and ``failures.csv``, including failed runs."""
     pairs = dict.fromkeys((run.network, run.controller) for run in runs)
     write_csv(
         folder / "networks.csv",

@@ -1,4 +1,4 @@
-"""Runs counted together."""
+"""Sums over several runs."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from studies.zoo.results import Contact, Run
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """What some runs have come to."""
+    """The results of several runs, summed up."""
 
     runs: Sequence[Run]
 
     @property
     def valid(self) -> list[Run]:
-        """Return the runs that went to their end without a fault; all numbers below are theirs."""
+        """Return the runs that reached their end without a fault; all numbers below cover these."""
         return [run for run in self.runs if run.valid]
 
     @property
@@ -28,12 +28,12 @@ class Tally:
 
     @property
     def preventable(self) -> int:
-        """Return how many of them the careful driver would have avoided."""
+        """Return how many contacts the careful driver would have avoided."""
         return sum(contact.preventable for contact in self.contacts)
 
     @property
     def classes(self) -> Counter[str]:
-        """Return how many contacts there are of each class; empty where the analysis does not say."""
+        """Return the number of contacts of each class; empty if the analysis does not say."""
         return Counter(contact.kind for contact in self.contacts if contact.kind)
 
     @property
@@ -48,19 +48,19 @@ class Tally:
 
     @property
     def delay_s(self) -> float | None:
-        """Return the mean delay of an ego against free flow [s]."""
+        """Return the mean delay of an ego relative to free flow [s]."""
         egos = self.total("ego_count")
         return sum(run.number("ego_time_loss_s") for run in self.valid) / egos if egos else None
 
     @property
     def share(self) -> str:
-        """Return the contacts per entered encounter with the exact 95 % interval [%]."""
+        """Return the exact 95 % interval of the contacts per entered encounter [%]."""
         touched = len(self.contacts)
         found = share_interval(touched, max(self.entered, touched))
         return f"{100 * found.low:.1f} to {100 * found.high:.1f} %" if found is not None else ""
 
     def total(self, column: str) -> int:
-        """Return the sum of a column of ``runs.csv`` that holds counts."""
+        """Return the sum of a column of counts of ``runs.csv``."""
         return int(sum(run.number(column) for run in self.valid))
 
 
@@ -72,7 +72,7 @@ def of(runs: Iterable[Run], controller: str, network: str | None = None) -> Tall
 
 
 def shared(runs: Sequence[Run], one: str, other: str) -> tuple[Tally, Tally]:
-    """Return the tallies of two controllers over the networks and seeds that are valid for both."""
+    """Return the tallies of two controllers over the networks and seeds with valid runs of both."""
     places = [{(run.network, run.seed) for run in of(runs, name).valid} for name in (one, other)]
     both = places[0] & places[1]
     kept = [run for run in runs if (run.network, run.seed) in both]

@@ -1,4 +1,4 @@
-"""A town of the zoo: network, demand and configuration in a folder, the same for the same seed."""
+"""Makes a town of the zoo: network, demand and configuration in a folder, determined by the seed."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ CARS, PEOPLE = "cars.rou.xml", "people.rou.xml"
 
 
 def make(recipe: Recipe, seed: int, duration_s: float, folder: Path) -> Path:
-    """Make a town, if it is not there yet, and return its configuration.
+    """Make a town if it does not exist yet, and return its configuration.
 
     Parameters
     ----------
     recipe : Recipe
     seed : int
-        Of the zoo.
+        Seed of the zoo.
     duration_s : float
-        How long cars and people set out [s].
+        Time during which cars and people set out [s].
     folder : Path
 
     Raises
@@ -75,7 +75,7 @@ def _demand(folder: Path, demand: Demand, duration_s: float, rng: random.Random)
         )
         call(*people, folder=folder)
         routes.append(PEOPLE)
-    for path in (*folder.glob("*.rou.alt.xml"), folder / "routes.rou.xml"):  # routing left them
+    for path in (*folder.glob("*.rou.alt.xml"), folder / "routes.rou.xml"):  # left by the routing
         path.unlink(missing_ok=True)
     for name in routes:
         if not (folder / name).exists():
@@ -85,7 +85,7 @@ def _demand(folder: Path, demand: Demand, duration_s: float, rng: random.Random)
 
 
 def _street_km(net: Path) -> float:
-    """Return the length of all edges for cars, each direction by itself [km]."""
+    """Return the total length of all edges for cars, counting each direction separately [km]."""
     edges = sumolib.net.readNet(str(net)).getEdges(withInternal=False)
     return sum(float(edge.getLength()) for edge in edges if edge.allows("passenger")) / 1000.0
 

@@ -1,4 +1,4 @@
-"""Which variable of a functional mock-up unit is which number of a perception, from a TOML file."""
+"""Maps variables of a functional mock-up unit to numbers of a perception, as a TOML file says."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ EXAMPLE = '[inputs] gap = "ahead_gap_m"  [outputs] acceleration_mps2 = "a_des"'
 
 
 class Source(BaseModel):
-    """A number of the perception in the unit that the variable wants."""
+    """A number of the perception, converted to the unit of measurement that the variable needs."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     number: str
     """Its name in :class:`controllers.outside.view.View`."""
     scale: Number = 1.0
-    """What the value is multiplied by: 3.6 for km/h."""
+    """Factor on the value, for example 3.6 for km/h."""
 
 
 class Outputs(BaseModel):
@@ -35,7 +35,7 @@ class Outputs(BaseModel):
 
     acceleration_mps2: str
     steering_rad: str | None = None
-    """Absent: the ego keeps its lane."""
+    """If it is absent, the ego keeps its lane."""
 
 
 class Mapping(BaseModel):
@@ -48,7 +48,7 @@ class Mapping(BaseModel):
     parameters: dict[str, Number] = {}
 
     def sources(self) -> dict[str, Source]:
-        """Return where each input comes from, by the unit's variable."""
+        """Return the source of each input, by the name of the unit's variable."""
         return {
             name: one if isinstance(one, Source) else Source(number=one) for name, one in self.inputs.items()
         }
@@ -66,7 +66,7 @@ def read_mapping(path: Path, inputs: Iterable[str], outputs: Iterable[str], othe
     Raises
     ------
     ValueError
-        In one line, with what is wrong and what exists.
+        If the file cannot be used; the message says in one line what is wrong and what exists.
     """
     try:
         mapping = Mapping.model_validate(tomllib.loads(path.read_text("utf-8")))

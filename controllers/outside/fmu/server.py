@@ -1,6 +1,6 @@
-"""Runs one unit for a controller in another process: foreign machine code never shares one with SUMO.
+"""Runs one unit for a controller in another process, so that foreign machine code never shares one with SUMO.
 
-``python -m controllers.outside.fmu.server acc.fmu`` is what :mod:`controllers.outside.fmu.driver` starts.
+:mod:`controllers.outside.fmu.driver` starts it as ``python -m controllers.outside.fmu.server acc.fmu``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from controllers.outside.process.wire import Wire
 
 
 def serve(path: Path) -> None:
-    """Answer requests until the end."""
+    """Answer requests until the controller sends the end."""
     wire = Wire.to_parent()
     wire.send({"type": "hello", "token": os.environ["COSIM_TOKEN"]})
     try:
@@ -40,4 +40,4 @@ def _answer(unit: Unit, message: dict[str, Any]) -> dict[str, Any]:
 if __name__ == "__main__":
     serve(Path(sys.argv[1]))
     sys.stdout.flush()
-    os._exit(0)  # what the unit's library does when it is unloaded is of no interest any more
+    os._exit(0)  # ends without unloading the unit's library, whose clean-up does not matter any more

@@ -1,4 +1,4 @@
-"""A co-simulation unit of FMI 2.0 or 3.0, through FMPy."""
+"""A co-simulation unit of FMI 2.0 or 3.0, run by FMPy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _REAL = ("Real", "Float64")
 
 
 class UnitError(ValueError):
-    """A unit that cannot be used, or that failed; one line for the user."""
+    """A unit cannot be used, or has failed; the message is one line for the user."""
 
 
 class Unit:
@@ -28,7 +28,7 @@ class Unit:
     Raises
     ------
     UnitError
-        Without FMPy, and for a file that is no unit of co-simulation for this platform.
+        If FMPy is missing, or the file is no co-simulation unit for this platform.
     """
 
     def __init__(self, path: Path) -> None:
@@ -105,7 +105,7 @@ class Unit:
         return float(getter([self._references[name]])[0])
 
     def step(self, inputs: Mapping[str, float], duration: float) -> None:
-        """Set inputs and go on by that time [s].
+        """Set the inputs and advance the unit by ``duration`` [s].
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Unit:
         self._time += duration
 
     def close(self) -> None:
-        """End the unit; a second call does nothing."""
+        """Terminate the unit; a second call does nothing."""
         if self._remove.alive:
             self._slave.terminate()
             self._slave.freeInstance()

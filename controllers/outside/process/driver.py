@@ -1,4 +1,4 @@
-"""A controller whose decisions a program makes."""
+"""A controller that lets a program make its decisions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from controllers.settings import ControllerSettings, NotNegative, Positive
 
 Made = TypeVar("Made")
 LATE = "fallback_late"
-"""Status of a step in which the program did not answer in time."""
+"""Status of a step in which the program has not answered in time."""
 
 
 class Settings(ControllerSettings):
@@ -68,7 +68,7 @@ class ProcessController:
         self._answer: Answer | None = None
 
     def decide(self, perception: Perception) -> Decision:
-        """Ask the program; keep the lane where it does not answer in time."""
+        """Ask the program; keep the lane if it does not answer in time."""
         self._step += 1
         self._link.send(told(perception, self._step))
         self._answer = self._received()
@@ -77,7 +77,7 @@ class ProcessController:
         return self._checked(lambda answer: decision_of(answer, perception))
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Return the program's plan, or the declared fallback: braking in the lane."""
+        """Return the program's plan, or else the declared fallback: braking in the lane."""
         if self._answer is None:
             times = lane_keeping.instants(perception.ego)
             acceleration = np.full(len(times), -self._settings.fallback_braking_mps2)
@@ -102,7 +102,7 @@ class ProcessController:
         self._link.send({"type": "start", "protocol": PROTOCOL, "seed": self._settings.seed})
 
     def _received(self) -> Answer | None:
-        """Return the answer to this step, none to an earlier one; ``None`` if it is late."""
+        """Return the answer to this step, skipping answers to earlier ones; ``None`` if it is late."""
         deadline_s = 1e-3 * self._settings.deadline_ms
         until = time.monotonic() + deadline_s
         while True:

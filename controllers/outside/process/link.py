@@ -1,7 +1,7 @@
-"""The connection to a controller's program: it is started, spoken to over a socket, and ended.
+"""The connection to a controller's program: starts it, exchanges messages over a socket, and ends it.
 
-A message is its length in four bytes, the highest first, and its content: JSON, or MessagePack if the
-program's first message is.
+A message consists of its length in four bytes, the highest first, and its content. The content is JSON, or
+MessagePack if the program's first message is in MessagePack.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from collections.abc import Sequence
 from typing import Any
 
 LARGEST = 1 << 24
-"""Longest message that is read [bytes]; a longer one is not of this protocol."""
+"""Longest message that is read [bytes]; a longer one does not belong to this protocol."""
 SAFE_END_S = 1.0
-"""A program has so long to end by itself, and again after it was asked to [s]."""
+"""A program has this long to end by itself, and the same time again after it was asked to end [s]."""
 _POLL_S = 0.1
 
 
 class LinkError(RuntimeError):
-    """The program ended, or said something that is no message; one line for the user."""
+    """The program ended, or sent something that is no message; the error is one line for the user."""
 
 
 class Late(Exception):
-    """There was no answer in time; the connection still works."""
+    """No answer came in time; the connection still works."""
 
 
 class Link:
@@ -42,7 +42,7 @@ class Link:
     within_s
         The program has to connect within this time [s].
     **variables
-        Of its environment, besides those of this process.
+        Environment variables of the program, in addition to those of this process.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class Link:
         Raises
         ------
         LinkError
-            If it is none, comes too late, or has not the token.
+            If it is no message, comes too late, or lacks the token.
         """
         try:
             message = self.receive(within_s)
@@ -112,7 +112,7 @@ class Link:
         Raises
         ------
         Late
-            If there is none in time; what has come of it is kept.
+            If no message is complete in time; the part that has arrived is kept.
         LinkError
             If the program has ended, or what it sent is no message.
         """
@@ -136,7 +136,7 @@ class Link:
             self._received += part
 
     def close(self) -> None:
-        """Tell the program that it is over, and see that it ends; a second call does nothing."""
+        """Tell the program to end, and make sure that it ends; a second call does nothing."""
         if self._closed.alive:
             with contextlib.suppress(LinkError):
                 self.send({"type": "end"})
@@ -153,7 +153,7 @@ class Link:
         raise LinkError(f"{self._name} did not connect to COSIM_ADDRESS within {within_s:g} s")
 
     def _complete(self) -> dict[str, Any] | None:
-        """Return the first of the received messages, once all of it is there."""
+        """Return the first received message once it is complete, and ``None`` until then."""
         if len(self._received) < 4:
             return None
         length = int.from_bytes(self._received[:4], "big")
@@ -182,7 +182,7 @@ class Link:
 
     def _gone(self, what: str) -> LinkError:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            code = self._process.wait(SAFE_END_S)  # its connection may be gone before the program is
+            code = self._process.wait(SAFE_END_S)  # the connection may end before the program does
             how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
             return LinkError(f"{self._name} {how}")
         return LinkError(f"{self._name} {what}")
@@ -206,7 +206,7 @@ def _close(connection: socket.socket, process: subprocess.Popen[bytes]) -> None:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Let a program end by itself; end it if it does not."""
+    """Wait for a program to end by itself; terminate it if it does not."""
     for insist in (process.terminate, process.kill):
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(SAFE_END_S)

@@ -1,4 +1,4 @@
-"""A perception as a message of the step protocol, and a command as what drives the ego."""
+"""Turns a perception into a message of the step protocol, and a command into a decision and a plan."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _GAPS = tuple(messages.Gaps.model_fields)
 
 
 def told(perception: Perception, step: int) -> dict[str, Any]:
-    """Return the message of a perception; plain values only."""
+    """Return the message for a perception, which holds plain values only."""
     return {
         "type": "perception",
         "step": step,
@@ -41,7 +41,7 @@ def told(perception: Perception, step: int) -> dict[str, Any]:
 
 
 def decision_of(command: messages.Command, perception: Perception) -> Decision:
-    """Return what a program has decided.
+    """Return the decision of a program.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def decision_of(command: messages.Command, perception: Perception) -> Decision:
 
 
 def plan_of(command: messages.Command, perception: Perception, decision: Decision) -> Plan:
-    """Return how a program wants to drive.
+    """Return the plan of a program.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The simplest other end of the protocol, in Python: messages over a socket, waited for without a limit."""
+"""The simplest other end of the protocol, in Python: messages over a socket, without a time limit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Wire:
 
     @classmethod
     def to_parent(cls) -> Wire:
-        """Connect to the address that the environment names."""
+        """Connect to the address in the environment variable COSIM_ADDRESS."""
         host, port = os.environ["COSIM_ADDRESS"].split(":")
         link = socket.create_connection((host, int(port)))
         link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -29,7 +29,7 @@ class Wire:
         self.socket.sendall(len(content).to_bytes(4, "big") + content)
 
     def receive(self) -> dict[str, Any]:
-        """Return the next message; the end, if there is none any more."""
+        """Return the next message, or an end message once the connection is closed."""
         content = self._exactly(int.from_bytes(self._exactly(4), "big"))
         found: dict[str, Any] = json.loads(content) if content else {"type": "end"}
         return found
