@@ -21,7 +21,7 @@ from analysis.study.runs import STUDY_FILE, StudyRun
 FAILED = "failed.csv"
 NOTE = "job.json"
 MOST_CRITERIA = 400
-"""Largest number of rows of criteria.csv on the page; those that decide against the study come first."""
+"""Largest number of rows of criteria.csv on the page; the rows that fail the check come first."""
 _WORDS = {"invalid": "invalid", "fail": "failed", "undefined": "undefined", "pass": "passed"}
 
 
@@ -127,9 +127,9 @@ def damaged_runs(study: Study, out: Path) -> list[dict[str, str]]:
 
 
 def criteria(root: Path | None) -> dict[str, Any] | None:
-    """Return the results of a check, those that decide against it first; ``None`` without a criteria.csv.
+    """Return the results of a check, those that make it fail first; ``None`` without a criteria.csv.
 
-    For a failure that does not count, ``decides`` is false.
+    Rows that make it fail have ``decides`` true, which a failure that does not count has not.
     """
     if root is None or not (root / CRITERIA.file).is_file():
         return None

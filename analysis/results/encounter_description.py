@@ -34,12 +34,12 @@ class ListedEncounter:
 
     @property
     def start(self) -> float:
-        """[s]."""
+        """Time at which the encounter begins [s]."""
         return float(self.case.grid.time[self.encounter.first])
 
     @property
     def end(self) -> float:
-        """[s]."""
+        """Time at which the encounter ends [s]."""
         return float(self.case.grid.time[self.encounter.last])
 
     @property
@@ -49,7 +49,7 @@ class ListedEncounter:
 
     @property
     def pedestrian_radius(self) -> float:
-        """[m]."""
+        """Radius of the pedestrian's disc [m]."""
         return 0.5 * self.encounter.person.width
 
     @property

@@ -30,7 +30,7 @@ class CrossingUse:
     origin: Origin
     area: Area
     observed: float
-    """[s]."""
+    """Simulated time that was recorded [s]."""
     passed: list[tuple[bool, str, float]] = field(default_factory=list)
     """For each motor vehicle: whether it is not an ego, its name, and its speed at the crossing [m/s]."""
     cyclists: int = 0
@@ -41,22 +41,22 @@ class CrossingUse:
 
     @property
     def middle(self) -> FloatArray:
-        """[m]."""
+        """Middle of the crossing's axis [m]."""
         return np.asarray(0.5 * (self.area.shape[0] + self.area.shape[-1]))
 
     @property
     def x(self) -> float:
-        """[m]."""
+        """East coordinate of the middle [m]."""
         return float(self.middle[0])
 
     @property
     def y(self) -> float:
-        """[m]."""
+        """North coordinate of the middle [m]."""
         return float(self.middle[1])
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """Length from kerb to kerb [m]."""
         return float(arc_lengths(self.area.shape)[-1])
 
     @property
@@ -71,12 +71,12 @@ class CrossingUse:
 
     @property
     def mean_speed(self) -> float | None:
-        """[m/s]."""
+        """Mean speed of motor vehicles; ``None`` without any [m/s]."""
         return float(np.mean(self.speeds)) if self.passed else None
 
     @property
     def high_speed(self) -> float | None:
-        """[m/s]."""
+        """85th percentile of the speeds of motor vehicles; ``None`` without any [m/s]."""
         return float(np.percentile(self.speeds, 85.0)) if self.passed else None
 
     @property

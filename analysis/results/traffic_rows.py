@@ -40,7 +40,7 @@ class ListedTraffic(ListedEncounter):
 
     @property
     def controller(self) -> str:
-        """Who drives the vehicle."""
+        """Name of the vehicle's driver."""
         if self.is_ego:
             return str(self.origin.meta["controller"])
         return str(self.origin.meta.get("traffic_driver", SUMO))

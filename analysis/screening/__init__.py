@@ -1,1 +1,1 @@
-"""Which crossings of a network are dangerous, from runs that record everybody."""
+"""Finds the dangerous crossings of a network, from runs that record everybody."""

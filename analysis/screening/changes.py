@@ -1,4 +1,4 @@
-"""What an alternative changes at each crossing and in the whole network, on the same seeds."""
+"""Finds what an alternative changes at each crossing and in the whole network, on the same seeds."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def in_reaction_space(
     shape : shape of the car
     road : the road whose edges count; people further away from it do not matter
     friction : f of the reaction space
-    standoff : distance kept to a pedestrian's path where no stop line says more [m]
+    standoff : distance kept to a pedestrian's path if no stop line asks for more [m]
     stretch : factor on the length of the space, so that an avoidance that has begun does not end at once
 
     Notes

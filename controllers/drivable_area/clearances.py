@@ -78,7 +78,7 @@ class Boxes:
     """Rectangles of m vehicles at K times, shape (m, K), and their sizes, shape (m,)."""
 
     x: FloatArray
-    """Of the middle [m]."""
+    """Places of the middles [m]."""
     y: FloatArray
     heading: FloatArray
     """Shape (m,) [rad]."""

@@ -30,7 +30,7 @@ class Conflict:
 
     name: str
     time: float
-    """[s]"""
+    """Time from now until the meeting [s]."""
     along: float
     """Place of the pedestrian at that time [m]."""
     across: float
@@ -46,7 +46,7 @@ def relevant(
     Parameters
     ----------
     perception : what the ego knows
-    watch : what is remembered of pedestrians; updated here
+    watch : what the ego remembers of pedestrians; updated here
     horizon : time within which people who will be on the road count [s]
     assume : assumptions about people whose velocity does not say what they will do
     """
@@ -105,7 +105,7 @@ def first_conflict(
     people : the pedestrians expected on the road
     shape : shape of the car
     margin : margin for each pedestrian, shape (n,) [m]
-    standoff : distance kept to a pedestrian's path where no stop line says more [m]
+    standoff : distance kept to a pedestrian's path if no stop line asks for more [m]
     """
     if len(people) == 0:
         return None

@@ -62,19 +62,19 @@ class Rules:
     full_braking: bool = False
     """Whether the car reaches v_s as fast as possible, as in the paper, or only where it is needed."""
     dead_time: float = 0.0
-    """[s]"""
+    """Time before the candidates begin to change their speed [s]."""
     margin: float = 0.3
     """Distance that has to be kept to pedestrians' discs; it grows from 0 to this in ``margin_time`` [m]."""
     margin_time: float = 1.0
-    """[s]"""
+    """Time in which ``margin`` grows to its full value [s]."""
     vehicle_margin: float = 0.3
-    """[m]"""
+    """Distance that has to be kept to vehicles [m]."""
     edge_margin: float = 0.1
-    """[m]"""
+    """Distance that has to be kept to the road's edges [m]."""
     horizon: float = 5.0
-    """[s]"""
+    """Time over which candidates are judged [s]."""
     step: float = 0.1
-    """[s]"""
+    """Time between two instants at which candidates are judged [s]."""
     walks: int = 16
     """Number of random walks of each pedestrian."""
     model: SocialForceModel = field(default_factory=SocialForceModel)
@@ -240,7 +240,10 @@ def _vehicle_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArra
 
 
 def _edge_violation(scene: Scene, rules: Rules, moving: Motions) -> FloatArray:
-    """Return how much further than now the car comes over the edges of the road [m]."""
+    """Return by how much the car falls short of the margin to the road's edges [m].
+
+    A car that is already nearer to an edge than the margin must only not come nearer.
+    """
     beyond = scene.shape.beyond_edges(moving.across, moving.heading, scene.right, scene.left)
     allowed = np.maximum(-rules.edge_margin, beyond[:, :1])
     return np.asarray((beyond - allowed - 1e-6).max(axis=1))

@@ -31,7 +31,7 @@ class Found:
 
 
 def is_address(name: str) -> bool:
-    """Tell an address from a name of the catalogue.
+    """Return whether a name is an address and not a name of the catalogue.
 
     >>> is_address("./patient.py"), is_address("process:node drive.js"), is_address("vo_mpc")
     (True, True, False)

@@ -48,7 +48,7 @@ def plan_of(answer: object, perception: Perception) -> Plan:
     Raises
     ------
     TypeError
-        For anything else.
+        If the answer is anything else.
     """
     if isinstance(answer, Plan):
         return answer

@@ -27,7 +27,7 @@ FAR = 150.0
 BEHIND = 10.0
 """Pedestrians further behind the rear axle are left out [m]."""
 FASTEST = 60.0
-"""[m/s]"""
+"""Higher speeds are reported as this [m/s]."""
 PER_PEDESTRIAN = 7
 """How many numbers describe one pedestrian."""
 NEIGHBOURS = ("ahead", "behind", "left_ahead", "left_behind", "right_ahead", "right_behind")

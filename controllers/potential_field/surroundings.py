@@ -1,4 +1,4 @@
-"""What matters of an ego's surroundings to its way down a field: people, distances, lanes and speeds."""
+"""The surroundings that matter for an ego's way down a field: people, distances, lanes and speeds."""
 
 from __future__ import annotations
 

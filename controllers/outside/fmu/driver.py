@@ -1,4 +1,4 @@
-"""A controller whose acceleration, and perhaps steering, a functional mock-up unit computes."""
+"""A controller that lets a functional mock-up unit compute its acceleration and, optionally, its steering."""
 
 from __future__ import annotations
 
@@ -107,6 +107,6 @@ def builder(address: str) -> Callable[..., Controller]:
         try:
             return FmuController(Path(address), settings)
         except LinkError as error:
-            raise ValueError(str(error)) from error  # told in one line before the run begins
+            raise ValueError(str(error)) from error  # shown as one line before the run begins
 
     return build

@@ -144,6 +144,6 @@ def builder(command: str) -> Callable[..., Controller]:
         try:
             return ProcessController(command, settings)
         except LinkError as error:
-            raise ValueError(str(error)) from error  # told in one line before the run begins
+            raise ValueError(str(error)) from error  # shown as one line before the run begins
 
     return build

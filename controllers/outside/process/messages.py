@@ -1,4 +1,4 @@
-"""The messages of the step protocol: what they contain, in which unit; their JSON schema is made of this.
+"""The messages of the step protocol: their contents and units, from which their JSON schema is made.
 
 ``python -m controllers.outside.process.messages docs/schemas/step-protocol-1.json`` writes the schema.
 """
