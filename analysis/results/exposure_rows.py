@@ -46,12 +46,12 @@ class CrossingUse:
 
     @property
     def x(self) -> float:
-        """East coordinate of the middle [m]."""
+        """x coordinate of the middle, in the world frame [m]."""
         return float(self.middle[0])
 
     @property
     def y(self) -> float:
-        """North coordinate of the middle [m]."""
+        """y coordinate of the middle, in the world frame [m]."""
         return float(self.middle[1])
 
     @property

@@ -69,7 +69,7 @@ def rank(counted: Counted, least_pedestrians: float, by: str = BY_RISK) -> Ranki
     least_pedestrians
         A crossing with fewer pedestrians in all runs is not ranked.
     by
-        One of ``RANK_BY``: what interval and test belong to.
+        One of ``RANK_BY``, to which interval and test belong.
 
     Notes
     -----

@@ -100,7 +100,7 @@ def shares(axes: Sequence[Axis], points: Sequence[Point]) -> np.ndarray:
 
 
 def distance(axes: Sequence[Axis], one: Point, other: Point) -> float:
-    """Return the distance of two points from 0 to 1; all axes weigh the same, and a choice differs by 0 or 1.
+    """Return the distance between two points, 0 to 1; all axes weigh the same, and choices are 0 or 1 apart.
 
     Examples
     --------

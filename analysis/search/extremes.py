@@ -101,7 +101,7 @@ class _Tails:
         return [one for at, counts in by_threshold.items() for one in self._beyond(at, np.array(counts))]
 
     def _beyond(self, at: int, counts: IntArray) -> Iterator[tuple[float, int, float]]:
-        """Yield the tails of samples with one threshold, from counts of nearer distances, (samples, at)."""
+        """Yield the tails of samples with one threshold, from counts of shape (samples, at) below it."""
         threshold = float(self.distances[at])
         if not np.isfinite(threshold) or threshold <= 0.0:
             return

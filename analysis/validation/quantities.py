@@ -45,7 +45,7 @@ def _mean_speed(vehicles: pd.DataFrame, step_s: float) -> Values:
 
 
 def _long_enough(frame: pd.DataFrame, step_s: float) -> Any:
-    """Return the groups of road users who were seen for long enough; samples are ``step_s`` apart."""
+    """Return the groups of road users who were seen for long enough, with samples ``step_s`` apart [s]."""
     count = frame.groupby("id")["time_s"].transform("size")
     return frame[count * step_s >= LEAST_S].groupby("id")
 

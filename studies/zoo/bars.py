@@ -41,7 +41,7 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
     runs : Sequence
         Runs of all controllers.
     own_demand : Sequence
-        Networks with a ready-made configuration, which need not have a number of encounters.
+        Networks with a ready-made configuration, which need no least number of encounters.
     """
     judged = of(runs, JUDGED)
     contacts, entered = judged.contacts, judged.entered
