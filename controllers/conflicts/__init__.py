@@ -1,1 +1,1 @@
-"""Who is in conflict with the ego's way: in it, beside it, or hidden where nobody can be seen."""
+"""Pedestrians in conflict with the ego's way: in it, beside it, or hidden from view."""

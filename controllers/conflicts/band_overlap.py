@@ -1,4 +1,4 @@
-"""When pedestrians are in a band of the road: at constant speed, or in a forecast."""
+"""When pedestrians are in a band of the road, at constant speed or according to a forecast."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from controllers.prediction.forecast import Forecast
 def straight_overlap(
     across: FloatArray, speed: FloatArray, low: FloatArray, high: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return when points that move at constant speed enter and leave [low, high]; inf for never."""
+    """Return when points that move at constant speed enter and leave [low, high]; inf for never [s]."""
     moving = np.abs(speed) > 1e-6
     safe = np.where(moving, speed, 1.0)
     first = (np.where(safe > 0.0, low, high) - across) / safe
@@ -25,7 +25,7 @@ def straight_overlap(
 
 
 def sampled_overlap(forecast: Forecast, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return when forecasts first enter [low, high] and when they have left for good; inf for never."""
+    """Return when forecasts first enter [low, high] and when they leave it for good; inf for never [s]."""
     times = forecast.times
     outside = np.maximum(low[:, None] - forecast.across, forecast.across - high[:, None]) - forecast.reach
     inside = outside <= 0.0
@@ -34,7 +34,7 @@ def sampled_overlap(forecast: Forecast, low: FloatArray, high: FloatArray) -> tu
     after_last = inside.shape[1] - np.argmax(inside[:, ::-1], axis=1)
 
     def border(index: IntArray) -> FloatArray:
-        """Return when the border is crossed within the interval that ends with a sample."""
+        """Return when the border is crossed in the interval that ends at the sample ``index``."""
         ends = np.clip(index, 1, len(times) - 1)
         before, after = outside[each, ends - 1], outside[each, ends]
         change = np.where(before == after, 1.0, before - after)
@@ -48,7 +48,7 @@ def sampled_overlap(forecast: Forecast, low: FloatArray, high: FloatArray) -> tu
 
 
 def speed_across(forecast: Forecast, times: FloatArray) -> FloatArray:
-    """Return the speed across at one time for each, that of the last known one beyond it [m/s]."""
+    """Return the speed across of each pedestrian at one time each; after the forecast, its last one [m/s]."""
     known = np.searchsorted(forecast.times, times, side="right")
     interval = np.clip(known, 1, len(forecast.times) - 1)
     each = np.arange(len(times))

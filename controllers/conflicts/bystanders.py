@@ -1,9 +1,9 @@
-"""People who stay beside the way: how near the body comes to them, and how fast it may pass.
+"""People who stay beside the ego's way: how near its body comes to them, and how fast it may pass.
 
-The body is laid along the way into a lane, with all four corners on the true curve of the road. Pedestrians
-not expected to enter that way are discs where they are. The nearer the body comes to them, the slower it
-passes. Those who wait at a crossing or stand in the road may set off while it does, so that it has to stop
-before they reach it.
+The body is placed along the way into a lane, with all four corners on the true curve of the road. Pedestrians
+who are not expected to enter that way are discs at their present places. The nearer the body comes to them,
+the more slowly the ego passes. Pedestrians who wait at a crossing or stand in the road may set off while the
+ego passes, so it must be able to stop before they reach it.
 """
 
 from __future__ import annotations
@@ -21,47 +21,47 @@ from controllers.geometry.swing import farthest_out
 from controllers.interface import Body, Perception, RoadAhead
 
 LOOK_AHEAD, LOOK_AHEAD_S = 50.0, 6.0
-"""Positions of the rear axle up to this one are looked at, and those it gets to in this time [m, s]."""
+"""Positions of the rear axle are considered up to this distance, or as far as it gets in this time [m, s]."""
 TOUCHING, CREEPING = 0.3, 1.0
-"""Nearer than this somebody is passed with this speed [m, m/s]."""
+"""Pedestrians nearer than this are passed at this speed [m, m/s]."""
 NEAR, SLOW = 0.55, 2.5
-"""Nearer than this with this one [m, m/s]."""
+"""Pedestrians between ``TOUCHING`` and this distance are passed at this speed [m, m/s]."""
 FREE, FAST = 0.8, 14.0
-"""Up to this distance the speed rises, to this one; from there on it does not matter [m, m/s]."""
+"""The passing speed rises to this speed at this distance; beyond it there is no limit [m, m/s]."""
 BESIDE_WALKERS = 1.0
-"""Who walks may step aside: nearer than ``NEAR`` they are passed no faster than this [m/s]."""
+"""Walking pedestrians may step aside: nearer than ``NEAR`` they are passed no faster than this [m/s]."""
 SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.5
-"""Speed of who sets off from a crossing's end, how the ego stops for them [m/s, m/s^2, s], and how slowly it
-passes them at the least [m/s]."""
+"""Speed of pedestrians who set off from a crossing's end [m/s], deceleration and reaction time with which the
+ego stops for them [m/s^2, s], and lowest speed at which it passes them [m/s]."""
 HASTE = 2.5
-"""Who stands in the road may set off as fast as they came, at most with this [m/s]."""
+"""Pedestrians who stand in the road may set off as fast as they came, but no faster than this [m/s]."""
 UNBOUNDED = 100.0
-"""Stands for no limit [m/s]."""
+"""This speed stands for no limit [m/s]."""
 ASIDE = 2.2
-"""Whoever is farther beside the body on the rear axle's way cannot be near the front of a car that swings
-out; that of a longer vehicle comes farther out [m]."""
+"""Pedestrians farther than this beside the body of a car cannot be near its front, even where it swings out;
+the front of a longer vehicle swings out farther [m]."""
 LARGEST_SWING = 1.5
-"""Of a car [m]."""
+"""The front of a car swings out by no more than this; that of a longer vehicle may swing out more [m]."""
 
 
 class Bystanders(NamedTuple):
     """How near the body comes to each of n pedestrians at k positions of the rear axle."""
 
     places: FloatArray
-    """Along the road, shape (k,) [m]."""
+    """The k positions along the road, shape (k,) [m]."""
     who: NDArray[np.intp]
     """Index into ``Perception.pedestrians``, shape (n,)."""
     wait: NDArray[np.bool_]
-    """Whose next step is onto a crossing, shape (n,)."""
+    """True for those who wait to step onto a crossing, shape (n,)."""
     walk: NDArray[np.bool_]
-    """Who is on the move, shape (n,)."""
+    """True for those who walk, shape (n,)."""
     sets_off: FloatArray
-    """How fast those who stand in the road may set off; nan for others, shape (n,) [m/s]."""
+    """Speed at which those who stand in the road may set off; nan for others, shape (n,) [m/s]."""
     clearance: FloatArray
-    """Shape (k, n) [m]."""
+    """Distance from the body to each pedestrian at each position, shape (k, n) [m]."""
 
     def least(self, count: int) -> FloatArray:
-        """Return the least distance to each of ``count`` pedestrians; inf for those looked past [m]."""
+        """Return the least distance to each of ``count`` pedestrians; inf for those not considered [m]."""
         least = np.full(count, np.inf)
         least[self.who] = self.clearance.min(axis=0)
         return least
@@ -71,7 +71,7 @@ class Bystanders(NamedTuple):
 
         Parameters
         ----------
-        waited_for : who is not passed, or is passed otherwise, by index
+        waited_for : pedestrians who are not passed, or are passed by other rules, by index
         """
         passed = ~np.isin(self.who, waited_for)
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
@@ -89,7 +89,7 @@ class Bystanders(NamedTuple):
 
 
 def passing_speed(clearance: FloatArray) -> FloatArray:
-    """Return how fast pedestrians who stay where they are may be passed at a distance [m/s].
+    """Return how fast pedestrians who stay where they are may be passed at each distance [m/s].
 
     >>> passing_speed(np.array([0.2, 0.4, 0.6, 0.8])).tolist()
     [1.0, 2.5, 4.8, 100.0]
@@ -100,7 +100,7 @@ def passing_speed(clearance: FloatArray) -> FloatArray:
 
 
 def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArray:
-    """Return from which speed the ego stops before somebody at a distance has walked up to it [m/s].
+    """Return the speed from which the ego stops before a pedestrian at each distance has reached it [m/s].
 
     >>> speed_to_stop(np.array([0.2, 0.6, 0.75])).tolist()
     [0.5, 1.2, 2.0]
@@ -120,8 +120,9 @@ def bystanders(
     offset
         Across coordinate of the lane's centre line [m].
     enters
-        Who of the pedestrians may enter the way. Those are waited for, or passed with the margins of their
-        class; of them only who is beside the body already counts, or who has stopped and may turn back.
+        Which pedestrians may enter the way. The ego waits for them, or passes them with the margins of their
+        class; of them, only those who are already beside the body count here, and those who have stopped
+        and may turn back.
     sets_off
         See ``Expectation`` [m/s].
     """
@@ -149,10 +150,10 @@ def bystanders(
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return how far the front juts out to the right and to the left of a bend where it is, shape (n,) [m].
+    """Return how far the front swings out to the right and to the left at each place, shape (n,) [m].
 
-    The rear axle keeps to the centre line, so the front leaves it outward: by half its distance squared
-    over the bend's radius.
+    In a bend the rear axle keeps to the centre line, so the front swings outward: by half the square of its
+    distance from the rear axle, divided by the bend's radius.
     """
     if not road.curvature.any():
         none = np.zeros(len(along))

@@ -1,4 +1,4 @@
-"""What is expected of pedestrians: who may come into the ego's way, and how they move."""
+"""Expected behaviour of pedestrians: who may come into the ego's way, and how they move."""
 
 from __future__ import annotations
 
@@ -18,33 +18,34 @@ THERE = 0.3
 """Waiting pedestrians nearer than this to where their crossing begins keep their velocity until they stand
 [m]."""
 KERB = 0.5
-"""Nearer to the road than this counts as on it [m]."""
+"""Pedestrians nearer than this to the road count as on it [m]."""
 AT_THE_ROADSIDE = 0.5
-"""Pedestrians beside the road who are slower across it stay there [m/s]."""
+"""Pedestrians beside the road whose speed across it is below this are expected to stay there [m/s]."""
 OCCUPIED = 0.15
-"""Pedestrians nearer than this to what the body sweeps are in its way, whatever is expected of them [m]."""
+"""Pedestrians nearer than this to the area that the body sweeps are in its way, whatever they are expected to
+do [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class PedestrianAssumptions:
-    """What is assumed of pedestrians whose velocity does not say what they will do."""
+    """Assumptions about pedestrians whose velocity does not tell what they will do."""
 
     resume_speed: float = 1.2
-    """Speed at which somebody who stands on a crossing, or has stopped in the road, may walk on [m/s]."""
+    """Speed at which a pedestrian who stands on a crossing, or has stopped in the road, may walk on [m/s]."""
     standing_below: float = 0.2
-    """Slower than this is standing [m/s]."""
+    """Below this speed, a pedestrian counts as standing [m/s]."""
     yield_to_standing: bool = True
-    """Whether somebody who stands at the kerb of a zebra is expected to step out."""
+    """Whether a pedestrian who stands at the kerb of a zebra is expected to step out."""
     patience: float = 3.0
-    """Somebody who has stood this long while the ego waited is taken to let it go first [s]."""
+    """A pedestrian who has stood this long while the ego waited is taken to let it go first [s]."""
     careful_speed: float = 5.0
-    """With which the ego passes somebody who lets it go [m/s]."""
+    """Speed at which the ego passes a pedestrian who lets it go first [m/s]."""
     waiting_below: float = 0.5
-    """A slower ego waits [m/s]."""
+    """Below this speed, the ego counts as waiting [m/s]."""
     waiting_within: float = 15.0
-    """For people so far ahead of its rear axle [m]."""
+    """The ego counts as waiting for people up to this far ahead of its rear axle [m]."""
     waiting_ahead: float = 11.0
-    """And, where it is longer than a car, for those so far ahead of its front bumper [m]."""
+    """An ego longer than a car waits for people up to this far ahead of its front bumper [m]."""
 
 
 @dataclass(slots=True)
@@ -54,16 +55,16 @@ class Watch:
     heading: dict[str, float] = field(default_factory=dict)
     """Sign of the last clear movement across the path."""
     pace: dict[str, float] = field(default_factory=dict)
-    """How fast those walked who were seen walking across the road [m/s]."""
+    """Last speed across the road of pedestrians who were seen walking on it [m/s]."""
     waited: dict[str, float] = field(default_factory=dict)
-    """How long both have stood [s]."""
+    """How long the pedestrian has stood while the ego waited for them [s]."""
     seen: float = -np.inf
-    """When it was looked at last [s]."""
+    """Time of the last look [s]."""
     longest_wait: float = 0.0
-    """Of all [s]."""
+    """Longest of the waiting times [s]."""
 
     def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
-        """Bring it up to date; looking twice at the same instant changes nothing."""
+        """Update what is remembered; a second look at the same instant changes nothing."""
         ego, people = perception.ego, perception.pedestrians
         passed = 0.0 if self.seen == -np.inf else min(ego.time - self.seen, 1.0)
         self.seen = ego.time
@@ -90,7 +91,7 @@ class Watch:
         self.longest_wait = max(waited.values(), default=0.0)
 
     def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
-        """Return the along coordinates of those who let the ego go: it should not race past them [m]."""
+        """Return the along coordinates of those who let the ego go first and should not be raced past [m]."""
         people = perception.pedestrians
         if self.longest_wait < assume.patience:
             return np.empty(0)
@@ -102,34 +103,35 @@ class Watch:
         return np.array(at, dtype=np.float64)
 
     def lets_go_first(self, name: str, assume: PedestrianAssumptions) -> bool:
-        """Return whether somebody has stood so long before a waiting ego that it may go."""
+        """Return whether a pedestrian has stood so long before a waiting ego that it may go first."""
         return self.waited.get(name, 0.0) >= assume.patience
 
 
 class Expectation(NamedTuple):
-    """What is expected of everybody in a perception, arrays of length n."""
+    """What is expected of all pedestrians in a perception; arrays of length n."""
 
     across_speed: FloatArray
-    """Across the path; 0 for those who are not expected to enter it [m/s]."""
+    """Expected speed across the path; 0 for those who are not expected to enter it [m/s]."""
     enters: NDArray[np.bool_]
-    """Who may come into the way who is not there yet; the others count where they are."""
+    """True for those who may come into the way; the others count only where they are."""
     assumed: NDArray[np.bool_]
-    """Whose speed is assumed, because their movement does not say what they will do."""
+    """True for those whose speed is assumed, because their movement does not tell what they will do."""
     lets_go: NDArray[np.bool_]
-    """Who has stood so long before the waiting ego that it may go first."""
+    """True for those who have stood so long before the waiting ego that it may go first."""
     comes: FloatArray | None
-    """Across speed of those who walk to where their crossing begins, in the lane or through it, and of those
-    who stand on a crossing or have stopped in the road and will walk on; for an ego that stands, of those
-    too who have priority and are about to cross. nan for others, ``None`` for nobody [m/s]."""
+    """Expected speed across of those who walk to where their crossing begins, if that leads into the lane or
+    through it, and of those who stand on a crossing or have stopped in the road and will walk on. If the ego
+    stands, also of those who have priority and are about to cross. nan for others; ``None`` if there are no
+    such pedestrians [m/s]."""
     sets_off: FloatArray
-    """How fast those walked who stopped on their way across the road: they may turn back, or walk on as soon
-    as the front of an ego that they let go is past; nan for others [m/s]."""
+    """Walking speed of those who stopped on their way across the road: they may turn back, or walk on as soon
+    as the front of an ego that they let go first is past; nan for others [m/s]."""
 
 
 def expected(
     perception: Perception, watch: Watch, assume: PedestrianAssumptions, forecast: Forecast | None
 ) -> Expectation:
-    """Return what is expected of everybody; the arguments are those of ``path_conflicts.find``."""
+    """Return what is expected of all pedestrians; the arguments are those of ``path_conflicts.find``."""
     watch.look(perception, assume)
     people, road = perception.pedestrians, perception.road
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
@@ -156,7 +158,7 @@ def expected(
     comes = None
     known = {_Why.COMES}
     if perception.ego.speed < assume.waiting_below:
-        # Who is about to cross beside an ego that stands is not behind it, nor let pass: it does not start.
+        # A standing ego can pass neither behind nor ahead of those about to cross beside it: it stays.
         known.add(_Why.TURNS)
     if any(why in known for _, why in movements):
         comes = np.array([speed if why in known else math.nan for speed, why in movements])
@@ -184,36 +186,36 @@ class _Why(Enum):
     STAYS = auto()
     GOES_ON = auto()
     TURNS = auto()
-    """Into the road, where pedestrians have priority."""
+    """They turn into the road, where pedestrians have priority."""
     COMES = auto()
-    """To the waiting place, or on across the crossing or the road."""
+    """They walk to the waiting place, or on across the crossing or the road."""
 
 
 class _Person(NamedTuple):
-    """One of them."""
+    """One pedestrian."""
 
     name: str
     across: float
     along_speed: float
     across_speed: float
     reach: float
-    """Nearer than this to the middle of the lane, a person is in the way of a car there [m]."""
+    """A person nearer than this to the middle of the lane is in the way of a car there [m]."""
     on_crossing: bool
     waiting: bool
     crossing: Crossing | None
 
     def has_stopped(self, assume: PedestrianAssumptions) -> bool:
-        """Return whether they stand on their way across, and not at a waiting place."""
+        """Return whether they stand, and not at a waiting place."""
         return not self.waiting and math.hypot(self.along_speed, self.across_speed) < assume.standing_below
 
 
 def _movement(
     person: _Person, road: RoadAhead, lets_go: bool, watch: Watch, assume: PedestrianAssumptions
 ) -> tuple[float, _Why]:
-    """Return the speed across the road that is expected of somebody, and why [m/s]."""
+    """Return the speed across the road that is expected of a pedestrian [m/s], and why."""
     speed = person.across_speed
     if person.on_crossing:
-        # On the crossing itself whoever lets the ego go first may go on: the whole margin is kept.
+        # On the crossing itself, even those who let the ego go first may go on: the whole margin is kept.
         if abs(speed) < assume.standing_below and person.name in watch.heading and not lets_go:
             return watch.heading[person.name] * assume.resume_speed, _Why.COMES
         return speed, _Why.GOES_ON
@@ -236,17 +238,17 @@ def _movement(
 def _to_the_crossing(
     person: _Person, crossing: Crossing, assume: PedestrianAssumptions
 ) -> tuple[float, _Why]:
-    """Return the same of somebody who is about to enter a crossing."""
+    """Return the same as ``_movement`` for a pedestrian who is about to enter a crossing."""
     pace = math.hypot(person.along_speed, person.across_speed)
     stands = pace < assume.standing_below
     has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
     if has_priority and (assume.yield_to_standing or not stands):
-        # On the waiting area people still walk along the kerb: count on them to turn and cross.
+        # In the waiting area people still walk along the kerb: expect them to turn and cross.
         return math.copysign(max(pace, assume.resume_speed), -person.across), _Why.TURNS
     begins = crossing.begins(person.across)
     inwards = 1.0 if begins == crossing.right else -1.0
     if (person.across - begins) * inwards > 0.0 and person.across_speed * inwards >= AT_THE_ROADSIDE:
-        # Past the waiting place without stopping: they are crossing, whoever has priority.
+        # They have walked past the waiting place without stopping: they cross, no matter who has priority.
         return person.across_speed, _Why.GOES_ON
     first, last = sorted((person.across, begins))
     if stands or first > person.reach or last < -person.reach:
@@ -258,7 +260,7 @@ def _to_the_crossing(
 
 
 def _enters(forecast: Forecast, road: RoadAhead, assume: PedestrianAssumptions) -> NDArray[np.bool_]:
-    """Return who is on the road in a forecast and has not been there all along, shape (n,)."""
+    """Return who comes onto the road in a forecast, or moves across it if already there, shape (n,)."""
     on_road = (forecast.across > road.right_edge - KERB) & (forecast.across < road.left_edge + KERB)
     passed = forecast.times[-1] - forecast.times[0]
     turns = np.ptp(forecast.across, axis=1) > assume.standing_below * passed

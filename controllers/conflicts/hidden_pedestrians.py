@@ -1,12 +1,12 @@
-"""Where somebody could step out from behind a standing vehicle, and how fast that may be met.
+"""Where a pedestrian could step out from behind a standing vehicle, and how fast the ego may drive there.
 
-From its own sensor the ego sees past the corner of a standing vehicle along one line. Behind that line
-there can be pedestrians of whom it has not been told. Those nearest to its path stand right ahead of the
-vehicle's far end: that is the vehicle's *hidden place*. Assured clear distance: at every instant the ego must
-be able to stop before their path, or to have its front past it before they can be there.
+The line of sight from the ego's sensor past the corner of a standing vehicle bounds what the ego sees. Behind
+that line there may be pedestrians of whom it has not been told. Those nearest to its path stand right ahead
+of the vehicle's far end: that is the vehicle's *hidden place*. By the rule of assured clear distance, the ego
+must be able at every instant to stop before their path, or have its front past it before they can be there.
 
-Not considered: moving vehicles (where they hide somebody now they are in a moment), buildings, what is beyond
-the sensor's range, and somebody who walks into the ego's side.
+Not considered: moving vehicles (they will soon be where they now hide somebody), buildings, places beyond the
+sensor's range, and pedestrians who walk into the ego's side.
 """
 
 from __future__ import annotations
@@ -23,33 +23,33 @@ from controllers.geometry.plane import to_plane
 from controllers.interface import Perception
 
 RADIUS = 0.25
-"""Of a hidden pedestrian [m]."""
+"""Radius of a hidden pedestrian [m]."""
 STANDING = 2.0
-"""Slower vehicles are standing, or about to stand where somebody walks behind them [m/s]."""
+"""Vehicles below this speed stand, or are about to stand where somebody may walk behind them [m/s]."""
 LOOK_AHEAD = 80.0
 """Along coordinate up to which the speed is limited [m]."""
 SPACING = 0.5
-"""Distance between the places for which the limit is worked out [m]."""
+"""Distance between the places for which the limit is computed [m]."""
 UNBOUNDED = 100.0
-"""Stands for no limit [m/s]."""
+"""This speed stands for no limit [m/s]."""
 AT_ONCE = 1e4
-"""Braking of who stops at once; it may be given as infinite [m/s^2]."""
+"""Deceleration that counts as stopping at once; greater and infinite values are cut to it [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class HiddenPedestrian:
-    """What is assumed of pedestrians who cannot be seen, and how they are met."""
+    """Assumptions about pedestrians who cannot be seen, and how the ego reacts to them."""
 
     speed: float
-    """With which they step out; 0: nobody is assumed [m/s]."""
+    """Speed at which they step out; 0: no hidden pedestrians are assumed [m/s]."""
     reaction: float = 0.8
-    """From the first appearance of any part of a pedestrian to full braking, as if there were none before:
-    until the ego is told of them (0.2 to 0.3 s with ``onboard``), one plan, half of the ramp that the jerk
-    limit leaves, the brake's lag [s]."""
+    """Time from the first appearance of any part of a pedestrian to full braking, with no braking assumed
+    before: the delay until the ego is told of them (0.2 to 0.3 s with ``onboard``), one plan, half of the
+    ramp that the jerk limit leaves, and the brake's lag [s]."""
     braking: float = 7.0
-    """[m/s^2]"""
+    """Full deceleration of the ego [m/s^2]."""
     creep: float = 2.0
-    """Slower than this the ego need not be, however near somebody may be hidden [m/s]."""
+    """The ego need not drive slower than this, however near a pedestrian may be hidden [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,31 +57,31 @@ class Shadows:
     """Standing vehicles beside the path; n of them, in a plane with the route frame's origin and axes."""
 
     corners: FloatArray
-    """(n, 4, 2) [m]."""
+    """(n, 4, 2) corners of each vehicle [m]."""
     side: FloatArray
     """(n,) −1 for vehicles on the right of the path, 1 on the left."""
     along: FloatArray
-    """(n,) along coordinate of the middle of somebody who comes out ahead of its far end [m]."""
+    """(n,) along coordinate of the centre of a pedestrian who comes out just ahead of its far end [m]."""
     foot: FloatArray
-    """(n, 2) where that person's path meets the centre line [m]."""
+    """(n, 2) point where that pedestrian's path meets the centre line [m]."""
     outward: FloatArray
-    """(n, 2) unit vector from there to the vehicle's side."""
+    """(n, 2) unit vector from there towards the vehicle's side."""
     edge: FloatArray
-    """(n,) from the centre line to the end of the path on that side [m]."""
+    """(n,) distance from the centre line to the edge of the path on that side [m]."""
 
     def __len__(self) -> int:
         return len(self.along)
 
     def distances(self, eyes: FloatArray) -> FloatArray:
-        """Return how far outward the nearest disc is that is wholly hidden, for eyes (q, 2): (q, n) [m].
+        """Return how far outward the nearest wholly hidden disc is, for sensor positions (q, 2): (q, n) [m].
 
-        The line of sight over the corner that is nearest to the path, as seen from the eye, is the border.
-        A disc whose middle is its radius behind that line cannot be seen; inf where the line does not part
-        the way of somebody who comes out.
+        The line of sight past the corner that appears nearest to the path is the border of what is seen. A
+        disc whose centre is one radius behind that line cannot be seen. The distance is inf where the line
+        does not cross the way of a pedestrian who comes out.
         """
         rays = self.corners[None] - eyes[:, None, None, :]
-        # Angles from the direction of the ego's path at the pedestrian's, clockwise positive: none of a
-        # vehicle's corners is straight behind the eye, so they do not wrap.
+        # Angles from the direction of the ego's path where the pedestrian's meets it, clockwise positive. No
+        # corner of a vehicle is straight behind the sensor, so they do not wrap.
         forward = self.side[:, None] * np.column_stack((self.outward[:, 1], -self.outward[:, 0]))
         turned = np.arctan2(
             rays[..., 0] * forward[:, None, 1] - rays[..., 1] * forward[:, None, 0],
@@ -101,20 +101,22 @@ class Shadows:
 
 
 def assured_speed(gap: FloatArray, time: FloatArray, assume: HiddenPedestrian) -> FloatArray:
-    """Return the highest speed with which somebody who steps out now is not met by the front [m/s].
+    """Return the highest speed at which the front does not hit a pedestrian who steps out now [m/s].
 
-    The larger of two speeds: with ``v ρ + v² / (2 b) = gap`` the ego stops in time; up to
-    ``v = 2 b (time − ρ)`` it has passed by then wherever it could not stop any more. Never below ``creep``.
+    This is the larger of two speeds. At the speed ``v`` with ``v ρ + v² / (2 b) = gap`` the ego just stops in
+    time. Up to ``v = 2 b (time − ρ)``, wherever it can no longer stop, it has passed before the pedestrian
+    arrives. The result is never below ``creep``.
 
     Parameters
     ----------
     gap : from the front bumper to the pedestrian's path [m]
-    time : that the pedestrian needs to the ego's path [s]
-    assume : ρ, b
+    time : time that the pedestrian needs to reach the ego's path [s]
+    assume : ρ and b are its ``reaction`` and ``braking``
 
     Examples
     --------
-    With 0.5 s and 7 m/s², 10 m/s need 12.1 m; pedestrians who need 1 s to the path may be met at 7 m/s.
+    With 0.5 s and 7 m/s², 10 m/s need 12.1 m; at a place that a pedestrian reaches only after 1 s, 7 m/s are
+    allowed.
 
     >>> rule = HiddenPedestrian(1.5, reaction=0.5)
     >>> assured_speed(np.array([12.142857, 1.0]), np.array([0.2, 1.0]), rule).round(3).tolist()
@@ -135,13 +137,13 @@ def speed_limit(
     Parameters
     ----------
     perception : what the ego is told
-    band : right and left end of what the ego's body sweeps [m]
-    assume : of a hidden pedestrian
+    band : right and left end of the band that the ego's body sweeps [m]
+    assume : assumptions about a hidden pedestrian
 
     Notes
     -----
-    Each position is judged from where the sensor will be then, with the present view of the vehicles. So the
-    limit rises as the ego sees past a corner, and ends when its front has passed the hidden place.
+    Each position is judged from where the sensor will be then, with the vehicles at their present places. So
+    the limit rises as the ego sees past a corner, and ends when its front has passed the hidden place.
     """
     if perception.eyesight is None or assume.speed <= 0.0:
         return None
@@ -166,7 +168,7 @@ def speed_limit(
 
 
 def reached(places: FloatArray, allowed: FloatArray, positions: FloatArray, braking: float) -> FloatArray:
-    """Return the limit at positions, low enough to slow down for what is ahead with that braking.
+    """Return the limit at positions, low enough to slow down for the limits ahead with ``braking``.
 
     ``v(p) = min over q ≥ p of sqrt(allowed(q)² + 2 braking (q − p))``
 
@@ -214,7 +216,7 @@ def _corners(perception: Perception, rows: NDArray[np.int64]) -> FloatArray:
 
 
 def _watched(perception: Perception, found: Shadows, outward: FloatArray) -> NDArray[np.bool_]:
-    """Return which hidden places others see, who tell the ego, (q, n)."""
+    """Return which hidden places are in areas that others watch for the ego, (q, n)."""
     eyesight, ego = perception.eyesight, perception.ego
     seen = np.zeros(outward.shape, dtype=np.bool_)
     if eyesight is None or not len(eyesight.watched):
@@ -232,12 +234,12 @@ def _watched(perception: Perception, found: Shadows, outward: FloatArray) -> NDA
 
 
 def _blocked(found: Shadows, perception: Perception, outward: FloatArray) -> NDArray[np.bool_]:
-    """Return which hidden places another standing vehicle leaves no room for, or no way from, (q, n)."""
+    """Return for which hidden places another standing vehicle leaves no room or blocks the way, (q, n)."""
     them = perception.vehicles
     slow = np.hypot(them.along_speed, them.across_speed) < STANDING
     low, high, right, left = (values[slow] for values in footprints(them)[:4])
     beside = (low[None] < found.along[:, None] + RADIUS) & (high[None] > found.along[:, None] - RADIUS + 1e-9)
-    # Outward from the centre line on the side of each hidden place, (n, m).
+    # Distances outward from the centre line, on the side of each hidden place, (n, m).
     near = np.where(found.side[:, None] < 0.0, -left[None], right[None])
     far = np.where(found.side[:, None] < 0.0, -right[None], left[None])
     between = beside & (far > found.edge[:, None])

@@ -1,6 +1,7 @@
-"""Which pedestrians the ego's path conflicts with, by the time at which they enter it.
+"""Pedestrians in conflict with the ego's path, ordered by the time at which they enter it.
 
-A pedestrian conflicts while the disc, grown by the side margin, overlaps the band the ego's body sweeps.
+A pedestrian is in conflict while their disc, grown by the side margin, overlaps the band that the ego's body
+sweeps.
 """
 
 from __future__ import annotations
@@ -23,14 +24,15 @@ from controllers.interface import Pedestrians, Perception
 from controllers.prediction.forecast import Forecast
 
 STRAIGHT_ON = 3.0
-"""How long somebody is expected to keep the speed along the road, where no forecast says more [s]."""
+"""Without a forecast, pedestrians are expected to keep their speed along the road for this long [s]."""
 SQUEEZED = 0.03
-"""Nearer than this to what the body sweeps, those who let the waiting ego go first are in its way [m]."""
+"""Pedestrians who let the waiting ego go first are in its way if nearer than this to what the body sweeps
+[m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Conflicts:
-    """Pedestrians in conflict with the ego's path, by time of entry; arrays of length n."""
+    """Pedestrians in conflict with the ego's path, ordered by time of entry; arrays of length n."""
 
     names: tuple[str, ...]
     index: IntArray
@@ -39,23 +41,23 @@ class Conflicts:
     along_speed: FloatArray
     across: FloatArray
     across_speed: FloatArray
-    """Assumed velocity across the path, with a forecast the one at entry; its sign says which way the
-    pedestrian walks [m/s]."""
+    """Assumed velocity across the path, or with a forecast the velocity at entry; its sign is the direction
+    in which the pedestrian walks [m/s]."""
     radius: FloatArray
     enter: FloatArray
     """Time until the overlap begins; 0 while it lasts [s]."""
     leave: FloatArray
-    """Time until it ends; inf for somebody who stays [s]."""
+    """Time until the overlap ends; inf for pedestrians who stay [s]."""
     stop_line: FloatArray
-    """Where a front bumper that yields should stop; inf without a crossing [m]."""
+    """Place where the front bumper should stop if the ego yields; inf without a crossing [m]."""
     forecast: Forecast | None = None
-    """Of these pedestrians; ``None`` when they keep their velocities."""
+    """Forecast of these pedestrians; ``None`` when they keep their velocities."""
 
     def __len__(self) -> int:
         return len(self.names)
 
     def only(self, chosen: IntArray) -> Conflicts:
-        """Return some of the conflicts, by index."""
+        """Return the conflicts with the given indices."""
         return Conflicts(
             tuple(self.names[i] for i in chosen),
             self.index[chosen],
@@ -71,7 +73,7 @@ class Conflicts:
         )
 
     def along_at(self, times: FloatArray) -> FloatArray:
-        """Return the places along the road, shape (n, N) [m]."""
+        """Return the places of the pedestrians along the road, shape (n, N) [m]."""
         if self.forecast is not None:
             return self.forecast.at(times).along
         return self.along[:, None] + self.along_speed[:, None] * np.minimum(times, STRAIGHT_ON)
@@ -98,23 +100,24 @@ def find(
     watch
         What is remembered of the pedestrians; updated here.
     band
-        Right and left end of what the ego's body sweeps (across), for all or for each of them [m].
+        Right and left end of the band that the ego's body sweeps (across), for all pedestrians or for each
+        of them [m].
     side_margin
-        Added to the disc on both sides [m].
+        Margin added to the disc on both sides [m].
     horizon
         [s].
     assume
         See :class:`PedestrianAssumptions`.
     forecast
-        Of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities. What is
-        assumed of pedestrians whose velocity does not say what they will do takes precedence over it.
+        Forecast of all pedestrians, from now to at least the horizon; ``None``: they keep their velocities.
+        Assumptions about pedestrians whose velocity does not tell what they will do take precedence over it.
     abreast
-        Whether those beside the body are in conflict too.
+        Whether pedestrians beside the body are in conflict too.
     clearance
         How near the true body comes to those who are not expected to enter, shape (n,); ``None``: their
         distance to the band decides [m].
     expectation
-        Of everybody, where it is known already; ``None``: it is worked out.
+        What is expected of all pedestrians, if known already; ``None``: it is computed here.
     """
     people, body = perception.pedestrians, perception.ego.body
     if not len(people):
@@ -124,7 +127,7 @@ def find(
         forecast = _with_assumptions(forecast, people, known)
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
-    # they would be first in the order, and nobody ahead could be let pass without letting them pass as well.
+    # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
     chosen = np.flatnonzero((enter < horizon) & (people.along + people.radius >= begin))
     if not len(chosen):
@@ -155,12 +158,12 @@ def _times_in_band(
     forecast: Forecast | None,
     clearance: FloatArray | None,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return how fast everybody crosses the path, and when they enter and leave the band, shape (n,) each.
+    """Return how fast pedestrians cross the path, and when they enter and leave the band, shape (n,) each.
 
-    The arguments are those of :func:`find`, the forecast the one with assumptions.
+    The arguments are those of :func:`find`; assumptions are already included in the forecast.
     """
-    # Occupancy comes before intent: for pedestrians who are not expected to enter, only the intent is
-    # dropped; the place where they are still counts.
+    # Occupancy comes before intent: pedestrians who are not expected to enter still count at the place where
+    # they are.
     occupied = np.where(known.lets_go, SQUEEZED, OCCUPIED)
     margin = np.where(known.enters, side_margin, occupied)
     low = band[0] - people.radius - margin
@@ -178,7 +181,7 @@ def _times_in_band(
 
 
 def _with_assumptions(forecast: Forecast, people: Pedestrians, known: Expectation) -> Forecast:
-    """Return the forecast with straight lines for those of whom something is assumed."""
+    """Return the forecast with straight lines for pedestrians whose movement is assumed."""
     times, who = forecast.times, (known.assumed | ~known.enters)[:, None]
     straight = people.along[:, None] + people.along_speed[:, None] * np.minimum(times, STRAIGHT_ON)
     beside = people.across[:, None] + known.across_speed[:, None] * times

@@ -1,1 +1,1 @@
-"""What every method needs to drive in traffic: vehicles ahead, right of way, speeds, lanes."""
+"""Parts that every method needs to drive in traffic: vehicles ahead, right of way, speeds, lanes."""

@@ -1,4 +1,4 @@
-"""How briskly a driver without pedestrians drives."""
+"""How briskly a driver drives when there are no pedestrians."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class DrivingStyle:
     deceleration: float = 2.0
     """Comfortable deceleration [m/s^2]."""
     lateral_acceleration: float = 3.0
-    """In bends: a side friction of 0.32, for which low-speed streets are laid out at 24 km/h [AASHTO2018]_
-    [m/s^2]."""
+    """Lateral acceleration in bends: a side friction of 0.32, for which low-speed streets are designed at
+    24 km/h [AASHTO2018]_ [m/s^2]."""
     slowest_bend: float = 2.0
-    """No bend is taken slower, whatever curvature a coarse lane shape seems to have [m/s]."""
+    """Lowest speed in a bend, however sharp a coarse lane shape makes it seem [m/s]."""
     stop_gap: float = 0.5
     """Distance kept to a stop line [m]."""
     stop_headway: float = 0.5
@@ -31,12 +31,12 @@ class DrivingStyle:
     passing_speed: float = 4.0
     """Speed past a standing vehicle that juts out [m/s]."""
     swing_angle: float = 0.55
-    """Heading to which the ego swings out past a standing vehicle [rad]."""
+    """Largest heading error when the ego swings out past a standing vehicle [rad]."""
     swing_curvature: float = 0.22
-    """How tightly it swings out [1/m]."""
+    """Curvature with which it swings out [1/m]."""
     swing_acceleration: float = 2.0
-    """Lateral acceleration that limits how tightly it swings out at higher speed [m/s^2]."""
+    """Lateral acceleration that limits the curvature of swinging out at higher speed [m/s^2]."""
     room_to_swing: float = 7.0
-    """Gap to a standing vehicle at which a change waits that cannot yet swing out past it [m]."""
+    """Gap kept to a standing vehicle during a lane change that cannot yet swing out past it [m]."""
     room_to_change: float = 10.0
-    """Distance kept to what a lane is to be left for, so that there is room to steer out [m]."""
+    """Distance kept to what the ego wants to leave its lane for, so that it has room to steer out [m]."""

@@ -1,7 +1,7 @@
-"""How fast to drive when nothing but the road, its rules and other vehicles matter.
+"""How fast to drive with regard to the road, its rules and other vehicles only.
 
-Car-following after the Intelligent Driver Model, of which every place to stop at is a standing leader,
-and a speed profile that reaches lower limits and bends at a comfortable deceleration.
+Car-following uses the Intelligent Driver Model, in which every place to stop at is a standing leader. A speed
+profile slows down for lower limits and for bends at a comfortable deceleration.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ BEND = "bend"
 
 @dataclass(frozen=True, slots=True)
 class Longitudinal:
-    """Desired accelerations, and because of what they are not those of a free road."""
+    """Desired accelerations, and the reason why they are not those of a free road."""
 
     acceleration: FloatArray
-    """One per instant asked for [m/s^2]."""
+    """One for each instant asked for [m/s^2]."""
     because: str
-    """Vehicle, signal, ``lane end``, ``bend`` or ``speed limit``; empty when nothing matters."""
+    """Vehicle, signal, ``lane end``, ``bend`` or ``speed limit``; empty if the road is free."""
 
 
 class Following:
-    """The longitudinal half of a driver. It remembers which junction foes are standing, so: one per ego."""
+    """The longitudinal half of a driver; one per ego, as it remembers which junction foes are standing."""
 
     def __init__(self, style: DrivingStyle | None = None) -> None:
         self.style = style or DrivingStyle()
@@ -53,14 +53,16 @@ class Following:
         Parameters
         ----------
         perception : what the ego knows
-        target_lane : ``Lane.number`` to end in; its leader is followed as well as the own one
+        target_lane : ``Lane.number`` to end in; the ego follows its leader as well as that of its own lane
         times : instants from now, ascending from 0 [s]
-        leaving : the ego waits for a chance to leave its lane; then it keeps room to a standing leader
-        free_speed : desired where nothing is ahead; ``None``: the speed limit here [m/s]
+        leaving : whether the ego waits for a chance to leave its lane; then it keeps more room to a standing
+            leader
+        free_speed : desired speed where nothing is ahead; ``None``: the speed limit here [m/s]
 
         Notes
         -----
-        Over the instants, the leaders keep their acceleration and the ego's follows with its lag.
+        Over the instants, the leaders keep their accelerations, and the ego's follows the desired one with
+        the drive lag.
         """
         ego, style = perception.ego, self.style
         stops = self._right_of_way.stops(perception)
@@ -131,15 +133,15 @@ def desired_gap(
 def speed_targets(
     road: RoadAhead, front: float, style: DrivingStyle
 ) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Return how far ahead [m] which speed [m/s] must not be exceeded, and because of what.
+    """Return places ahead [m], the speeds that must not be exceeded there [m/s], and the reasons.
 
-    Limits hold for the front bumper; a bend allows √(a_lat / |κ|) at the rear axle.
+    Speed limits hold for the front bumper; a bend allows √(a_lat / |κ|) at the rear axle.
 
     Parameters
     ----------
     road : as seen
-    front : from the rear axle to the front bumper [m]
-    style : for the lateral acceleration
+    front : distance from the rear axle to the front bumper [m]
+    style : gives the lateral acceleration
     """
     limit_places = np.maximum(road.limit_along - front, 0.0)[road.limit_along > front]
     limits = road.limit[road.limit_along > front]
@@ -169,7 +171,7 @@ def _desired(
     names: tuple[str, ...],
     style: DrivingStyle,
 ) -> tuple[float, str]:
-    """Return the smallest of all accelerations, and its name where it is not the free road's."""
+    """Return the smallest of all accelerations, and its reason unless it is that of the free road."""
     free = free_acceleration(speed, limit, style)
     best, because = free, ""
     for leader in leaders:
@@ -190,14 +192,14 @@ def _desired(
 def _towards(speed: float, allowed: float, end: float, style: DrivingStyle) -> float:
     """Return the acceleration [m/s^2] that follows the braking curve √(v_end² + 2 b x).
 
-    On the curve, which has fallen to ``allowed`` here, it is −b, below it more; nowhere is it less than
-    what leads to the end speed at once.
+    ``allowed`` is the value of the curve here. At this speed the acceleration is −b, at a lower speed it is
+    greater. It is never less than what leads to the end speed within half a second.
     """
     along_curve = (allowed - speed) / 1.0 - style.deceleration * min(speed / max(allowed, 0.1), 1.0)
     return max(along_curve, (end - speed) / 0.5)
 
 
 def _share(ego: EgoState, step: float) -> float:
-    """Return which share of a command's step the drive lag lets through."""
+    """Return the share of a change of command that the drive lag lets through within a time step."""
     lag = ego.drive.drive_lag
     return -math.expm1(-step / lag) if lag > 0.0 else 1.0

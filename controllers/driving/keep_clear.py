@@ -1,4 +1,4 @@
-"""Crossings to be kept clear: where to stop so as not to stand on one."""
+"""Crossings to be kept clear: where to stop so that the ego does not stand on one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from controllers.arrays import FloatArray
 from controllers.interface import Crossing, Perception
 
 STANDS_FOR = 1.0
-"""Who would stand on a crossing for longer than this stops before it [s]."""
+"""An ego that would stand on a crossing for longer than this stops before it [s]."""
 KEEP_CLEAR_BRAKING = 2.5
 """A crossing is kept clear where braking no harder than this suffices [m/s^2]."""
 
@@ -18,16 +18,17 @@ KEEP_CLEAR_BRAKING = 2.5
 def keep_clear_line(
     perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
 ) -> tuple[float, str]:
-    """Return the stop line of a crossing behind which the ego could not stop clear of it; inf for none.
+    """Return the stop line and name of a crossing that has no room for the ego beyond it; inf for none.
 
     Parameters
     ----------
     perception
         What the ego is told.
     times, leader_rest
-        Where the rear bumper of the vehicle ahead could come to rest, by time; inf for none [s, m].
+        Times, and where the rear bumper of the vehicle ahead could come to rest if it braked hard from then
+        on; inf for no vehicle [s, m].
     gap
-        Kept to it at a standstill [m].
+        Gap kept to that vehicle at a standstill [m].
     """
     speed = max(perception.ego.speed, 3.0)
     for crossing, room, beyond in _avoidable(perception):
@@ -39,15 +40,15 @@ def keep_clear_line(
 def keep_clear_of_people(
     perception: Perception, along: FloatArray, places: FloatArray, until: FloatArray
 ) -> float:
-    """Return the stop line of a crossing on which the ego would stand for people behind it; inf for none.
+    """Return the stop line of a crossing on which the ego would stand for people beyond it; inf for none.
 
     Parameters
     ----------
     perception
         What the ego is told.
     along, places, until
-        Where those are who are let pass, where the front bumper stops for them, and how long, shape (n,)
-        [m, m, s].
+        Places of the pedestrians who are let pass, places where the front bumper stops for them, and times
+        until which it has to, shape (n,) [m, m, s].
     """
     body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
     for crossing, _, beyond in _avoidable(perception):
@@ -58,7 +59,11 @@ def keep_clear_of_people(
 
 
 def _avoidable(perception: Perception) -> Iterator[tuple[Crossing, float, float]]:
-    """Give the crossings that the ego can stop before, the way to their line, and where they are clear."""
+    """Yield the crossings that the ego can stop before, with two lengths [m].
+
+    These are the distance to the stop line, and the place from which on the front bumper leaves room for the
+    whole body beyond the crossing.
+    """
     ego, body = perception.ego, perception.ego.body
     for crossing in perception.road.crossings:
         on_it = body.front > crossing.entry

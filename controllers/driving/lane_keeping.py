@@ -1,8 +1,8 @@
-"""Steering along a lane, or over to another one, that also holds when a plan lasts a second.
+"""Steering along a lane, or over to another one, that also works when a plan lasts a second.
 
-The law is written in space, so that it works from standstill on, and in cascade: the distance to the lane
-asks for a heading, the heading for a curvature. Over the plan interval the law is run against a kinematic
-bicycle, and what it steered there is the command.
+The control law is written in space, so that it works from standstill on, and in cascade: the distance to the
+lane demands a heading, the heading a curvature. The law is simulated over the plan interval with a kinematic
+bicycle, and the wheel angles of this simulation are the command.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from controllers.interface import EgoState, Perception, RoadAhead
 STEP = 0.05
 """Spacing of the steering sequence [s]."""
 LONGEST = 40
-"""Entries of the longest sequence; a plan interval beyond 2 s is steered by its last angle."""
+"""Entries of the longest sequence; in a plan interval beyond 2 s, its last angle is held."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,44 +31,44 @@ class LaneKeeping:
     heading_time: float = 0.35
     """Time constant with which the heading error decays [s]."""
     approach_length: float = 4.0
-    """What ``approach_time`` becomes at low speed, as a distance [m]."""
+    """Distance that replaces ``approach_time`` at low speed [m]."""
     heading_length: float = 1.4
-    """What ``heading_time`` becomes at low speed, as a distance [m]."""
+    """Distance that replaces ``heading_time`` at low speed [m]."""
     lateral_speed: float = 1.3
     """Fastest movement across the road [m/s]."""
     approach_angle: float = 0.55
     """Steepest angle to the lane at low speed [rad]."""
     correction: float = 2.0
-    """Lateral acceleration beyond that of the curve that a correction may use [m/s^2]."""
+    """Lateral acceleration that a correction may use in addition to that of the curve [m/s^2]."""
     lateral_acceleration: float = 4.5
     """Lateral acceleration that is never exceeded, curve included [m/s^2]."""
     preview: float = 0.2
-    """How far ahead a coming bend is steered, because the wheel needs time to turn [s]."""
+    """How early the ego steers for a coming bend, because the wheel needs time to turn [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a course leads at one point along the lane."""
+    """One point of a course, at a given place along the lane."""
 
     across: float
-    """[m]"""
+    """Across coordinate [m]."""
     slope: float
-    """Its change along the lane."""
+    """Derivative of ``across`` along the lane."""
     bend: float
-    """The slope's change along the lane [1/m]."""
+    """Derivative of ``slope`` along the lane [1/m]."""
 
 
 class Course(Protocol):
     """A curve to follow, in the route frame."""
 
     def at(self, along: float) -> Place:
-        """Return where it leads at that along coordinate [m]."""
+        """Return the place of the curve at an along coordinate [m]."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Parallel:
-    """The course that keeps one distance from the lane's centre line."""
+    """A course at a constant distance from the lane's centre line."""
 
     across: float
 
@@ -93,17 +93,17 @@ def steering(
 
     Parameters
     ----------
-    perception : where the ego is, and how its lane bends
+    perception : gives the ego's place and the curvature of its lane
     target : across coordinate to go to, for instance ``Lane.offset`` [m], or a curve to follow
-    acceleration : what is commanded meanwhile, at ``instants(perception.ego)`` [m/s^2]
-    style : how briskly
+    acceleration : accelerations commanded meanwhile, at ``instants(perception.ego)`` [m/s^2]
+    style : how briskly to steer
 
     Notes
     -----
     With lateral error e, heading error ψ, lengths ℓ_e = max(approach_length, v · approach_time) and ℓ_ψ
     likewise: ψ* = −e / ℓ_e within limits, curvature = curve + ((ψ* − ψ) / ℓ_ψ − sin ψ / ℓ_e). Near the
-    lane both poles are real, −1 / ℓ_e and −1 / ℓ_ψ, so it is reached without overshoot. On a curve to
-    follow, e and ψ are counted from it and its own curvature is added.
+    lane both poles are real, −1 / ℓ_e and −1 / ℓ_ψ, so the ego reaches it without overshoot. For a curve to
+    follow, e and ψ are measured from it and its own curvature is added.
     """
     style = style or LaneKeeping()
     ego, road = perception.ego, perception.road
@@ -117,7 +117,7 @@ def steering(
 
 
 class Bicycle:
-    """A kinematic bicycle in the route frame, behind the same lags as the ego; it begins as the ego is."""
+    """A kinematic bicycle in the route frame with the lags of the ego; it starts in the ego's state."""
 
     def __init__(self, ego: EgoState) -> None:
         self.ego = ego
@@ -162,7 +162,7 @@ def _angle(state: Bicycle, road: RoadAhead, course: Course, style: LaneKeeping) 
     correction = (wanted + direction - state.heading) / settling - moving
     squared = max(speed * speed, 1.0)
     correction = _within(correction, style.correction / squared)
-    # The wheel follows late, so the bend is taken from what lies between here and the preview.
+    # The wheel follows late, so the curvature is the mean between here and the preview.
     ahead = [curvature_at(road, state.along + speed * style.preview * share) for share in (0.0, 0.5, 1.0)]
     curve = sum(ahead) / len(ahead)
     curve *= math.cos(state.heading) / _stretch(curve, state.across)
@@ -184,7 +184,7 @@ def curvature_at(road: RoadAhead, along: float) -> float:
 
 
 def _stretch(curvature: float, across: float) -> float:
-    """Return how much longer the lane is than the path beside it, kept away from the bend's centre."""
+    """Return the length of the path relative to that of the lane; at least 0.2 near a bend's centre."""
     return max(1.0 - curvature * across, 0.2)
 
 

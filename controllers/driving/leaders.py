@@ -1,4 +1,4 @@
-"""Whom and what to stay behind: vehicles in the way, places to stop at, the end of the lane."""
+"""What the ego has to stay behind: vehicles in the way, places to stop at, the end of the lane."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LANE_END = "lane end"
 
 @dataclass(slots=True)
 class Leader:
-    """Something to stay behind; ``gap`` and ``speed`` change in the prediction."""
+    """Something to stay behind; the prediction changes ``gap`` and ``speed``."""
 
     name: str
     gap: float
@@ -29,7 +29,7 @@ class Leader:
 def neighbours_ahead(
     perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
 ) -> tuple[list[Leader], list[Neighbour]]:
-    """Return whom to stay behind, and whom to drive past slowly."""
+    """Return the vehicles to stay behind, and those to drive past slowly."""
     gaps, road = perception.gaps, perception.road
     seen = [gaps.ahead] if gaps.ahead is not None else []
     beside = None
@@ -37,8 +37,8 @@ def neighbours_ahead(
         beside = gaps.left_ahead
     elif target_lane < road.reference:
         beside = gaps.right_ahead
-    # Braking now cannot bring the ego behind a vehicle that overlaps it along the road; lane choice watches
-    # such vehicles.
+    # Braking cannot bring the ego behind a vehicle that overlaps it along the road; the choice of lanes takes
+    # care of such vehicles.
     if beside is not None and beside.gap > 0.0:
         seen.append(beside)
     ahead = [one for one in seen if _in_the_way(perception, one, target_lane, style)]
@@ -64,9 +64,9 @@ def neighbours_ahead(
 
 
 def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, style: DrivingStyle) -> bool:
-    """Say whether a neighbour is met between the ego's place in the lane and where it goes.
+    """Return whether a neighbour is in the way between the ego's place in the lane and its goal.
 
-    A standing vehicle that only juts out into the lane can be driven past; a moving one never is.
+    The ego can drive past a standing vehicle that only juts out into the lane, but never past a moving one.
     """
     others, ego = perception.vehicles, perception.ego
     if neighbour.speed >= VEHICLE_STANDING or neighbour.name not in others.names:
@@ -88,9 +88,9 @@ def _in_the_way(perception: Perception, neighbour: Neighbour, target_lane: int, 
 
 
 def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle) -> float:
-    """Return where across the road the front is after swinging out to one side over a distance [m].
+    """Return the across coordinate of the front after swinging out to one side over a distance [m].
 
-    The wheels turn first: until they have, the ego gets on in the direction it has.
+    The wheels turn first; until they have, the ego goes straight on.
     """
     fastest = max(ego.speed + style.acceleration * ego.plan_interval, 1.0)
     curvature = min(style.swing_curvature, style.swing_acceleration / fastest**2)
@@ -106,7 +106,7 @@ def _swung_out(ego: EgoState, side: float, distance: float, style: DrivingStyle)
 def standing_places(
     perception: Perception, target_lane: int, stops: Sequence[StopPlace], style: DrivingStyle
 ) -> list[Leader]:
-    """Return the places to stop at as standing leaders, the end of the ego's lane among them."""
+    """Return the places to stop at, including the end of the ego's lane, as standing leaders."""
     road, front = perception.road, perception.ego.body.front
     found = [
         Leader(stop.name, stop.along - front, 0.0, 0.0, style.stop_gap, style.stop_headway) for stop in stops

@@ -1,4 +1,4 @@
-"""Where to stop: traffic lights, stop signs, and vehicles whose path crosses the ego's and who go first."""
+"""Where to stop: at traffic lights, at stop signs, and for vehicles with crossing paths that go first."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from controllers.driving.standing import StoodSince
 from controllers.interface import EgoState, JunctionFoe, Perception, RoadAhead, Signal, SignalState
 
 AMBER_DECELERATION = 3.0
-"""An amber light is stopped at where this deceleration is enough [m/s^2]."""
+"""The ego stops at an amber light if this deceleration is enough [m/s^2]."""
 HARD_SHARE = 0.75
 """Share of the greatest deceleration that a stop at a red light or for a foe may need."""
 OVERSHOOT = 1.0
-"""A line overrun by no more than this still is the place to stop at [m]."""
+"""The ego still stops at a line if it overruns it by no more than this [m]."""
 CONFLICT_GAP = 1.0
-"""Distance kept to a conflict when its stop line has been passed already [m]."""
+"""Distance kept to a conflict when the ego has already passed its stop line [m]."""
 TIME_MARGIN = 1.0
-"""Time between one leaving a conflict and the other entering it [s]."""
+"""Time between one vehicle leaving a conflict and the other entering it [s]."""
 FOE_ACCELERATION = 1.5
-"""A standing or slow foe may drive on with this [m/s^2]."""
+"""Acceleration with which a standing or slow foe may drive on [m/s^2]."""
 BEND_ACCELERATION = 2.5
-"""Lateral acceleration with which the ego is expected to take the bends on its way [m/s^2]."""
+"""Lateral acceleration that the ego is expected to use in the bends on its way [m/s^2]."""
 BRAKING_FOR_BENDS = 2.0
-"""Deceleration with which it is expected to come to them [m/s^2]."""
+"""Deceleration with which the ego is expected to slow down for bends [m/s^2]."""
 SLOWEST = 2.0
-"""It is expected to drive at least as fast as this, whatever bends there are [m/s]."""
+"""Lowest speed at which the ego is expected to take a bend, however sharp [m/s]."""
 STANDING = 0.3
-"""Slower is standing [m/s]."""
+"""Below this speed, a vehicle counts as standing [m/s]."""
 AT_THE_SIGN = 4.0
-"""Who stands this near before a stop sign's line has stopped there [m]."""
+"""An ego that stands within this distance before a stop sign's line has stopped there [m]."""
 SLOW_AT_THE_SIGN, STOPPING, AND_MORE = 2.5, 1.5, 0.5
-"""Who is as slow as this, and comes to stand so near to it with this deceleration, stops at once and does not
-creep up to the line [m/s, m/s^2, m]."""
+"""An ego below this speed stops at once instead of creeping up to the line, if it comes to stand near enough
+with this deceleration and this additional distance [m/s, m/s^2, m]."""
 PATIENCE = 3.0
-"""A foe that has stood for so long is taken to let the ego go [s]."""
+"""A foe that has stood for this long is taken to let the ego go first [s]."""
 PATIENCE_INSIDE = 6.0
-"""One that has stood for so long with its nose in the conflict is passed like any vehicle that stands [s]."""
+"""A foe that has stood this long with its front in the conflict is passed like any standing vehicle [s]."""
 SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.7, 4.0
-"""Who has to let the ego go and speeds up by this comes all the same, once more braking than the second would
-be needed to stop before the conflict; whoever does not speed up comes from the third on [m/s^2]."""
+"""A foe that has to yield to the ego is expected to come all the same if it would have to brake harder than
+the third value to stop before the conflict; if it speeds up by the first, than the second [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,20 +58,20 @@ class RightOfWay:
 
     Parameters
     ----------
-    acceleration : with which the ego clears a conflict [m/s^2]
+    acceleration : acceleration with which the ego clears a conflict [m/s^2]
     """
 
     def __init__(self, acceleration: float) -> None:
         self._acceleration = acceleration
         self._standing = StoodSince()
         self._speeds: dict[str, tuple[float, float]] = {}
-        """Of foes: when they were looked at, and how fast they were [s, m/s]."""
+        """For each foe, the time of the last look and its speed then [s, m/s]."""
         self._faster: set[str] = set()
         self._watched_at = -math.inf
         self._braking_for: set[str] = set()
         self._stopped_at: set[str] = set()
         self.red_line = math.inf
-        """The nearest line ahead at which a red light held the ego when last asked; inf for none [m]."""
+        """The nearest stop line ahead where a red light held the ego at the last call; inf for none [m]."""
 
     def stops(self, perception: Perception) -> list[StopPlace]:
         """Return the places to stop at, in no order."""
@@ -84,9 +84,9 @@ class RightOfWay:
     def _lights(self, perception: Perception) -> list[StopPlace]:
         """Return the lights to stop at.
 
-        A stop at a red light that has begun is given up only where full braking would not do: lag and a
-        smooth plan make it need more than it seemed to at first, and there is no worse place to change
-        one's mind.
+        Once begun, a stop at a red light is given up only if even full braking is not enough. Because of lags
+        and smooth plans, the stop needs more braking than it seemed at first, and giving it up near the line
+        would be dangerous.
         """
         ego = perception.ego
         held = [
@@ -118,7 +118,7 @@ class RightOfWay:
         return found
 
     def _watch(self, time: float, road: RoadAhead) -> None:
-        """Look at the foes, once an instant: compared with themselves, none would speed up."""
+        """Look at the foes, only once per instant: a second look would see no change of speed."""
         if time == self._watched_at:
             return
         self._watched_at = time
@@ -131,14 +131,14 @@ class RightOfWay:
         return foe.foe_speed - speed > SPEEDING_UP * (time - looked)
 
     def _comes(self, foe: JunctionFoe) -> bool:
-        """Say whether a foe enters the conflict, whoever has to yield."""
+        """Return whether a foe is expected to enter the conflict, even if it has to yield."""
         if foe.must_yield or foe.foe_entry <= 0.0:
             return True
         needed = foe.foe_speed**2 / (2.0 * foe.foe_entry)
         return needed > (COMES_FASTER if foe.name in self._faster else COMES)
 
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
-        """Say whether the ego would meet the foe in the conflict if it drove on."""
+        """Return whether the ego would meet the foe in the conflict if it drove on."""
         ego = perception.ego
         gone = foe.foe_exit <= 0.0
         inside = foe.foe_entry <= 0.0
@@ -148,7 +148,7 @@ class RightOfWay:
             return False
         fastest = max((float(value) for value in perception.road.limit), default=30.0)
         fastest = max(fastest, SLOWEST)
-        # The earliest entry and the latest exit: the ego may speed up, or has to slow down for bends.
+        # The ego's earliest entry, if it speeds up, and its latest exit, if it has to slow down for bends.
         enters = travel_time(foe.entry - ego.body.front, max(ego.speed, 0.0), self._acceleration, fastest)
         clears = self._time_to(foe.exit + ego.body.rear_overhang, perception, fastest)
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
@@ -156,11 +156,11 @@ class RightOfWay:
         return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
 
     def _time_to(self, along: float, perception: Perception, fastest: float) -> float:
-        """Return when the rear axle is at a place, if nothing but bends and limits slows the ego down [s]."""
+        """Return when the rear axle reaches a place if only bends and limits slow the ego down [s]."""
         ego = perception.ego
         places, highest = _speeds_until(along, perception.road, fastest)
         squares = highest**2
-        # Slowing down for what comes, then speeding up from what was.
+        # First backwards, slowing down for what comes; then forwards, speeding up from what was.
         ahead, behind = 2.0 * BRAKING_FOR_BENDS * places, 2.0 * self._acceleration * places
         squares = np.minimum.accumulate((squares + ahead)[::-1])[::-1] - ahead
         squares[0] = min(squares[0], max(ego.speed, 0.0) ** 2)
@@ -171,9 +171,9 @@ class RightOfWay:
     def _before(foe: JunctionFoe, perception: Perception) -> StopPlace | None:
         """Return the first place before the conflict where the ego can still stop.
 
-        Who has passed the line waits where everybody waits in that junction: others take a vehicle beyond it
-        for one that goes first, and stop for it, however far it is from their way. At a green light everybody
-        waits there: in dense traffic, whoever waits at the line may lose the whole green.
+        An ego that has passed the line waits at the junction's waiting place: other drivers believe that a
+        vehicle beyond it goes first, and stop for it, however far it is from their way. At a green light the
+        ego always waits there: in dense traffic, a vehicle that waits at the line may lose the whole green.
         """
         ego = perception.ego
         before = foe.entry - CONFLICT_GAP
@@ -187,7 +187,7 @@ class RightOfWay:
 
 
 def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:
-    """Return whether the ego waits for a foe inside the junction: the first there, at a green light."""
+    """Return whether the ego waits for a foe inside the junction: if it is first there, at a green light."""
     place, ego, road = foe.waiting_place, perception.ego, perception.road
     if place is None or place > foe.entry - CONFLICT_GAP or place < foe.stop_line:
         return False
@@ -202,10 +202,10 @@ def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:
 
 
 def must_stop(signal: Signal, ego: EgoState, share: float = HARD_SHARE) -> bool:
-    """Say whether a traffic light has to be stopped at.
+    """Return whether the ego has to stop at a traffic light.
 
-    At red always, unless that share of full braking would end beyond the line; at amber if comfortable
-    braking is enough.
+    At red it has to, unless the given share of full braking would end beyond the line; at amber only if
+    ``AMBER_DECELERATION`` is enough.
     """
     if signal.state is SignalState.RED:
         return _can_stop(signal.stop_line + OVERSHOOT, ego, share * ego.drive.max_deceleration)
@@ -215,7 +215,7 @@ def must_stop(signal: Signal, ego: EgoState, share: float = HARD_SHARE) -> bool:
 
 
 def travel_time(distance: float, speed: float, acceleration: float, limit: float) -> float:
-    """Return the time to drive a distance, speeding up to a limit [s].
+    """Return the time to drive a distance while speeding up to a limit [s].
 
     >>> travel_time(10.0, 5.0, 1.0, 5.0)
     2.0
@@ -237,7 +237,7 @@ def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:
 
 
 def _speeds_until(along: float, road: RoadAhead, fastest: float) -> tuple[FloatArray, FloatArray]:
-    """Return places from the rear axle to there, and how fast bends let it be there [m, m/s]."""
+    """Return places from the rear axle up to ``along`` and the highest speeds in the bends there [m, m/s]."""
     count = math.ceil(along / road.curvature_step) if road.curvature_step > 0.0 else 0
     bends = np.abs(road.curvature[:count])
     if not len(bends):

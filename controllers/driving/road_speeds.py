@@ -1,4 +1,4 @@
-"""How fast the road itself lets the ego drive: limits and bends, here and ahead."""
+"""How fast the road itself lets the ego drive: speed limits and bends, here and ahead."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from controllers.arrays import FloatArray
 from controllers.interface import Perception
 
 STRAIGHT = 1e-4
-"""A curvature below this is none [1/m]."""
+"""Below this curvature, the road counts as straight [1/m]."""
 HIGHEST = 100.0
-"""No speed is asked for beyond this [m/s]."""
+"""Highest speed that is ever returned [m/s]."""
 
 
 def reference_speed(
     perception: Perception, positions: FloatArray, lateral_acceleration: float, braking: float
 ) -> FloatArray:
-    """Return the highest wanted speed at each position: limits and bends, seen early enough to slow down.
+    """Return the highest speed at each position that allows slowing down for limits and bends ahead [m/s].
 
     ``v(s) = min over p >= s of sqrt(v_p^2 + 2 braking (p - s))``
 
@@ -29,7 +29,7 @@ def reference_speed(
     lateral_acceleration
         Comfortable limit in bends [m/s^2].
     braking
-        With which the ego slows down for what it sees [m/s^2].
+        Deceleration with which the ego slows down for limits and bends ahead [m/s^2].
     """
     demands = np.array([[lateral_acceleration, braking]])
     wanted: FloatArray = reference_speeds(perception, positions, demands)[0]
@@ -37,28 +37,28 @@ def reference_speed(
 
 
 def reference_speeds(perception: Perception, positions: FloatArray, demands: FloatArray) -> FloatArray:
-    """Return :func:`reference_speed` for several demands, one row for each, shape (demands, N).
+    """Return :func:`reference_speed` for several demands, one row for each, shape (demands, N) [m/s].
 
     Parameters
     ----------
     perception, positions
-        As there.
+        As for :func:`reference_speed`.
     demands
-        Rows of what is allowed in bends, and slowed down with [m/s^2].
+        Rows of lateral acceleration in bends and deceleration before them [m/s^2].
     """
     road = perception.road
     curvature, limit_along, limit = road.curvature, road.limit_along, road.limit
     along = np.arange(len(curvature)) * road.curvature_step
     bend = np.maximum(np.abs(curvature), STRAIGHT)
     if len(limit) > 0 and limit_along[0] <= 0.0:
-        # A limit holds everywhere: of the road's many points only bends slower than that matter.
+        # A limit holds everywhere: of the road's many points, only bends slower than the limit matter.
         slow = (bend * limit.max() ** 2 > demands[:, 0].min()).nonzero()[0]
         along, bend = along[slow], bend[slow]
     points = np.concatenate((along, limit_along))
     if len(points) == 0:
         return np.full((len(demands), len(positions)), np.inf)
-    # A bend counts until the instant before has left it behind, or one between two instants would be
-    # missed; a limit counts until the next one begins.
+    # A bend counts until the previous instant has left it behind; otherwise a bend between two instants
+    # would be missed. A limit counts until the next one begins.
     since = np.zeros(len(positions))
     since[1:] = positions[:-1]
     since = np.minimum(since, positions)

@@ -1,4 +1,4 @@
-"""What counts as standing and walking, for how long somebody has stood, and how a car is kept there."""
+"""What counts as standing and walking, how long road users have stood, and how a car is kept standing."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from controllers.arrays import BoolArray
 from controllers.interface import Pedestrians, Vehicles
 
 STANDING = 0.05
-"""A slower car stands, if its speed is known as well as the ego's is [m/s]."""
+"""Below this speed, a car whose speed is known as precisely as the ego's counts as standing [m/s]."""
 VEHICLE_STANDING = 0.1
-"""Another vehicle that is slower stands [m/s]."""
+"""Below this speed, another vehicle counts as standing [m/s]."""
 WALKING = 0.1
-"""A pedestrian who is faster walks [m/s]."""
+"""Above this speed, a pedestrian counts as walking [m/s]."""
 HOLDING = -2.0
-"""Keeps a standing car standing [m/s^2]."""
+"""Acceleration command that keeps a standing car standing [m/s^2]."""
 HOLDING_GENTLY = -0.5
-"""Keeps a car standing whose plan is smooth and ends in a standstill [m/s^2]."""
+"""Acceleration command that keeps a car standing whose smooth plan ends in a standstill [m/s^2]."""
 
 
 def standing(vehicles: Vehicles) -> BoolArray:
@@ -35,14 +35,14 @@ def walking(people: Pedestrians) -> BoolArray:
 
 @dataclass(slots=True)
 class StoodSince:
-    """Remembers since when each of some has stood."""
+    """Remembers since when each road user has stood."""
 
     _since: dict[str, float] = field(default_factory=dict)
 
     def look(self, names: Iterable[str], time: float) -> None:
-        """Take note of all who stand at a time [s]; the others are forgotten."""
+        """Take note of all who stand at a time [s], and forget the others."""
         self._since = {name: self._since.get(name, time) for name in names}
 
     def stood(self, name: str, time: float) -> float:
-        """Return for how long somebody has stood; -inf for who did not stand when looked at last [s]."""
+        """Return how long a road user has stood; -inf if they did not stand at the last look [s]."""
         return time - self._since.get(name, math.inf)

@@ -1,8 +1,8 @@
-"""Driving as the road and its vehicles ask: what a method that covers one axis alone stands on.
+"""Driving as the road and its vehicles demand: the basis of methods that control speed or steering alone.
 
-Along: car-following after the Intelligent Driver Model, rules at junctions, bends and speed limits. Across:
-lane keeping, and lane changes that the route asks for or that lead around slow and standing vehicles.
-Pedestrians do not matter here; they are the method's own business.
+Along the road: car-following with the Intelligent Driver Model, rules at junctions, bends and speed limits.
+Across it: lane keeping, and lane changes that the route requires or that lead around slow and standing
+vehicles. Pedestrians are not considered here; the methods themselves take care of them.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from controllers.driving.lanes.lane_choice import LaneChoice
 from controllers.interface import Decision, Manoeuvre, Perception
 
 PAUSING = -3.0
-"""Deceleration while somebody goes past a lane change that has begun [m/s^2]."""
+"""Acceleration while a lane change that has begun is paused to let another vehicle past [m/s^2]."""
 
 
 class TrafficDriver:
-    """Follows, keeps or changes its lane for the route. It remembers, so: one per ego."""
+    """Follows other vehicles, and keeps or changes its lane for the route; one per ego, as it has memory."""
 
     def __init__(self, style: DrivingStyle | None = None) -> None:
         style = style or DrivingStyle()
@@ -30,7 +30,7 @@ class TrafficDriver:
         self._changing_to: int | None = None
 
     def decide(self, perception: Perception, threat: str = "") -> Decision:
-        """Say which lane to be in; the name of a threat, where there is one, is why."""
+        """Return which lane to be in; if there is a threat, its name is given as the reason."""
         target, reason = self._lanes.choose(perception)
         manoeuvre = self._manoeuvre(target, perception.road.reference)
         if not threat and not reason:
@@ -39,18 +39,18 @@ class TrafficDriver:
 
     @property
     def waiting(self) -> bool:
-        """Whether it wants another lane that is not free."""
+        """Whether the ego wants another lane that is not free."""
         return self._lanes.waiting
 
     def accelerations(
         self, perception: Perception, decision: Decision, *, free_speed: float | None = None
     ) -> FloatArray:
-        """Return what traffic and road allow, at ``lane_keeping.instants(ego)`` [m/s^2].
+        """Return the accelerations that traffic and road allow, at ``lane_keeping.instants(ego)`` [m/s^2].
 
         Parameters
         ----------
         perception, decision : as seen and decided
-        free_speed : desired where nothing is ahead, instead of the speed limit here [m/s]
+        free_speed : desired speed where nothing is ahead, instead of the speed limit here [m/s]
         """
         allowed = self._following.follow(
             perception,
@@ -62,13 +62,13 @@ class TrafficDriver:
         return np.minimum(allowed, PAUSING) if self._lanes.paused else allowed
 
     def outlook(self, perception: Perception, decision: Decision, times: FloatArray) -> FloatArray:
-        """Return what they would allow at other instants from now, ascending from 0 [m/s^2]."""
+        """Return the accelerations allowed at other instants from now, ascending from 0 [m/s^2]."""
         return self._following.follow(
             perception, decision.target_lane, times, leaving=self._lanes.waiting
         ).acceleration
 
     def change_to(self, perception: Perception, number: int, because: str) -> None:
-        """Begin a change to an adjacent lane that the method wants; from the next decision on it is watched.
+        """Begin a change to an adjacent lane that the method wants; the next decisions watch over it.
 
         Parameters
         ----------

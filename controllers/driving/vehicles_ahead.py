@@ -1,4 +1,4 @@
-"""Other vehicles as bounds on the position: who is ahead in a band of the road, and where they will be."""
+"""Other vehicles as bounds on the ego's position: which are ahead in a band of the road, and their motion."""
 
 from __future__ import annotations
 
@@ -12,50 +12,51 @@ from controllers.geometry.swing import swung_out
 from controllers.interface import Perception, Vehicles
 
 HARD_BRAKING = 8.0
-"""Assumed of a vehicle ahead for ``rest`` [m/s^2]."""
+"""Deceleration that a vehicle ahead is assumed to use in ``rest`` [m/s^2]."""
 IN_THE_WAY_WITHIN = 0.5
-"""A vehicle that drifts into the band within this time is in the way already [s]."""
+"""A vehicle that drifts into the band within this time counts as in the way already [s]."""
 MERGING_WITHIN = 2.0
-"""One that will be in the band within this time is about to [s]."""
+"""A vehicle that drifts into the band within this time counts as about to move into the way [s]."""
 DRIFTING = 0.15
-"""Slower movement across the road is not taken for a change of lane [m/s]."""
+"""Movement across the road below this speed does not count as a change of lane [m/s]."""
 TURNING_SPEED, ROOM_TO_TURN = 2.0, 4.0
-"""A slower vehicle that does not go the ego's way manoeuvres, and is left so much more room [m/s, m]."""
+"""A vehicle below this speed that does not go the ego's way manoeuvres, and gets this much more room
+[m/s, m]."""
 
 
 class Blockade(NamedTuple):
-    """The rear ends ahead, as bounds for a front bumper, shape (N,); inf where nobody is."""
+    """The rear ends ahead, as bounds for the front bumper, shape (N,); inf where there is no vehicle."""
 
     rear: FloatArray
     """Predicted rear bumper of the nearest vehicle in the way [m]."""
     rest: FloatArray
-    """Where that rear bumper comes to rest should the vehicle brake hard from there [m]."""
+    """Place where that rear bumper would come to rest if the vehicle braked hard from ``rear`` [m]."""
     follow: FloatArray
-    """As ``rear``, of those who are about to move into the way too, and nearer for those who stand across
-    the ego's lane or come towards it and may need room to get out of it: to keep a time gap to [m]."""
+    """Place to keep a time gap to: like ``rear``, but including vehicles about to move into the way, and
+    nearer for those who stand across the ego's lane or come towards it and may need room to leave it [m]."""
     name: str
     """Nearest vehicle now; empty for none."""
 
     @property
     def pace(self) -> FloatArray:
-        """Predicted speed of the nearest vehicle in the way; 0 where nobody is [m/s]."""
+        """Predicted speed of the nearest vehicle in the way; 0 where there is none [m/s]."""
         braking_distance = np.zeros(len(self.rear))
         np.subtract(self.rest, self.rear, out=braking_distance, where=np.isfinite(self.rear))
         return np.asarray(np.sqrt(2.0 * HARD_BRAKING * np.maximum(braking_distance, 0.0)))
 
 
 def blockade(perception: Perception, band: tuple[float, float], times: FloatArray) -> Blockade:
-    """Return what vehicles ahead, in the band or about to be in it, leave free.
+    """Return the bounds set by vehicles ahead that are in the band or about to be in it.
 
-    A vehicle that brakes is expected to go on braking for 2 s, one that speeds up to go on for 1 s; one that
-    moves across the road to stop in the middle of the next lane.
+    A vehicle that brakes is expected to go on braking for 2 s, and one that speeds up to go on for 1 s. A
+    vehicle that moves across the road is expected to stop in the middle of the next lane.
 
     Parameters
     ----------
     perception
         What the ego is told.
     band
-        Right and left end of what the ego's body will sweep (across) [m].
+        Right and left end of the band that the ego's body will sweep (across) [m].
     times
         Horizon, shape (N,) [s].
     """
@@ -78,7 +79,7 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     blocking = soon[chosen].nonzero()[0]
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
-    in_lane = (box.right < band[1]) & (box.left > band[0])  # those beside it need none to get out of it
+    in_lane = (box.right < band[1]) & (box.left > band[0])  # vehicles beside it need no room to leave it
     room = np.where((turning & in_lane)[chosen], ROOM_TO_TURN, 0.0).reshape(-1, 1)
     return Blockade(
         rear[blocking].min(axis=0, initial=nobody),
@@ -91,14 +92,14 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
 def _swung_out(
     perception: Perception, box: Footprints, band: tuple[float, float], who: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the band at the place of each vehicle, for some as wide as the front swings out in a bend.
+    """Return the band at the place of each vehicle, for some widened by how far the front swings out.
 
     Parameters
     ----------
-    perception : the ego's body and the bends of its road
-    box : vehicles
+    perception : gives the ego's body and the bends of its road
+    box : footprints of the vehicles
     band : right and left end where the road is straight [m]
-    who : the vehicles for which it is widened, shape (n,)
+    who : vehicles for which the band is widened, shape (n,)
     """
     right, left = np.full(len(who), band[0]), np.full(len(who), band[1])
     body, road = perception.ego.body, perception.road
@@ -107,7 +108,7 @@ def _swung_out(
     front, out = body.front, swung_out(body, road.curvature)
     axle = np.arange(len(out)) * road.curvature_step
     for i in np.flatnonzero(who):
-        # Where the rear axle is while the front bumper is beside the vehicle.
+        # Places of the rear axle while the front bumper is beside the vehicle.
         beside = (axle > box.rear[i] - front - road.curvature_step) & (axle < box.front[i] - front)
         right[i] -= out[beside & (road.curvature > 0.0)].max(initial=0.0)
         left[i] += out[beside & (road.curvature < 0.0)].max(initial=0.0)
@@ -122,12 +123,12 @@ def _ahead(
     right: FloatArray,
     left: FloatArray,
 ) -> tuple[BoolArray, BoolArray]:
-    """Return who is ahead of the ego and in the band, now or soon, and who now or a little later."""
+    """Return which vehicles ahead are in the band now or soon, and which now or a little later."""
     middle_ahead = 0.5 * (box.rear + box.front) > 0.5 * front
-    # Somebody beside the ego who drifts towards it is not ahead; braking for the rear end would be late.
+    # A vehicle beside the ego that drifts towards it is not ahead: it is too late to brake for its rear end.
     in_band = (box.right < left - 0.2) & (box.left > right + 0.2)
     possible = middle_ahead & ((box.rear > front - 1.0) | in_band)
-    # Crossing and oncoming vehicles count only where they are: what they will do is the duty to yield's.
+    # Crossing and oncoming vehicles count only where they are: the right of way deals with what they will do.
     drifting = possible & box.same_way & (np.abs(vehicles.across_speed) > DRIFTING)
     if not drifting.any():
         there = possible & (box.right < left) & (box.left > right)
@@ -143,7 +144,7 @@ def _ahead(
 
 
 def _drifts_in(box: Footprints, drift: FloatArray, right: FloatArray, left: FloatArray) -> BoolArray:
-    """Return who is in a band somewhere on the way across, signed."""
+    """Return which vehicles are in a band somewhere on their drift across, left positive."""
     return (box.right + np.minimum(drift, 0.0) < left) & (box.left + np.maximum(drift, 0.0) > right)
 
 

@@ -1,7 +1,7 @@
-"""Vehicles that stand where ways merge, and wait for the ego.
+"""Vehicles that stand where lanes merge, and wait for the ego.
 
-SUMO's drivers let the vehicle go first that has come farther towards a merge, by distances of their own. An
-ego that takes such a vehicle for one to follow waits for it, and neither ever moves.
+SUMO's drivers let the vehicle go first that is closer to a merge, by distances that SUMO computes itself. If
+the ego takes such a waiting vehicle for its leader, it waits too, and neither ever moves.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from controllers.geometry.footprints import Footprints, footprints
 from controllers.interface import Lane, Perception
 
 PATIENCE, LONG_PATIENCE = 5.0, 15.0
-"""Whoever has stood for so long waits for the ego, without and with something ahead that may be why: those
-who are ahead may wait for the ego themselves [s]."""
+"""A vehicle that has stood for this long is taken to wait for the ego: the first value applies if nothing
+ahead of it explains why it stands, the second if something does, as that may wait for the ego itself [s]."""
 ROOM = 5.0
 """Vehicles, people and stop lines within this distance ahead may be why a vehicle stands [m]."""
 ASIDE = 1.0
-"""People count up to this far beside the way of the vehicle [m]."""
+"""People up to this far beside the way of the vehicle may be why it stands [m]."""
 IN_THE_LANE = 0.8
-"""Vehicles with their middle nearer than this to that of the ego's lane stand in a queue [m]."""
+"""Vehicles whose middle is nearer than this to that of the ego's lane stand in a queue in it [m]."""
 
 
 @dataclass(slots=True)
@@ -33,7 +33,7 @@ class WaitingForTheEgo:
     _standing: StoodSince = field(default_factory=StoodSince)
 
     def look(self, perception: Perception) -> BoolArray:
-        """Return which vehicles have stood for so long, shape (n,)."""
+        """Return which vehicles ahead have stood so long that they wait for the ego, shape (n,)."""
         vehicles, time = perception.vehicles, perception.ego.time
         box, waits = footprints(vehicles), np.zeros(len(vehicles), dtype=np.bool_)
         ahead = (standing(vehicles) & box.same_way & (box.front > 0.0)).nonzero()[0].tolist()
@@ -46,12 +46,12 @@ class WaitingForTheEgo:
 
 
 def in_queue(perception: Perception, lane: Lane | None) -> BoolArray:
-    """Return which vehicles are in a lane, so that whoever drives in it is behind or before them, shape (n,).
+    """Return which vehicles are in the middle of a lane, so that a driver in it queues with them, shape (n,).
 
     Parameters
     ----------
     perception : what the ego is told
-    lane : ``None`` for straight on
+    lane : ``None`` for the reference lane
     """
     offset = lane.offset if lane is not None else 0.0
     return np.asarray(np.abs(perception.vehicles.across - offset) <= IN_THE_LANE)

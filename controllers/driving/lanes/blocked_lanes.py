@@ -15,19 +15,19 @@ from controllers.interface import Lane, Perception
 class BlockedLanes:
     """Watches standing vehicles; one per ego.
 
-    A vehicle in its lane that has stood for ``patience`` with no crossing, signal, stop sign or duty to yield
-    close ahead of it is not waiting for anything. Its lane is then told as ending ``distance`` before it, so
-    that whatever leaves a lane that ends also goes round a parked vehicle, and stops where it still can. One
-    that stands across the lane, or faces the ego, may be waiting for the ego: it does not count.
+    A vehicle that has stood for ``patience`` with no crossing, signal, stop sign or duty to yield close ahead
+    of it is not waiting for anything. Its lane then appears to end ``distance`` before it, so that methods
+    that leave a lane before its end also go round a parked vehicle, or stop where they still can steer out.
+    A vehicle that stands across the lane, or faces the ego, may be waiting for the ego and does not count.
 
     Parameters
     ----------
     patience
-        [s]
+        Time after which a standing vehicle counts as parked [s].
     reason
-        Within this distance ahead of it a crossing or stop line explains why a vehicle stands [m].
+        A crossing or stop line within this distance ahead of a vehicle explains why it stands [m].
     distance
-        Room to steer out behind it [m].
+        Room to steer out behind the vehicle [m].
     """
 
     patience: float = 4.0
@@ -37,11 +37,11 @@ class BlockedLanes:
     _blocked: frozenset[int] = frozenset()
 
     def ends(self, lane: Lane) -> bool:
-        """Return whether a lane was told as ending at a vehicle in the perception returned last."""
+        """Return whether the lane ended at a vehicle in the perception that ``look`` returned last."""
         return lane.number in self._blocked
 
     def look(self, perception: Perception) -> Perception:
-        """Return the perception with lanes that end where they are blocked."""
+        """Return the perception with blocked lanes shortened so that they end before the vehicle."""
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
         names = {vehicles.names[i]: i for i in standing(vehicles).nonzero()[0].tolist()}

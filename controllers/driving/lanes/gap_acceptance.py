@@ -1,4 +1,4 @@
-"""Whether another lane is free: gaps to those ahead and behind in it that are large enough."""
+"""Whether another lane is free: whether the gaps to the vehicles ahead and behind in it are large enough."""
 
 from __future__ import annotations
 
@@ -11,50 +11,51 @@ from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception
 
 @dataclass(frozen=True, slots=True)
 class GapRule:
-    """When the gaps of another lane are large enough.
+    """Conditions under which the gaps of another lane are large enough.
 
-    At the beginning each gap must be at least G_min = minimum + headway · v plus what braking from the
-    closing speed needs; later in the manoeuvre it must stay above a share of G_min.
+    At the beginning each gap must be at least G_min = minimum + headway · v plus the distance needed to brake
+    off the closing speed; later in the manoeuvre it must stay above a share of G_min.
     """
 
     minimum: float = 2.5
     """Gap at standstill [m]."""
     headway: float = 1.0
-    """Time gap of the one behind [s]."""
+    """Time gap of the follower [s]."""
     deceleration: float = 2.0
-    """With which a closing speed is reduced [m/s^2]."""
+    """Deceleration with which a closing speed is reduced [m/s^2]."""
     duration: float = 4.0
-    """How far ahead others are predicted, at constant velocity [s]."""
+    """Time over which other vehicles are predicted, at constant velocity [s]."""
     later_share: float = 0.5
     """Share of G_min that must be left at any time of the manoeuvre."""
     abort_share: float = 0.3
-    """Share of G_min below which a change that has begun is given up …"""
+    """A change that has begun is given up if a gap is below this share of G_min …"""
     abort_deceleration: float = 4.0
-    """… beside what the one behind needs to brake down with this [m/s^2]."""
+    """… plus the distance that the follower needs to slow down with this deceleration [m/s^2]."""
     abort_duration: float = 1.0
-    """How far ahead others are predicted once a change has begun: by then they see it [s]."""
+    """Time over which others are predicted once a change has begun: they notice it within this time [s]."""
     pause_below: float = 3.0
-    """So slow, a change is not given up but paused: there is no room to steer back [m/s]."""
+    """Below this speed, a change is paused and not given up: there is no room to steer back [m/s]."""
     side: float = 0.3
-    """Distance kept beside others [m]."""
+    """Distance kept beside other vehicles [m]."""
 
 
 def blocker(
     perception: Perception, number: int, rule: GapRule | None = None, *, begun: bool = False
 ) -> str | None:
-    """Return who makes a change to an adjacent lane unsafe, ``None`` if nobody does.
+    """Return the vehicle that makes a change to an adjacent lane unsafe, ``None`` if there is none.
 
     Parameters
     ----------
     perception : what the ego knows
     number : ``Lane.number`` of a lane beside the reference lane
     rule : how large the gaps have to be
-    begun : judge a change that is under way, by the smaller gaps that make it be given up
+    begun : whether the change is under way; it is then given up only at smaller gaps
 
     Notes
     -----
-    Judged are the neighbours as they are now, and all vehicles at constant velocity over the duration of
-    the manoeuvre, also those that come over from a third lane or into the gap from the ego's own.
+    The rule is applied to the neighbours as they are now, and to all vehicles at constant velocity over the
+    duration of the manoeuvre. These include vehicles that come from a third lane, or from the ego's own lane
+    into the gap.
     """
     rule = rule or GapRule()
     road = perception.road
@@ -79,7 +80,7 @@ def _adjacent(gaps: NeighbourGaps, *, left: bool) -> tuple[Neighbour | None, Nei
 
 
 def _required(follower: float, leader: float, rule: GapRule, begun: bool) -> float:
-    """Return G_min for the follower's speed, plus what braking down to the leader's needs [m]."""
+    """Return G_min for the follower's speed, plus the distance to brake down to the leader's speed [m]."""
     follower, leader = max(follower, 0.0), max(leader, 0.0)
     smallest = rule.minimum + rule.headway * follower
     squared = max(follower - leader, 0.0) ** 2
@@ -99,7 +100,7 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     across = others.across + others.across_speed * times
     front = others.along + others.along_speed * times
     ego_front = ego.body.front + speed * times
-    # Nobody may be in the target lane, whichever side they come from.
+    # No vehicle may be in the target lane, whichever side it comes from.
     reach = 0.5 * (others.width + ego.body.width) + rule.side
     inside = np.abs(across - lane.offset) < reach
     gap_ahead = front - others.length - ego_front

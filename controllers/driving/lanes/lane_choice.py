@@ -1,7 +1,7 @@
-"""The lane that any driver chooses: the one the route asks for, or else a better one, if it is free.
+"""The lane that any driver chooses: the one that the route requires, or else a better one, if it is free.
 
-The lane wanted is remembered by ``Lane.number``, which does not change while the ego moves over and its
-reference lane becomes another one.
+The wanted lane is remembered by ``Lane.number``, which does not change when the ego moves over and another
+lane becomes its reference lane.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from controllers.interface import Perception
 
 
 class LaneChoice:
-    """Chooses the lane to be in, for the route or because it is better there. One per ego: it remembers."""
+    """Chooses the lane to be in, for the route or because it is better; one per ego, as it has memory."""
 
     def __init__(
         self,
@@ -34,16 +34,16 @@ class LaneChoice:
         self._because = ""
         self._last_change = -np.inf
         self.waiting = False
-        """Whether another lane is wanted that is not free."""
+        """Whether the ego wants another lane that is not free."""
         self.paused = False
-        """Whether a change that has begun has to stand still until somebody is past."""
+        """Whether a change that has begun is paused until another vehicle is past."""
 
     def choose(self, perception: Perception) -> tuple[int, str]:
-        """Return the ``Lane.number`` to end in, and because of what.
+        """Return the ``Lane.number`` to end in, and the reason.
 
-        The reason is ``lane end`` where the route asks for a change, the leader where the change is to get
-        away from it, the name of a vehicle that blocks the change or for which it was given up, and empty
-        where there is nothing to change.
+        The reason is ``lane end`` if the route requires a change, the leader if the change is to get away
+        from it, or the name of the vehicle that blocks the change or made the ego give it up. It is empty if
+        no change is wanted.
         """
         road = perception.road
         self.waiting = self.paused = False

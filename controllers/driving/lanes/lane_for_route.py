@@ -9,29 +9,29 @@ import numpy as np
 from controllers.interface import Lane, Perception, RoadAhead
 
 SAME_END = 10.0
-"""Lanes whose ends differ by less end at the same place: in a bend their lengths differ [m]."""
+"""Lanes whose ends differ by less than this end at the same place, as their lengths differ in bends [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class RouteRule:
-    """When a lane has to be left for the route."""
+    """Conditions under which the ego has to leave its lane for the route."""
 
     distance: float = 60.0
     """Distance that a lane change takes at least [m]."""
     time: float = 5.0
     """Time that a lane change takes at least [s]."""
     search: float = 1.0
-    """How much more of the same to allow for finding a gap."""
+    """Additional room to find a gap, as a multiple of what the lane change takes [-]."""
 
 
 def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int | None:
-    """Return the adjacent lane that the route asks for now, ``None`` if the present one still serves.
+    """Return the adjacent lane that the route requires now, ``None`` if the present one still serves.
 
     Notes
     -----
-    Of the adjacent lanes the one that follows the route for longer is taken. Where none does, several
-    changes are needed, and they lead to the side on which the road goes on beyond the lanes in view, but
-    never into a lane that serves the route worse than the present one: from there the way would lead back.
+    The adjacent lane that follows the route for longer is taken. If none does, several changes are needed.
+    They lead to the side on which the road goes on beyond the lanes in view, but never into a lane that
+    serves the route worse than the present one, because the way would lead back from there.
     """
     rule = rule or RouteRule()
     road, ego = perception.road, perception.ego
@@ -48,11 +48,11 @@ def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int
     needed = changes * (1.0 + rule.search) * max(rule.distance, rule.time * ego.speed)
     if here.follows_route_for - ego.body.front > needed:
         return None
-    # max() keeps the first of equals: the right one, where traffic is slower.
+    # max() keeps the first of equals: the lane on the right, where traffic is slower.
     return max(candidates, key=lambda lane: lane.follows_route_for).number
 
 
 def _road_goes_on(lane: Lane, here: Lane, road: RoadAhead) -> bool:
-    """Say whether there are lanes beyond an adjacent one."""
+    """Return whether there are more lanes beyond an adjacent one."""
     edge = road.left_edge if lane.number > here.number else road.right_edge
     return abs(edge - lane.offset) > 0.9 * lane.width

@@ -1,4 +1,4 @@
-"""Whether another lane lets the ego drive better: around roadworks, past a slow vehicle."""
+"""Whether the ego can drive better in another lane: around roadworks, past a slow vehicle."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from controllers.interface import Lane, Neighbour, Perception
 
 @dataclass(frozen=True, slots=True)
 class IncentiveRule:
-    """When a better lane is worth a change."""
+    """Conditions under which a better lane is worth a change."""
 
     advantage: float = 0.5
-    """By how much more the ego could accelerate there [m/s^2]."""
+    """The ego must be able to accelerate by this much more in the other lane [m/s^2]."""
     pause: float = 5.0
-    """Time between two changes that the route does not ask for [s]."""
+    """Time between two changes that the route does not require [s]."""
     stay_distance: float = 120.0
-    """The other lane must lead along the route for so long at least [m] …"""
+    """The other lane must lead along the route for at least this distance [m] …"""
     stay_time: float = 12.0
-    """… and for so long at the present speed [s]."""
+    """… and for at least this time at the present speed [s]."""
     before_crossing: float = 35.0
-    """No change begins so near before a crossing [m] …"""
+    """No change begins within this distance before a crossing [m] …"""
     after_crossing: float = 12.0
-    """… or so near after it [m] …"""
+    """… or within this distance after it [m] …"""
     slow: float = 1.0
     """… unless the ego is slower than this [m/s]."""
 
 
 def better_lane(perception: Perception, style: DrivingStyle, rule: IncentiveRule) -> int | None:
-    """Return the adjacent lane in which the ego could accelerate more, ``None`` if no lane is worth it.
+    """Return the adjacent lane in which the ego could accelerate more, ``None`` if no lane is worth a change.
 
     Notes
     -----
-    The incentive criterion of [Kesting2007]_ without politeness: the accelerations are those of the
-    car-following model behind the leader of each lane, none below the comfortable deceleration.
+    This is the incentive criterion of [Kesting2007]_ without politeness. The accelerations are those of the
+    car-following model behind the leader of each lane; none is below the comfortable deceleration.
     """
     road, ego, gaps = perception.road, perception.ego, perception.gaps
     near = any(
@@ -68,7 +68,7 @@ def _acceleration(speed: float, limit: float, leader: Neighbour | None, style: D
     free = free_acceleration(speed, limit, style)
     if leader is None or math.isinf(leader.gap):
         return free
-    # Who waits to get around somebody standing waits with room to steer, and still wants to go then.
+    # An ego that waits to get around a standing vehicle keeps room to steer, and must still want to go then.
     standstill = style.room_to_change if leader.speed < VEHICLE_STANDING else style.standstill_gap
     wanted = desired_gap(speed, max(leader.speed, 0.0), standstill, style.headway, style)
     following = free - style.acceleration * (wanted / max(leader.gap, 0.1)) ** 2

@@ -1,5 +1,6 @@
-"""Paths across the road that outlast a change of the reference lane: told from a lane, over the distance
-travelled.
+"""Paths across the road that remain valid when the reference lane changes.
+
+They are described relative to one lane, over the distance travelled.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from controllers.driving.lane_keeping import Place
 from controllers.interface import EgoState, Perception
 
 LEAST_ADVANCE = 0.2
-"""Points of a path that lie closer together along the lane are left out [m]."""
+"""Points of a path that are closer than this along the lane to the point before are left out [m]."""
 
 
 class Shape(Protocol):
@@ -24,11 +25,11 @@ class Shape(Protocol):
 
     @property
     def length(self) -> float:
-        """Where it ends [m]; beyond it the last offset goes on."""
+        """Along coordinate where it ends [m]; beyond it, the path goes straight on."""
         ...
 
     def at(self, along: float) -> Place:
-        """Return the place ``along`` after the path's beginning."""
+        """Return the place at the distance ``along`` from the path's beginning [m]."""
         ...
 
 
@@ -37,7 +38,7 @@ class SplineShape:
 
     Parameters
     ----------
-    along, across : points, two at least, along ascending [m]
+    along, across : points, at least two, along ascending [m]
     begins, ends : slopes at the ends
     """
 
@@ -49,7 +50,7 @@ class SplineShape:
 
     @property
     def length(self) -> float:
-        """Where the last point is [m]."""
+        """Along coordinate of the last point [m]."""
         return self._ends
 
     def at(self, along: float) -> Place:
@@ -63,11 +64,11 @@ class SplineShape:
 
 
 def through(along: FloatArray, across: FloatArray, begins: float, ends: float) -> SplineShape | None:
-    """Return the curve through points that advance; ``None`` where there are not two of them.
+    """Return the curve through those points that advance along the lane; ``None`` if fewer than two do.
 
     Parameters
     ----------
-    along, across : points, the first one to be kept in any case [m]
+    along, across : points, of which the first is always kept [m]
     begins, ends : slopes at the ends
     """
     kept = [0]
@@ -81,51 +82,51 @@ def through(along: FloatArray, across: FloatArray, begins: float, ends: float) -
 
 @dataclass(frozen=True, slots=True)
 class LanePath:
-    """A shape beside the centre line of one lane, begun at some reading of the odometer."""
+    """A shape beside the centre line of one lane that begins at some reading of the odometer."""
 
     lane: int
     """``Lane.number``."""
     begun: float
-    """Distance travelled when it began [m]."""
+    """Distance travelled when the path began [m]."""
     shape: Shape
 
     def seen(self, perception: Perception, travelled: float) -> Course | None:
-        """Return it as a course in the present route frame; ``None`` when there is no such lane any more."""
+        """Return the path as a course in the present route frame; ``None`` if the lane exists no longer."""
         lane = perception.road.lane(self.lane)
         if lane is None:
             return None
         return Course(self.shape, travelled - self.begun, lane.offset)
 
     def left(self, travelled: float) -> float:
-        """Return the distance until it ends; negative after that [m]."""
+        """Return the distance until the path ends; negative after that [m]."""
         return self.begun + self.shape.length - travelled
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A shape as it lies in one route frame; see :class:`controllers.driving.lane_keeping.Course`."""
+    """A shape placed in one route frame; see :class:`controllers.driving.lane_keeping.Course`."""
 
     shape: Shape
     passed: float
-    """Along coordinate of the shape where the route frame has its origin [m]."""
+    """Along coordinate of the shape at the origin of the route frame [m]."""
     offset: float
-    """Of the lane that the shape is told from [m]."""
+    """Offset of the lane that the shape is relative to [m]."""
 
     def at(self, along: float) -> Place:
-        """Return where it leads at an along coordinate."""
+        """Return the place of the shape at an along coordinate [m]."""
         place = self.shape.at(self.passed + along)
         return Place(self.offset + place.across, place.slope, place.bend)
 
 
 class Odometer:
-    """Distance travelled along the lane, from the speeds of one ego."""
+    """Distance travelled along the lane, computed from the speeds of one ego."""
 
     def __init__(self) -> None:
         self.travelled = 0.0
         self._before: EgoState | None = None
 
     def look(self, ego: EgoState) -> float:
-        """Return the distance travelled until now [m]; looking twice at the same instant adds nothing."""
+        """Return the distance travelled until now [m]; a second look at the same instant adds nothing."""
         before, self._before = self._before, ego
         if before is not None and ego.time > before.time:
             mean = 0.5 * (before.speed + ego.speed)
@@ -135,5 +136,5 @@ class Odometer:
 
 
 def told(course: Course, along: FloatArray) -> FloatArray:
-    """Return the across coordinates at along coordinates, same shape [m]."""
+    """Return the across coordinates of a course at along coordinates, same shape [m]."""
     return np.array([course.at(float(place)).across for place in along])

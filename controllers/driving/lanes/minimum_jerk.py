@@ -1,4 +1,4 @@
-"""How an offset changes smoothly: the profile of least jerk."""
+"""The profile of least jerk, along which an offset changes smoothly."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from controllers.arrays import FloatArray
 
 
 def minimum_jerk(fraction: FloatArray) -> FloatArray:
-    """Return the profile ``10 s^3 - 15 s^4 + 6 s^5`` from 0 to 1, held outside.
+    """Return the profile ``10 s^3 - 15 s^4 + 6 s^5`` for s from 0 to 1; outside it is constant.
 
     >>> minimum_jerk(np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist()
     [0.0, 0.0, 0.5, 1.0, 1.0]

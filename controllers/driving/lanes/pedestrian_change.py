@@ -1,7 +1,7 @@
 """Whether a change of lane may begin near a crossing because of the pedestrians on it.
 
-Elsewhere no change that the route does not ask for begins near a crossing: who changes lanes there may pass
-a vehicle that has stopped for somebody, and that vehicle hides them.
+In all other cases, no change that the route does not require begins near a crossing: the ego might pass a
+vehicle that has stopped for a pedestrian and hides them.
 """
 
 from __future__ import annotations
@@ -11,24 +11,24 @@ import numpy as np
 from controllers.interface import Crossing, Perception
 
 STRAIGHT_BEFORE = 2.0
-"""So far before the crossing the change has to have ended [m]."""
+"""The change has to end at least this far before the crossing [m]."""
 FREE_BEYOND = 15.0
-"""So far beyond the crossing no vehicle may be in either lane [m]."""
+"""No vehicle may be in either lane up to this far beyond the crossing [m]."""
 BESIDE = 0.3
-"""A vehicle that juts out into a lane by less is not in it [m]."""
+"""A vehicle that juts into a lane by less than this is not in it [m]."""
 
 
 def open_for_pedestrians(perception: Perception, number: int, length: float) -> bool:
-    """Say whether a change to an adjacent lane may begin because of people at the next crossing.
+    """Return whether a change to an adjacent lane may begin because of people at the next crossing.
 
-    Somebody is on the crossing, or about to step onto it; the change ends before it; and in neither lane is
-    any vehicle up to and beyond the crossing: the lane is free through it, and nobody is masked.
+    It may if pedestrians are on the crossing or about to step onto it, the change ends before it, and no
+    vehicle is in either lane up to a distance beyond it: the way through is free, and nobody is hidden.
 
     Parameters
     ----------
     perception : what the ego knows
     number : ``Lane.number`` of the other lane
-    length : that the change takes [m]
+    length : distance that the change takes [m]
     """
     crossing, index = _next_crossing(perception)
     if crossing is None or crossing.entry - perception.ego.body.front < length + STRAIGHT_BEFORE:
@@ -40,7 +40,7 @@ def open_for_pedestrians(perception: Perception, number: int, length: float) -> 
 
 
 def _next_crossing(perception: Perception) -> tuple[Crossing | None, int]:
-    """Return the nearest crossing that the ego is not past, and its index."""
+    """Return the nearest crossing that the ego has not passed, and its index."""
     ahead = [
         (crossing.entry, index)
         for index, crossing in enumerate(perception.road.crossings)
@@ -53,7 +53,7 @@ def _next_crossing(perception: Perception) -> tuple[Crossing | None, int]:
 
 
 def _vehicles_up_to(perception: Perception, number: int, distance: float) -> bool:
-    """Say whether a vehicle is ahead in one of the two lanes, up to a distance."""
+    """Return whether a vehicle is ahead in the reference lane or the given one, up to a distance [m]."""
     vehicles, road = perception.vehicles, perception.road
     ahead = (vehicles.along > 0.0) & (vehicles.along - vehicles.length < distance)
     half = 0.5 * (

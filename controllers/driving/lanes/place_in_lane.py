@@ -1,4 +1,4 @@
-"""Where in its lane an ego drives: away from people who stay beside its way, and vehicles that jut in."""
+"""Where in its lane the ego drives: away from people who stay beside its way and vehicles that jut in."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ from controllers.geometry.swing import farthest_out
 from controllers.interface import EgoState, Lane, Perception
 
 LOOK_AHEAD = 45.0
-"""People up to here are kept away from [m]."""
+"""The ego keeps away from people up to this far ahead [m]."""
 WANTED = 0.8
-"""Distance that is wanted beside the body [m]."""
+"""Wanted distance between people and the body [m]."""
 ENOUGH, LEAST = 0.5, 0.3
-"""Distance for which the body leaves its lane, and without which nobody is made room for [m]."""
+"""Distance to people for which the body may leave its lane, and distance below which they cannot be passed,
+so that the ego makes no room for them [m]."""
 ASIDE = 1.5
-"""How much nearer somebody may be in a bend than the lane's centre line says: by so much in that of a car, by
-more where the front of a longer vehicle swings out [m]."""
+"""In a bend, people may be this much nearer to the body of a car than the lane's centre line suggests; a
+longer vehicle, whose front swings out farther, looks for people farther aside [m]."""
 TO_THE_LINE = 0.2
-"""The body keeps this far from the lane's lines [m]."""
+"""Distance that the body keeps from the lane's lines [m]."""
 BEYOND = 0.5
-"""And goes so much further where somebody could not be passed otherwise, and on until they are passed with
-enough distance [m]."""
+"""The ego also makes room for people who can be passed only if the body goes this much further than
+``TO_THE_LINE`` allows; the body then moves until the distance is ``ENOUGH`` [m]."""
 SHORT = 0.05
-"""The steering plan may miss that by so much [m]."""
+"""The steering plan may fall short of the wanted shift by this much [m]."""
 OVER, OVER_S = 3.0, 2.0
-"""And gets there within this distance or this time, whatever is longer [m, s]."""
+"""The steering plan reaches that shift within this distance or this time, whichever is longer [m, s]."""
 TO_VEHICLES = 0.3
-"""And this far from vehicles beside [m]."""
+"""Distance that the body keeps from vehicles beside it [m]."""
 NEARER = 0.2
-"""Vehicles that jut into the lane are made room for like people who are so much farther away [m]."""
+"""The ego may come nearer by this to vehicles that jut into the lane than to people [m]."""
 BESIDE = 10.0
-"""Vehicles from this far behind the rear axle on count as beside [m]."""
+"""Vehicles up to this far behind the rear axle count as beside the ego [m]."""
 
 
 def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
@@ -46,7 +47,7 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
     Parameters
     ----------
     perception : what the ego is told
-    stays : who of the pedestrians is not expected to enter the ego's way
+    stays : which pedestrians are not expected to enter the ego's way
     """
     lane = perception.road.lane(perception.road.reference)
     if lane is None:
@@ -64,16 +65,17 @@ def look(perception: Perception, stays: NDArray[np.bool_]) -> Perception:
 def kept(
     corridor: tuple[FloatArray, FloatArray], shift: float, ego: EgoState, along: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the corridor of a steering plan without the places nearer to those who are kept away from.
+    """Return the corridor of a steering plan without places nearer to the people than the shift allows.
 
-    Without that, a plan trades the last centimetres for less steering. On the other side it ends where the
-    body would leave the lane, or with the place itself: there may be vehicles beside.
+    Without this bound, a plan would trade the last centimetres of distance for less steering. On the other
+    side, the corridor ends where the body would leave the lane, or just beyond the shift: there may be
+    vehicles beside the ego.
 
     Parameters
     ----------
-    corridor : its right and left end for the rear axle about that place, shape (N,) each [m]
-    shift : of the lane's centre line for their sake, left positive [m]
-    ego : where it is
+    corridor : right and left end for the rear axle about the shifted centre line, shape (N,) each [m]
+    shift : shift of the lane's centre line away from the people, left positive [m]
+    ego : state of the ego
     along : planned positions from now, shape (N,) [m]
     """
     if shift == 0.0:
@@ -89,7 +91,7 @@ def kept(
 
 
 def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> float:
-    """Return how far to move, left positive [m]."""
+    """Return how far to move the centre line, left positive [m]."""
     half = 0.5 * perception.ego.body.width
     aside = half + WANTED + max(ASIDE, farthest_out(perception.ego.body, perception.road.curvature))
     people = stays.any() and not way_into_lane.nobody_near(perception, lane.offset, LOOK_AHEAD, aside)
@@ -114,12 +116,11 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
 def _passed(
     perception: Perception, way: FloatArray, stays: NDArray[np.bool_], aside: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return on which side those are who stay near the way, when the body is beside them, and the gap to it.
+    """Return where people who stay near the way are beside the body, left positive, and the least gaps [m].
 
-    Looked at are those nearer to the way than ``aside`` [m].
-
-    In a bend the front swings out and the rear cuts in, so that is told from the body's places along it. The
-    gap is inf where the body never is beside somebody.
+    Only people nearer to the way than ``aside`` [m] are considered. In a bend the front swings out and the
+    rear cuts in, so the gaps are computed from the places of the body along the way. A gap is inf if the body
+    never is beside that person.
     """
     body = perception.ego.body
     who, at = way_into_lane.people_beside(perception, way, aside)
@@ -133,12 +134,12 @@ def _passed(
 
 
 def _wanted(gap: FloatArray, room: float, free: float) -> float:
-    """Return how far to keep away from people on one side [m].
+    """Return how far to move away from people on one side [m].
 
     Parameters
     ----------
-    gap : to each of them as things are [m]
-    room, free : that there is on the other side within the lane, and up to vehicles [m]
+    gap : gap to each of them without any shift [m]
+    room, free : room on the other side within the lane, and up to the vehicles there [m]
     """
     passable = gap[(gap < WANTED) & (gap + min(room + BEYOND, free) > LEAST)]
     if not len(passable):
@@ -148,7 +149,7 @@ def _wanted(gap: FloatArray, room: float, free: float) -> float:
 
 
 def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
-    """Return how far the body may move to the right and to the left for the sake of vehicles there [m]."""
+    """Return how far the body may move to the right and to the left before it gets too near vehicles [m]."""
     box = footprints(perception.vehicles)
     near = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
     left = box.right[near & (box.right > lane.offset)].min(initial=np.inf)

@@ -1,4 +1,4 @@
-"""The lane change along a polynomial of degree seven; its first three derivatives vanish at both ends.
+"""A lane change along a polynomial of degree seven whose first three derivatives vanish at both ends.
 
 ``across(s) = width (35 s^4 - 84 s^5 + 70 s^6 - 20 s^7)`` with ``s`` = along / length from 0 to 1.
 """
@@ -13,10 +13,10 @@ from controllers.arrays import FloatArray
 from controllers.driving.lane_keeping import Place
 
 PROFILE = np.polynomial.Polynomial([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])
-"""From 0 to 1; its first three derivatives vanish at both ends."""
+"""Profile from 0 to 1; its first three derivatives vanish at both ends."""
 _SLOPE, _BEND = PROFILE.deriv(1), PROFILE.deriv(2)
 STEEPEST = 35.0 / 16.0
-"""Largest slope of the profile, in its middle."""
+"""Largest slope of the profile, at its middle."""
 SHARPEST = 84.0 / 5.0**1.5
 """Largest second derivative of the profile, at s = 1/2 − sqrt(5)/10."""
 
@@ -27,13 +27,13 @@ class SepticPath:
 
     Parameters
     ----------
-    width : to the left; negative to the right [m]
+    width : offset after the change, positive to the left [m]
     length : [m]
 
     Notes
     -----
-    The reference without avoidance of [VOMPC2019]_, which prints no coefficients; these are the only
-    ones of degree seven with those ends.
+    This is the reference without avoidance of [VOMPC2019]_, which prints no coefficients. No other
+    polynomial of degree seven has these ends.
 
     >>> path = SepticPath(3.5, 30.0)
     >>> [path.at(along).across for along in (0.0, 15.0, 30.0)]
@@ -44,7 +44,7 @@ class SepticPath:
     length: float
 
     def at(self, along: float) -> Place:
-        """Return offset, slope and bend; before and after the change it is straight."""
+        """Return offset, slope and bend; the path is straight before and after the change."""
         share = min(max(along / self.length, 0.0), 1.0)
         return Place(
             self.width * float(PROFILE(share)),

@@ -1,4 +1,4 @@
-"""Standing vehicles that jut into a lane from beside it, as those do that wait in a junction for the ego."""
+"""Standing vehicles that jut into a lane from beside it, such as those waiting for the ego in a junction."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from controllers.geometry.plane import vehicles_in_plane
 from controllers.interface import Lane, Perception
 
 OF_THE_LANE = 1.0
-"""Vehicles that drive the ego's way with their middle nearer to the lane's are in it, and followed [m]."""
+"""Vehicles that face the ego's way with their middle nearer than this to that of the lane are in it, and the
+ego follows them [m]."""
 
 
 def standing_beside(perception: Perception, lane: Lane, farthest: float, aside: float) -> BoolArray:
@@ -22,8 +23,8 @@ def standing_beside(perception: Perception, lane: Lane, farthest: float, aside: 
     Parameters
     ----------
     perception : what the ego is told
-    lane : that it drives in
-    farthest : how far to look [m]
+    lane : lane that the ego drives in
+    farthest : how far ahead to look [m]
     aside : how far beside the lane's centre line to look [m]
     """
     them, box = perception.vehicles, footprints(perception.vehicles)
@@ -35,10 +36,10 @@ def standing_beside(perception: Perception, lane: Lane, farthest: float, aside: 
 def jutting_in(
     perception: Perception, lane: Lane, who: BoolArray, way: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return on which side some vehicles are, and the least gap to the body on its way, (m,) each.
+    """Return on which side vehicles are, and the least gap to the body on its way [m], shape (m,) each.
 
-    The side is 1 for the left, -1 for the right. A gap is negative for those who are in the way, and inf for
-    those beside whom the body never is [m].
+    The side is 1 for the left, -1 for the right. A gap is negative for a vehicle in the way, and inf for one
+    that the body never is beside.
 
     Parameters
     ----------

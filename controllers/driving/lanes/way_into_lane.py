@@ -14,21 +14,21 @@ from controllers.geometry.remembered import remembered
 from controllers.interface import Body, EgoState, Pedestrians, Perception, RoadAhead
 
 MOVING_OVER, MOVING_OVER_S = 6.0, 3.0
-"""It takes this distance, or this time [m, s]."""
+"""Distance, or time if that takes longer, in which the ego moves over into the lane [m, s]."""
 SPACING = 0.5
-"""Between the places that are looked at [m]."""
+"""Distance between the places considered [m]."""
 WALKING, CLOSING, FORESEEN_S = 0.5, 1.0, 6.0
-"""Pedestrians who walk along the road this fast are met elsewhere; the least closing speed, and how far ahead
-they are followed [m/s, m/s, s]."""
+"""Above this speed, pedestrians who walk along the road are met at another place than where they are now;
+least closing speed to them, and longest time over which they are predicted [m/s, m/s, s]."""
 WALKING_UP, SOONER_S = 0.2, 1.0
-"""Whoever walks this fast to where their crossing begins is met there, or on the way; they may be there this
-much sooner than they seem to be [m/s, s]."""
+"""Pedestrians who walk faster than this to where their crossing begins are met there, or on the way to it;
+they may get there this much sooner than predicted [m/s, s]."""
 ROUNDING = 0.1
-"""[m]"""
+"""Allowance for the accuracy of the test in :func:`nobody_near` [m]."""
 
 
 def poses(perception: Perception, offset: float, farthest: float) -> tuple[FloatArray, FloatArray]:
-    """Return places along the road, shape (k,) [m], and x, y and heading of the rear axle there, (3, k).
+    """Return places along the road, shape (k,) [m], and the rear axle's x, y and heading there, (3, k).
 
     The plane is that of :func:`controllers.geometry.plane.to_plane`.
 
@@ -86,10 +86,10 @@ def beside_body(way: FloatArray, body: Body, places: FloatArray) -> tuple[FloatA
 def people_beside(
     perception: Perception, way: FloatArray, aside: float
 ) -> tuple[NDArray[np.intp], FloatArray]:
-    """Return who is near a way, by index, shape (n,), and where in its plane, (n, 2) [m].
+    """Return who is near a way, by index, shape (n,), and their places in its plane, (n, 2) [m].
 
-    Those who walk along the road count where the ego meets them, and so do those who walk up to where their
-    crossing begins.
+    Pedestrians who walk along the road count at the place where the ego meets them, and so do those who walk
+    to where their crossing begins.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ def people_beside(
 
 
 def nobody_near(perception: Perception, offset: float, farthest: float, aside: float) -> bool:
-    """Return whether :func:`people_beside` surely finds nobody near the way of :func:`poses`.
+    """Return whether :func:`people_beside` certainly finds nobody near the way of :func:`poses`.
 
-    No place of it is farther from the plane's origin than it is long and goes aside.
+    No place of the way is farther from the plane's origin than its length plus its largest offset.
 
     Parameters
     ----------
@@ -121,10 +121,10 @@ def nobody_near(perception: Perception, offset: float, farthest: float, aside: f
 
 @remembered
 def _meeting_places(ego: EgoState, road: RoadAhead, people: Pedestrians) -> FloatArray:
-    """Return where the ego gets to everybody, in the plane, shape (n, 2) [m].
+    """Return the places in the plane where the ego meets each pedestrian, shape (n, 2) [m].
 
-    The places in the world, since along the route those at a crossing are told in a frame of that crossing,
-    which says little in a bend.
+    They are computed from the places in the world: in the route frame, pedestrians at a crossing are given in
+    the frame of that crossing, which is inaccurate in a bend.
     """
     places, _ = people_in_plane(ego, road, people)
     gap = people.along - ego.body.front
@@ -137,14 +137,14 @@ def _meeting_places(ego: EgoState, road: RoadAhead, people: Pedestrians) -> Floa
 
 
 def _walked_up(ego: EgoState, road: RoadAhead, people: Pedestrians, gap: FloatArray) -> FloatArray:
-    """Return how far people will have come who walk to where their crossing begins, shape (n, 2) [m].
+    """Return how far those who walk to where their crossing begins will have come, shape (n, 2) [m].
 
-    They are expected to stop there, which may be beside the lane, or in it.
+    They are expected to stop there, which may be beside the lane or in it.
 
     Parameters
     ----------
     ego, road, people
-    gap : from the front bumper to each, shape (n,) [m]
+    gap : distance from the front bumper to each pedestrian, shape (n,) [m]
     """
     come = np.zeros(len(gap))
     for i in np.flatnonzero(people.waiting & (people.crossing >= 0) & (gap > 0.0)):
