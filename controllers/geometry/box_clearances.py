@@ -17,10 +17,10 @@ class Boxes(NamedTuple):
     """Rectangles in a plane, n of them; shape (n,) each."""
 
     x: FloatArray
-    """Of the middle [m]; shape (K, n) where they move."""
+    """Coordinate of the middle [m]; shape (K, n) if they move."""
     y: FloatArray
     heading: FloatArray
-    """[rad]; shape (K, n) where they turn."""
+    """[rad]; shape (K, n) if they turn."""
     length: FloatArray
     """[m]"""
     width: FloatArray
@@ -48,13 +48,13 @@ def corners(front: FloatArray, heading: FloatArray, length: FloatArray, width: F
 def box_clearances(x: FloatArray, y: FloatArray, heading: FloatArray, body: Body, boxes: Boxes) -> FloatArray:
     """Return the distances between a rectangle and others, 0 where they overlap, shape (K, m, n) [m].
 
-    The least distance between convex shapes that do not overlap is that of a corner of one to the other.
+    The least distance between convex shapes that do not overlap is that from a corner of one to the other.
 
     Parameters
     ----------
-    x, y, heading : of the rear axle at K instants on m paths, shape (K, m) [m, rad]
+    x, y, heading : poses of the rear axle at K instants on m paths, shape (K, m) [m, rad]
     body : the rectangle
-    boxes : the others
+    boxes : the other rectangles
 
     >>> place, zero = np.zeros((1, 1)), np.zeros(1)
     >>> ahead = Boxes(zero + 7.55, zero, zero, zero + 4.0, zero + 2.0)
@@ -91,7 +91,7 @@ def _axes(heading: FloatArray) -> FloatArray:
 def _beyond(corners: FloatArray, half: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return how far the nearest of four corners (..., 4, 2) is outside a box, and whether a side parts them.
 
-    The box has its middle in the origin and its sides along the axes; ``half`` are half its sides, (..., 2).
+    The box has its middle at the origin and its sides along the axes; ``half`` are half its sides, (..., 2).
     """
     outside = np.maximum(np.abs(corners) - half[..., None, :], 0.0)
     nearest = np.hypot(outside[..., 0], outside[..., 1]).min(axis=-1)

@@ -1,4 +1,4 @@
-"""When two shapes touch that move straight on, or straight between samples: rectangles and discs."""
+"""When rectangles and discs touch that move straight on, or straight between samples."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ def disc_contact_times(
     y_speed: FloatArray,
     radius: FloatArray,
 ) -> FloatArray:
-    """Return when discs first touch a rectangle [s]; inf for never, 0 for those that do already.
+    """Return when discs first touch a rectangle [s]; inf for never, 0 for those that touch it already.
 
     Parameters
     ----------
     rear, front, half_width : the rectangle is [rear, front] × [−half_width, half_width] [m]
     x, y : centres in the rectangle's frame [m]
-    x_speed, y_speed : velocities relative to the rectangle, which are kept [m/s]
+    x_speed, y_speed : constant velocities relative to the rectangle [m/s]
     radius : [m]
 
     Notes
     -----
-    The rectangle grown by the disc is two rectangles and four quarter discs; the first of them counts.
+    The rectangle grown by the disc consists of two rectangles and four discs at the corners; the first
+    contact with any of them counts.
     """
     if len(x) == 0:
         return np.zeros(0)
@@ -51,14 +52,14 @@ def sampled_contact_times(
     y: FloatArray,
     radius: FloatArray,
 ) -> tuple[FloatArray, IntArray]:
-    """Return when discs first touch a rectangle [s], inf for never, and the sample they move on from then.
+    """Return when discs first touch a rectangle [s], inf for never, and the last sample before.
 
     Parameters
     ----------
     rear, front, half_width : as for :func:`disc_contact_times`
-    times : of the samples, ascending, at least two, shape (K,) [s]
-    x, y : centres in the rectangle's frame; in between, and after the last, they move straight, (n, K) [m]
-    radius : the larger of two samples counts between them, (n, K) [m]
+    times : times of the samples, ascending, at least two, shape (K,) [s]
+    x, y : centres in the rectangle's frame; they move straight between samples and after the last, (n, K) [m]
+    radius : between two samples the larger radius counts, (n, K) [m]
 
     >>> turns = np.array([[8.0, 8.0, 4.0]]), np.array([[4.0, 2.0, 0.0]])
     >>> sampled_contact_times(0.0, 4.0, 1.0, np.arange(3.0), *turns, np.full((1, 3), 0.5))
@@ -84,12 +85,12 @@ def box_contact_times(
     x_speed: FloatArray,
     y_speed: FloatArray,
 ) -> FloatArray:
-    """Return when points first lie in a rectangle [s]; inf for never, 0 for those that do already.
+    """Return when points first lie in a rectangle [s]; inf for never, 0 for those that lie in it already.
 
     Parameters
     ----------
-    rear, front, half_width : as for discs, one for all points or one for each [m]
-    x, y, x_speed, y_speed : as for discs
+    rear, front, half_width : as for :func:`disc_contact_times`, one for all points or one for each [m]
+    x, y, x_speed, y_speed : as for :func:`disc_contact_times`
 
     >>> box_contact_times(0.0, 4.0, 1.0, np.array([6.0]), np.zeros(1), np.array([-2.0]), np.zeros(1))
     array([1.])
@@ -116,7 +117,7 @@ def _between(
 def _point_times(
     x: FloatArray, y: FloatArray, x_speed: FloatArray, y_speed: FloatArray, radius: FloatArray
 ) -> FloatArray:
-    """Return when points come as near to the origin as their radius [s]."""
+    """Return when points first are as near to the origin as their radius; inf for never [s]."""
     squared = x_speed**2 + y_speed**2
     moving = squared > 1e-12
     approach = -(x * x_speed + y * y_speed)

@@ -1,4 +1,4 @@
-"""The boxes along the lane that hold the bodies of vehicles."""
+"""The smallest boxes along the lane that contain the bodies of vehicles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from controllers.geometry.remembered import remembered
 from controllers.interface import Vehicles
 
 ALONG_THE_LANE = np.deg2rad(60.0)
-"""Vehicles whose heading differs by less drive along the ego's lane; others cross it or come towards it."""
+"""Vehicles whose heading differs by less drive along the ego's lane; others cross or are oncoming [rad]."""
 
 
 class Footprints(NamedTuple):
@@ -27,7 +27,7 @@ class Footprints(NamedTuple):
 
 @remembered
 def footprints(vehicles: Vehicles) -> Footprints:
-    """Return the smallest boxes along the lane that hold the bodies."""
+    """Return the smallest boxes along the lane that contain the bodies."""
     cos, sin = np.cos(vehicles.heading_error), np.sin(vehicles.heading_error)
     centre = vehicles.along - 0.5 * vehicles.length * cos
     half_along = 0.5 * (vehicles.length * np.abs(cos) + vehicles.width * np.abs(sin))

@@ -21,13 +21,13 @@ def disc_clearances(
 ) -> FloatArray:
     """Return the distances between a rectangle and discs, shape (K, m, n) [m].
 
-    Inside the rectangle a disc's centre counts as touching it, so the least value is −radius.
+    A disc's centre inside the rectangle counts as on its border, so the least value is −radius.
 
     Parameters
     ----------
-    along, across, heading : of the rear axle at K instants on m paths, shape (K, m) [m, rad]
+    along, across, heading : poses of the rear axle at K instants on m paths, shape (K, m) [m, rad]
     body : the rectangle
-    disc_along, disc_across, radius : at the same instants, shape (n, K) [m]
+    disc_along, disc_across, radius : discs at the same instants, shape (n, K) [m]
 
     >>> place = np.zeros((1, 1))
     >>> disc = np.array([[5.55]]), np.array([[0.0]]), np.array([[0.5]])
@@ -66,17 +66,17 @@ def vehicles_met(
     vehicles: Vehicles,
     side: float,
 ) -> NDArray[np.bool_]:
-    """Say on which of m paths which of n vehicles is met, shape (m, n), should they keep their velocities.
+    """Return which of n vehicles, at constant velocities, the car meets on each of m paths, shape (m, n).
 
-    Both bodies count as boxes along the road.
+    All bodies count as boxes along the road.
 
     Parameters
     ----------
     times : shape (K,) [s]
     along, across, heading : as for :func:`disc_clearances`
-    body : of the car
-    vehicles : the others
-    side : what has to be left beside them [m]
+    body : body of the car
+    vehicles : the other vehicles
+    side : distance to be kept beside them [m]
     """
     box = footprints(vehicles)
     half = 0.5 * (body.length * np.abs(np.cos(heading)) + body.width * np.abs(np.sin(heading)))

@@ -1,4 +1,4 @@
-"""The route frame, which bends with the road, laid out in a plane that does not."""
+"""The route frame, which bends with the road, laid out in a plane."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from controllers.interface import EgoState, Pedestrians, RoadAhead, Vehicles
 def to_plane(road: RoadAhead, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return places (n, 2) of the route frame in the plane [m], and the centre line's heading there [rad].
 
-    The plane's origin and axes are those of the route frame at the rear axle; before it the road is straight.
+    The plane's origin and axes are those of the route frame at the rear axle, behind which the road is taken
+    as straight.
     """
     line = _laid_out(road.curvature, road.curvature_step)
     if line is None:
@@ -39,10 +40,10 @@ def _pairs(first: FloatArray, second: FloatArray) -> FloatArray:
 
 @remembered
 def bends(curvature: FloatArray) -> FloatArray:
-    """Return the curvature of each step of the road, the mean of both ends, shape (n,) [1/m].
+    """Return the curvature of each step of the road, the mean of that at both ends, shape (n,) [1/m].
 
-    Told is the curvature of places. That of its beginning would bend a step as sharply as the next one is:
-    the line would turn half a step late, and end half a metre beside the lane behind a right-angled turn.
+    The perception gives the curvature at places. If each step had the curvature of its beginning, the line
+    would turn half a step late, and be half a metre beside the lane after a right-angled turn.
     """
     return 0.5 * (curvature + np.append(curvature[1:], curvature[-1:]))
 
@@ -51,9 +52,9 @@ def bends(curvature: FloatArray) -> FloatArray:
 def _laid_out(
     curvature: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None:
-    """Return curvature of each step, and heading and place of the centre line at its beginning and the end.
+    """Return the curvature of each step, and the centre line's headings and places at the ends of all steps.
 
-    ``None`` if the line is straight.
+    Return ``None`` if the line is straight.
     """
     if not curvature.any():
         return None
@@ -68,8 +69,8 @@ def _laid_out(
 def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tuple[FloatArray, FloatArray]:
     """Return where pedestrians are in the plane of :func:`to_plane`, and their velocities, (n, 2) each.
 
-    Their places in the world, where these are known: along the route those at a crossing are told in a frame
-    of that crossing.
+    Both are computed from their places in the world, if these are known, because in the route frame
+    pedestrians at a crossing are given in the frame of that crossing.
     """
     if not np.isnan(people.position).any():
         origin, turn = _from_world(ego)
@@ -83,8 +84,8 @@ def people_in_plane(ego: EgoState, road: RoadAhead, people: Pedestrians) -> tupl
 def vehicles_in_plane(ego: EgoState, road: RoadAhead, vehicles: Vehicles) -> tuple[FloatArray, FloatArray]:
     """Return front bumpers' centres (n, 2) in the plane of :func:`to_plane` [m], and headings there [rad].
 
-    From their places in the world, where these are known: in a bend each part of a body beside the road has
-    its own place along it.
+    They are computed from the places in the world, if these are known, because in a bend each part of a body
+    beside the road has its own place along it.
     """
     if not np.isnan(vehicles.heading).any():
         origin, turn = _from_world(ego)

@@ -1,4 +1,4 @@
-"""Results that are asked for several times in a step, by parts that do not know of each other."""
+"""Results that independent parts of the program need several times in one step."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ Result = TypeVar("Result")
 
 
 def remembered(function: Callable[Given, Result]) -> Callable[Given, Result]:
-    """Return the function with its last result kept, and given again for the very same objects.
+    """Return the function with its last result kept, to be returned again for the very same objects.
 
-    The objects are what an ego is told in a step, which nobody changes; others that are equal are worked out
-    anew. What is returned must not be changed either.
+    The objects are those that an ego is told in a step; nobody changes them. For equal but different objects
+    the result is computed anew. The result must not be changed either.
 
     Examples
     --------

@@ -8,16 +8,16 @@ from controllers.arrays import FloatArray
 from controllers.interface import Body
 
 STRAIGHT = 1e-3
-"""A road that is less curved is straight [1/m]."""
+"""Below this curvature, a road counts as straight [1/m]."""
 
 
 def swung_out(body: Body, curvature: FloatArray) -> FloatArray:
-    """Return how far the outer front corner is beyond the outer flank, shape of ``curvature`` [m].
+    """Return how far the outer front corner swings out beyond the outer side, shape of ``curvature`` [m].
 
     Parameters
     ----------
-    body : of the vehicle
-    curvature : of its rear axle's way, left or right [1/m]
+    body : body of the vehicle
+    curvature : curvature of its rear axle's way, left or right [1/m]
 
     >>> swung_out(Body(), np.array([0.0, -1.0 / 6.0])).round(2).tolist()
     [0.0, 0.86]
@@ -28,5 +28,5 @@ def swung_out(body: Body, curvature: FloatArray) -> FloatArray:
 
 
 def farthest_out(body: Body, curvature: FloatArray) -> float:
-    """Return how far that is in the tightest of the bends [m]; without any curvature 0."""
+    """Return how far the front swings out in the tightest of the bends [m]; 0 without any curvature."""
     return float(swung_out(body, curvature).max(initial=0.0))

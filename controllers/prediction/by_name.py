@@ -44,7 +44,7 @@ def build(name: str, *, seed: int = 1) -> Predictor:
 
 
 def sampled(name: str, *, seed: int = 1) -> Predictor | None:
-    """Return the predictor for a controller that knows constant velocities in closed form: ``None`` for them.
+    """Return a predictor, but ``None`` for constant velocities, which some controllers treat in closed form.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Everybody keeps the present velocity."""
+"""All pedestrians keep their present velocities."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from controllers.prediction.forecast import Forecast, Predictor
 
 
 class ConstantVelocity:
-    """p(t) = p(0) + v t."""
+    """Predicts p(t) = p(0) + v t."""
 
     def predict(self, perception: Perception, times: FloatArray) -> Forecast:
-        """Return the straight continuations."""
+        """Return where everybody is if they keep their velocities."""
         people = perception.pedestrians
         along = people.along[:, None] + people.along_speed[:, None] * times
         across = people.across[:, None] + people.across_speed[:, None] * times

@@ -1,6 +1,6 @@
 """Pedestrians on their way across choose their direction anew at every instant, and avoid meeting the car.
 
-Beside what ``direction_model`` expects of those who stand at a kerb.
+Pedestrians who stand at a kerb are predicted as in ``direction_model``.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from controllers.prediction.direction_model import WALKING, DirectionPrediction,
 from controllers.prediction.forecast import Forecast, Predictor
 
 NEARLY_OVER = 0.5
-"""Who has less of the road ahead keeps the direction [m]."""
+"""Pedestrians with less than this of the road ahead keep their direction [m]."""
 MOST_OBLIQUE: Final = math.sin(float(ANGLES[0]))
-"""A smaller share of the pace across the road is a walk along it, in none of the alternatives."""
+"""Pedestrians with a smaller share of their pace across the road walk along it, in none of the alternatives
+[-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reaction:
-    """How a choice made on the road differs from one at the kerb; values of our own.
+    """How a choice made on the road differs from one at the kerb; the values are our own.
 
     Parameters
     ----------
     habit : standard deviation of the change of direction [rad]
-    refusal : what a direction costs, in units of utility, on which the car would be met
-    margin : distance beside the car's body below which it would be [m]
+    refusal : cost of a direction in which the pedestrian would meet the car, in units of utility
+    margin : pedestrians nearer than this beside the car's body would meet it [m]
     """
 
     habit: float = math.radians(15.0)
@@ -40,17 +41,17 @@ class Reaction:
 
 
 class DirectionAnew:
-    """Predicts by the model of directions, applied again to the rest of everybody's way.
+    """Predicts by the model of directions, applied again to the rest of each pedestrian's way.
 
     Pedestrians who walk across the road, between its kerbs, choose among the alternatives of the model for
-    what is left of the road; the goal is where their present course leads to. A direction is the less
-    probable the more it differs from the present one, and where it would meet a car that keeps its speed.
-    They walk on at their pace in the most probable direction until they are over; ``reach`` is the distance
-    walked times the spread of the probabilities. All others are expected to do as in ``direction_model``.
+    the rest of the road; their goal is where their present course leads. A direction is less probable the
+    more it differs from the present one, and if they would meet a car that keeps its speed. They walk on at
+    their pace in the most probable direction until they have crossed; ``reach`` is the distance walked times
+    the spread of the probabilities. All others are expected to behave as in ``direction_model``.
 
     Notes
     -----
-    What [LiLuZhang]_ leaves out: there the direction is fixed at departure, whatever the car does.
+    [LiLuZhang]_ leaves this out: there the direction is fixed at departure, whatever the car does.
     """
 
     def __init__(self, model: DirectionModel, reaction: Reaction | None = None) -> None:
@@ -59,7 +60,7 @@ class DirectionAnew:
         self._at_the_kerb = DirectionPrediction(model)
 
     def predict(self, perception: Perception, times: FloatArray) -> Forecast:
-        """Return where everybody is most probably, and how sure that is."""
+        """Return the most probable places of everybody, and how uncertain they are."""
         known = self._at_the_kerb.predict(perception, times)
         along, across, reach = known.along.copy(), known.across.copy(), known.reach.copy()
         people = perception.pedestrians
@@ -78,14 +79,14 @@ class DirectionAnew:
         return Forecast(times, along, across, reach)
 
     def _probabilities(self, perception: Perception, i: int, rest: float, ahead: float) -> FloatArray:
-        """Return the probability of every direction of one pedestrian, shape (121,); they sum to 1.
+        """Return the probability of every direction for one pedestrian, shape (121,); they sum to 1.
 
         Parameters
         ----------
-        perception : for the pedestrian and the car
+        perception : gives the pedestrian and the car
         i : index of the pedestrian
-        rest : width of the road that is left to cross [m]
-        ahead : sign of the way over
+        rest : width of the road left to cross [m]
+        ahead : sign of the movement across the road
         """
         people, own = perception.pedestrians, self._reaction
         present = math.atan2(abs(float(people.across_speed[i])), float(people.along_speed[i]))
@@ -98,7 +99,7 @@ class DirectionAnew:
         return np.asarray(weights / weights.sum())
 
     def _meets(self, perception: Perception, i: int, ahead: float) -> BoolArray:
-        """Say in which directions the pedestrian is beside or before the car while it passes them."""
+        """Return in which directions the pedestrian would be in the car's way while it passes them."""
         people, ego = perception.pedestrians, perception.ego
         pace = math.hypot(float(people.along_speed[i]), float(people.across_speed[i]))
         over, onward = pace * np.sin(ANGLES), pace * np.cos(ANGLES)
@@ -113,7 +114,7 @@ class DirectionAnew:
 
 
 def _on_the_way_over(perception: Perception, right: FloatArray, left: FloatArray) -> BoolArray:
-    """Say who walks across the road between its kerbs, shape (n,)."""
+    """Return who walks across the road between its kerbs and is not nearly over, shape (n,)."""
     people = perception.pedestrians
     pace = np.hypot(people.along_speed, people.across_speed)
     rest = np.where(people.across_speed > 0.0, left - people.across, people.across - right)

@@ -1,7 +1,7 @@
-"""In which direction somebody crosses a road that has no crossing: a logit model over 121 directions.
+"""In which direction a pedestrian crosses a road without a crossing: a logit model over 121 directions.
 
-A direction is the angle between the way the cars drive and the way the pedestrian walks, from 30° to 150°:
-with the cars below 90°, towards them above. It does not say from which side the pedestrian comes.
+A direction is the angle between the cars' direction and the pedestrian's, from 30° to 150°: below 90° the
+pedestrian walks with the cars, above 90° towards them. It does not say from which side the pedestrian comes.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ import numpy as np
 from controllers.arrays import FloatArray
 
 ANGLES: Final = np.deg2rad(np.arange(30.0, 151.0))
-"""The alternatives [rad]."""
+"""The alternative directions [rad]."""
 WALKING_SPEED = 1.25
-"""With which the paper's pedestrians walk [m/s]."""
+"""Speed at which the paper's pedestrians walk [m/s]."""
 PAPER_WIDTH = 8.0
 PAPER_FURTHEST = 20.0
 
 
 @dataclass(frozen=True, slots=True)
 class Errand:
-    """Where somebody at the kerb wants to go.
+    """Where a pedestrian at the kerb wants to go.
 
     Parameters
     ----------
-    road_width : from kerb to kerb, W_r [m]
-    goal_along : how far the goal is along the road, in the direction of the cars [m]
-    goal_beyond : how far it is behind the opposite kerb [m]
+    road_width : width from kerb to kerb, W_r [m]
+    goal_along : distance of the goal along the road, in the direction of the cars [m]
+    goal_beyond : distance of the goal behind the opposite kerb [m]
     """
 
     road_width: float = PAPER_WIDTH
@@ -46,7 +46,7 @@ class Errand:
             raise ValueError(f"the goal ({self.goal_along}, {self.goal_beyond}) must be finite")
 
     def lengths(self, angles: FloatArray = ANGLES) -> FloatArray:
-        """Return the length of the way over the road, W_r / sin θ [m].
+        """Return the length of the way across the road, W_r / sin θ [m].
 
         >>> Errand(8.0).lengths(np.deg2rad([30.0, 90.0])).round(6).tolist()
         [16.0, 8.0]
@@ -54,7 +54,7 @@ class Errand:
         return np.asarray(self.road_width / np.sin(angles))
 
     def remaining(self, angles: FloatArray = ANGLES) -> FloatArray:
-        """Return how far the goal is from where the opposite kerb is reached [m].
+        """Return the distance to the goal from where the pedestrian reaches the opposite kerb [m].
 
         >>> Errand(8.0, -5.0, 1.0).remaining(np.deg2rad([30.0])).round(2).tolist()
         [18.88]
@@ -68,12 +68,12 @@ class Errand:
 
     @property
     def longest(self) -> float:
-        """Longest way over the road, λ1 = W_r / sin 30° [m]."""
+        """Longest way across the road, λ1 = W_r / sin 30° [m]."""
         return 2.0 * self.road_width
 
     @property
     def furthest(self) -> float:
-        """Scale of the distance to the goal, λ2: 20 m for the paper's 8 m of road, else in proportion [m]."""
+        """Scale of the distance to the goal, λ2: 20 m for the paper's road of 8 m, else in proportion [m]."""
         return PAPER_FURTHEST / PAPER_WIDTH * self.road_width
 
 
@@ -94,7 +94,7 @@ LENGTH_UTILITIES: MappingProxyType[str, Utility] = MappingProxyType(
         "circular": lambda errand, angles: _root(1.0 - (errand.lengths(angles) / errand.longest) ** 2),
     }
 )
-"""Readings of the paper's first utility, by name: how short the way over the road is."""
+"""Interpretations of the paper's first utility, by name: how short the way across the road is."""
 
 GOAL_UTILITIES: MappingProxyType[str, Utility] = MappingProxyType(
     {
@@ -106,20 +106,21 @@ GOAL_UTILITIES: MappingProxyType[str, Utility] = MappingProxyType(
         "angular": lambda errand, angles: 1.0 - np.abs(angles - errand.bearing) / np.deg2rad(120.0),
     }
 )
-"""Readings of the second one: how near the goal is when the road is crossed."""
+"""Interpretations of the second utility, by name: how near the goal is once the road is crossed."""
 
 
 @dataclass(frozen=True, slots=True)
 class DirectionModel:
     """Utilities and choice probabilities.
 
-    E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m). What a predictor assumes; jaywalkers of the
-    world draw their direction from a model and parameters of their own, so that no forecast knows the truth.
+    E = α U1 + (1 − α) U2 and P_i = exp(E_i / m) / Σ exp(E_j / m). This is what a predictor assumes. The
+    simulated jaywalkers draw their direction from a model and parameters of their own, so that no forecast
+    knows the truth.
 
     Parameters
     ----------
-    length_weight : α, of the utility U1 of a short way
-    scale : m; the smaller, the surer the choice. It does not move the most probable direction
+    length_weight : α, weight of the utility U1 of a short way
+    scale : m; the smaller it is, the more certain the choice. It does not change the most probable direction
     length_utility : U1, one of ``LENGTH_UTILITIES``
     goal_utility : U2, one of ``GOAL_UTILITIES``
 
@@ -130,9 +131,10 @@ class DirectionModel:
 
     Notes
     -----
-    [LiLuZhang]_; α = 0.4 is the paper's. Its formulas of U1 and U2 are lost, and the readings are not
-    equivalent: of those here, the defaults are the simplest pair that puts the most probable direction of
-    the paper's example (100°) within 2° with the paper's weight. That is a fit, not a finding. m is ours.
+    The model and α = 0.4 are those of [LiLuZhang]_. Its formulas for U1 and U2 are lost, and the
+    interpretations here are not equivalent. The defaults are the simplest pair that, with the paper's weight,
+    is within 2° of the most probable direction in the paper's example (100°). That is a fit, not a finding.
+    The value of m is our own.
 
     >>> round(math.degrees(DirectionModel().most_probable(Errand(8.0, -5.0, 1.0))))
     102
@@ -169,16 +171,16 @@ class DirectionModel:
         return np.asarray(weights / weights.sum())
 
     def most_probable(self, errand: Errand) -> float:
-        """Return the most probable direction [rad]; of equals the one nearest to straight across."""
+        """Return the most probable direction [rad]; of equal ones, the one nearest to straight across."""
         utilities = self.utilities(errand)
         best = np.flatnonzero(utilities >= utilities.max() - 1e-12)
         return float(ANGLES[best[np.argmin(np.abs(ANGLES[best] - 0.5 * np.pi))]])
 
     def spread(self, errand: Errand) -> float:
-        """Return how far walkers end from the most probable place, per metre walked.
+        """Return how far pedestrians end from the most probable place, per metre walked.
 
-        Root mean square of the distance between the ends of two unit vectors, one in the most probable
-        direction θ*, the other drawn: √(2 (1 − Σ P_i cos(θ_i − θ*))).
+        This is the root mean square of the distance between the ends of two unit vectors, one in the most
+        probable direction θ*, the other in a random one: √(2 (1 − Σ P_i cos(θ_i − θ*))).
         """
         turned = np.cos(ANGLES - self.most_probable(errand))
         return math.sqrt(max(2.0 * (1.0 - float(self.probabilities(errand) @ turned)), 0.0))
@@ -195,7 +197,7 @@ def velocity(angle: float, speed: float, *, from_left: bool) -> tuple[float, flo
 
     Notes
     -----
-    (v cos θ, ∓ v sin θ), minus for a start on the left, [LiLuZhang]_.
+    It is (v cos θ, ∓ v sin θ), with minus for a start on the left [LiLuZhang]_.
 
     >>> velocity(0.5 * math.pi, 1.25, from_left=True)[1]
     -1.25

@@ -11,31 +11,31 @@ from controllers.prediction.direction_choice import WALKING_SPEED, DirectionMode
 from controllers.prediction.forecast import Forecast, Predictor
 
 WALKING = 0.2
-"""Slower is standing [m/s]."""
+"""Below this speed, a pedestrian counts as standing [m/s]."""
 BESIDE_ROAD = 1.0
-"""Pedestrians standing no further beside the road are at its kerb … [m]."""
+"""Pedestrians who stand less than this beside the road are at its kerb … [m]"""
 ON_ROAD = 0.5
-"""… and so are those standing no further on it [m]."""
+"""… and so are those who stand on it, less than this from its end [m]."""
 
 
 class DirectionPrediction:
-    """Predicts by the model of directions, the goal being unknown.
+    """Predicts by the model of directions when the goal is not known.
 
     - Walking pedestrians have chosen already and are expected to keep speed and direction; ``reach`` is 0.
     - Pedestrians who stand at the kerb, or wait where a crossing begins, are expected to step out now and to
-      walk at ``speed`` in the most probable direction for a goal straight across, until they are over.
+      walk at ``speed`` in the most probable direction for a goal straight across, until they have crossed.
       ``reach`` is the distance walked times the spread of the distribution.
     - Pedestrians who stand anywhere else are expected to stay.
 
     Parameters
     ----------
-    model : of the choice
-    speed : of those who step out [m/s]
+    model : model of the choice
+    speed : speed of those who step out [m/s]
 
     Notes
     -----
-    [LiLuZhang]_ fixes the direction at departure. It knows the goal; a car does not, so "straight across"
-    stands in for it. The kerbs are those of the crossing that is next, elsewhere the ends of the lanes
+    [LiLuZhang]_ fixes the direction at departure. The paper knows the goal; a car does not, so "straight
+    across" replaces it. The kerbs are those of the pedestrian's next crossing, or else the ends of the lanes
     that the ego may use.
     """
 
@@ -44,7 +44,7 @@ class DirectionPrediction:
         self._speed = speed
 
     def predict(self, perception: Perception, times: FloatArray) -> Forecast:
-        """Return where everybody is most probably, and how sure that is."""
+        """Return the most probable places of everybody, and how uncertain they are."""
         people = perception.pedestrians
         along_speed, across_speed = people.along_speed.copy(), people.across_speed.copy()
         until, spread = np.full(len(people), np.inf), np.zeros(len(people))
@@ -67,16 +67,16 @@ class DirectionPrediction:
 
 
 def kerbs(perception: Perception) -> tuple[FloatArray, FloatArray]:
-    """Return the right and left end of the road that each pedestrian is at [m]."""
+    """Return the right and left end of the road where each pedestrian is, shape (n,) each [m]."""
     road, people = perception.road, perception.pedestrians
-    # The last entry, which index −1 means, is the road away from crossings.
+    # The last entry, at index −1, is for pedestrians at no crossing.
     right = np.array([*(crossing.right for crossing in road.crossings), road.right_edge])
     left = np.array([*(crossing.left for crossing in road.crossings), road.left_edge])
     return right[people.crossing], left[people.crossing]
 
 
 def _about_to_cross(perception: Perception, right: FloatArray, left: FloatArray) -> NDArray[np.int64]:
-    """Return who stands at a kerb, by index."""
+    """Return which pedestrians stand at a kerb, by index."""
     people = perception.pedestrians
     standing = np.hypot(people.along_speed, people.across_speed) < WALKING
     outside = np.maximum(right - people.across, people.across - left)

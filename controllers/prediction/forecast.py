@@ -1,4 +1,4 @@
-"""Where pedestrians will be, as any controller may ask it."""
+"""Where pedestrians will be: the forecast that any controller may ask for."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from controllers.interface import Perception
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """Predicted places in the route frame of the perception; n pedestrians in its order, K times."""
+    """Predicted places of n pedestrians at K times, in the route frame and order of the perception."""
 
     times: FloatArray
-    """From now, ascending, shape (K,) [s]."""
+    """Times from now, ascending, shape (K,) [s]."""
     along: FloatArray
     """Shape (n, K) [m]."""
     across: FloatArray
@@ -26,7 +26,7 @@ class Forecast:
     """How far from that place the pedestrian may be, shape (n, K); zero for a single prediction [m]."""
 
     def at(self, times: FloatArray) -> Forecast:
-        """Return the forecast at other times: linear between those known, beyond them the nearest one."""
+        """Return the forecast at other times: linear between the known times, constant before and after."""
         after = np.clip(np.searchsorted(self.times, times), 1, len(self.times) - 1)
         before = after - 1
         share = (times - self.times[before]) / (self.times[after] - self.times[before])
@@ -38,7 +38,7 @@ class Forecast:
         return Forecast(times, between(self.along), between(self.across), between(self.reach))
 
     def only(self, chosen: NDArray[np.int64]) -> Forecast:
-        """Return the forecast of some of the pedestrians, by index."""
+        """Return the forecast of the pedestrians with the given indices."""
         return Forecast(self.times, self.along[chosen], self.across[chosen], self.reach[chosen])
 
     def velocities(self) -> tuple[FloatArray, FloatArray]:
@@ -48,7 +48,7 @@ class Forecast:
 
 
 class Predictor(Protocol):
-    """Predicts the pedestrians of one ego; it may remember, so: one per ego."""
+    """Predicts the pedestrians around an ego; one per ego, as it may have memory."""
 
     def predict(self, perception: Perception, times: FloatArray) -> Forecast:
         """Return where everybody in the perception will be at those times from now [s]."""

@@ -1,4 +1,4 @@
-"""Nobody can be outside it: walkers change their velocity and their pace within bounds, in any direction."""
+"""All places that pedestrians can reach with bounded acceleration, in any direction, and bounded pace."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from controllers.prediction.forecast import Forecast, Predictor
 
 
 class ReachableSet:
-    """Predicts a disc that holds every place that a pedestrian can reach.
+    """Predicts a disc that contains every place that a pedestrian can reach.
 
-    Two discs hold them all. Whatever the pace, an acceleration of at most ``A`` leads no further than
-    ``A t² / 2`` from ``p + v t``. Pedestrians who have accelerated for ``τ = V / A`` go on with a pace of at
-    most ``V``: no further than ``A τ² / 2 + V (t − τ)`` from ``p + v τ``. The forecast is the smallest
-    disc around what both have in common.
+    Two discs contain all these places. Whatever the pace, an acceleration of at most ``A`` leads no further
+    than ``A t² / 2`` from ``p + v t``. Pedestrians who have accelerated for ``τ = V / A`` go on with a pace
+    of at most ``V``: no further than ``A τ² / 2 + V (t − τ)`` from ``p + v τ``. The forecast is the smallest
+    disc around the intersection of both.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class ReachableSet:
         return Forecast(times, middle[0], middle[1], radius)
 
     def _common(self, pace: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the smallest disc around what two discs have in common.
+        """Return the smallest disc around the intersection of both discs.
 
         Parameters
         ----------
@@ -47,7 +47,7 @@ class ReachableSet:
 
         Returns
         -------
-        after : time after which pedestrians who walk on would be at its middle [s]
+        after : time after which pedestrians who keep their velocity would be at its middle [s]
         radius : [m]
         """
         bound = self._acceleration
@@ -71,8 +71,8 @@ def build(*, acceleration: float = 1.5, pace: float = 2.5) -> Predictor:
 
     Parameters
     ----------
-    acceleration : change of velocity at most, in any direction [m/s^2]
-    pace : at most [m/s]
+    acceleration : greatest acceleration, in any direction [m/s^2]
+    pace : greatest pace [m/s]
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A Markov chain of walking speeds and a social force away from the car, from many random walks."""
+"""Many random walks, by a Markov chain of walking speeds and a social force away from the car."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from controllers.prediction.forecast import Forecast, Predictor
 from controllers.prediction.social_force_model import CarOutline, SocialForceModel, Walkers, aims_of
 
 LONGEST_STEP = 0.1
-"""Of a random walk [s]."""
+"""Longest time step of a random walk [s]."""
 WITHIN = 2.0
-"""Standard deviations that the reach of a forecast is."""
+"""Reach of a forecast, as a multiple of the standard deviation [-]."""
 
 
 class SocialForcePrediction:
     """Predicts the mean of random walks, and how far they spread.
 
-    The ego is taken to keep its speed and its place across the road. Everybody keeps pace and direction on
-    average; who stands goes on standing until the car comes near. Every look draws the same numbers, so
-    that a forecast does not jitter from one look to the next.
+    The ego is assumed to keep its speed and its place across the road. Pedestrians keep pace and direction on
+    average; those who stand remain standing until the car comes near. Every forecast draws the same random
+    numbers, so that forecasts do not jitter from one to the next.
 
     Parameters
     ----------
-    model : of walking
-    walks : random walks per pedestrian
-    seed : of the random numbers
+    model : model of walking
+    walks : number of random walks per pedestrian
+    seed : seed of the random numbers
     """
 
     def __init__(self, model: SocialForceModel, walks: int, seed: int) -> None:
@@ -65,7 +65,7 @@ def _columns(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray
 
 
 def _car(ego: EgoState, time: float) -> CarOutline:
-    """Return the ego as it will be if it goes on as it does."""
+    """Return the ego as it will be after a time [s] if it keeps its speed and its place across the road."""
     body = ego.body
     middle = 0.5 * body.length - body.rear_overhang
     return CarOutline(
@@ -81,8 +81,8 @@ def build(seed: int = 1, *, walks: int = 24) -> Predictor:
 
     Parameters
     ----------
-    seed : of the random walks
-    walks : how many random walks each pedestrian takes
+    seed : seed of the random walks
+    walks : number of random walks per pedestrian
 
     Raises
     ------

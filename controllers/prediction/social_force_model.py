@@ -1,4 +1,4 @@
-"""How a controller takes pedestrians to walk: a Markov chain of speeds, and a push away from a near car."""
+"""How a controller assumes pedestrians to walk: a Markov chain of speeds, and a push away from a near car."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Aims:
     """Where pedestrians want to walk; arrays that broadcast to the walkers' shape."""
 
     x: FloatArray
-    """Unit vector of the direction; its length is 0 for somebody who wants to stand."""
+    """Unit vector of the direction; its length is 0 for a pedestrian who wants to stand."""
     y: FloatArray
     speed: FloatArray
     """Mean speed [m/s]."""
@@ -50,9 +50,9 @@ class Aims:
 class SocialForceModel:
     """v(t + h) = v̄ + (v − v̄) e^(−h/τ) + ε, and a push of A e^(γ (r_v + r_p − d)) along the line from the car.
 
-    What a controller or a predictor assumes. Nobody in the world walks by this code: scripted pedestrians
-    have a model and parameters of their own, so that no forecast knows the truth. Both begin with the values
-    of the same paper.
+    This is what a controller or a predictor assumes. No simulated pedestrian walks by this code: scripted
+    pedestrians have a model and parameters of their own, so that no forecast knows the truth. The default
+    values of both come from the same paper.
 
     Notes
     -----
@@ -78,7 +78,7 @@ class SocialForceModel:
     hardest: float = 6.0
     """Greatest acceleration by the push [m/s^2]."""
     fastest: float = 2.5
-    """Nobody is pushed to a higher speed [m/s]."""
+    """Greatest speed to which the push can accelerate a pedestrian [m/s]."""
 
     def push(self, x: FloatArray, y: FloatArray, car: CarOutline) -> tuple[FloatArray, FloatArray]:
         """Return the acceleration away from the car [m/s^2].
@@ -93,7 +93,7 @@ class SocialForceModel:
         away_x, away_y = beside - cosine * along, ahead - sine * along
         distance = np.hypot(away_x, away_y)
         excess = self.car_radius + self.pedestrian_radius - distance
-        # The exponent is cut where the result is beyond the bound in any case.
+        # The exponent is limited where the result exceeds the bound in any case.
         size = np.minimum(self.strength * np.exp(np.minimum(self.steepness * excess, 50.0)), self.hardest)
         safe = np.maximum(distance, 1e-9)
         return size * away_x / safe, size * away_y / safe
@@ -106,7 +106,7 @@ class SocialForceModel:
         Parameters
         ----------
         walkers, aims : who walks, and where to
-        car : whom they keep away from; ``None`` for nobody
+        car : car that they keep away from; ``None`` for none
         duration : h [s]
         noise : standard normal numbers, of the walkers' shape
         """
@@ -132,7 +132,7 @@ class SocialForceModel:
     def _bounded(
         self, walkers: Walkers, x_speed: FloatArray, y_speed: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the speeds cut to what a person can do, or does already."""
+        """Return the speeds limited to ``fastest``, or to the present speed if that is higher."""
         before = np.hypot(walkers.x_speed, walkers.y_speed)
         speed = np.hypot(x_speed, y_speed)
         share = np.minimum(1.0, np.maximum(before, self.fastest) / np.maximum(speed, 1e-9))
@@ -140,12 +140,12 @@ class SocialForceModel:
 
 
 def aims_of(x_speed: FloatArray, y_speed: FloatArray, standing_below: float = 0.1) -> Aims:
-    """Return the aims of people who keep pace and direction; who stands goes on standing.
+    """Return the aims of people who keep pace and direction; those who stand remain standing.
 
     Parameters
     ----------
     x_speed, y_speed : [m/s]
-    standing_below : slower is standing [m/s]
+    standing_below : people below this speed stand [m/s]
     """
     speed = np.hypot(x_speed, y_speed)
     walking = speed >= standing_below

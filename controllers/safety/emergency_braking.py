@@ -1,4 +1,4 @@
-"""Automatic emergency braking: too late to be comfortable, in time to stop."""
+"""Automatic emergency braking: it begins too late to be comfortable, but in time to stop."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from controllers.prediction.forecast import Forecast, Predictor
 
 GRAVITY = 9.80665
 START_SPEED = 2.0
-"""A standing car does not start where driving at this speed would meet somebody [m/s]."""
+"""A standing car does not start if it would hit somebody at this speed [m/s]."""
 HELD_FOR = 3.0
-"""Braking goes on while somebody would be met within this time at the speed it began with [s]."""
+"""Braking goes on while the ego would hit somebody within this time at its present or initial speed [s]."""
 FRONT_DEPTH = 0.5
-"""How far behind the front bumper a contact still is one of the front [m]."""
+"""A contact up to this far behind the front bumper counts as one with the front [m]."""
 FORECAST_TIMES = np.linspace(0.0, 5.0, 51)
-"""When a predictor is asked where people will be; afterwards they go straight on [s]."""
+"""Times for which a predictor is asked where people will be; afterwards they go straight on [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,9 @@ class BrakingRule:
     dead_time: float = 0.1
     ramp: float = 0.2
     stop_margin: float = 0.5
-    """Distance that is to be left after a stop [m]."""
+    """Distance to be left after a stop [m]."""
     side_margin: float = 0.1
-    """What a pedestrian's disc is grown by [m]."""
+    """Margin by which a pedestrian's disc is grown [m]."""
 
     def full(self, drive: Drive) -> float:
         """Return the full deceleration [m/s^2]."""
@@ -50,8 +50,8 @@ class BrakingRule:
 def stopping_distance(speed: float, deceleration: float, dead_time: float, ramp: float) -> float:
     """Return the distance from the trigger to standstill [m].
 
-    v · (t_dead + t_ramp / 2) + v² / (2 a) − a · t_ramp² / 24, and the distance within the ramp where that
-    is enough to stop.
+    It is v · (t_dead + t_ramp / 2) + v² / (2 a) − a · t_ramp² / 24, or the distance within the dead time and
+    the ramp if the ego comes to a stop during the ramp.
 
     Parameters
     ----------
@@ -69,12 +69,12 @@ def stopping_distance(speed: float, deceleration: float, dead_time: float, ramp:
 
 
 class EmergencyBraking:
-    """The state of the brake: whether it has been triggered, when, and because of whom.
+    """The state of the emergency brake: whether, when and at which speed it was triggered.
 
     Parameters
     ----------
     rule : how it brakes
-    predictor : where pedestrians will be; ``None``: they keep their velocities, in closed form
+    predictor : predicts where pedestrians will be; ``None``: they keep their velocities, in closed form
     """
 
     def __init__(self, rule: BrakingRule | None = None, predictor: Predictor | None = None) -> None:
@@ -85,7 +85,7 @@ class EmergencyBraking:
         self._speed = 0.0
 
     def watch(self, perception: Perception) -> str:
-        """Trigger, hold or release the brake; return because of whom it brakes, empty if it does not."""
+        """Trigger, hold or release the brake; return the name for which it brakes, empty if it does not."""
         ego = perception.ego
         if self._predictor is not None:
             self._forecast = self._predictor.predict(perception, FORECAST_TIMES)
@@ -104,19 +104,19 @@ class EmergencyBraking:
         return threat
 
     def accelerations(self, ego: EgoState, times: FloatArray) -> FloatArray:
-        """Return what the brake allows at most over the steps that begin at those times [m/s^2]."""
+        """Return the greatest accelerations that the brake allows in the steps from ``times`` on [m/s^2]."""
         if self._since is None:
             return np.full(len(times), np.inf)
         if ego.speed < STANDING:
             return np.full(len(times), HOLDING)
         step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
-        # The value in the middle of a step is its mean on the ramp, so the distance is that of the ramp.
+        # On the ramp, the value in the middle of a step is its mean, so the stopping distance is kept.
         elapsed = ego.time - self._since + times + 0.5 * step - self.rule.dead_time
         built_up = np.clip(elapsed / max(self.rule.ramp, 1e-9), 0.0, 1.0)
         return np.where(built_up > 0.0, -built_up * self.rule.full(ego.drive), np.inf)
 
     def _threat(self, perception: Perception, speed: float, within: float = 0.0) -> str:
-        """Return who would be met at that speed before the ego can stop, or within a time."""
+        """Return whom the ego would hit at a speed before it can stop, or within a time; empty for nobody."""
         people = _people(perception, speed, self.rule, self._forecast)
         cars = _cars(perception, speed)
         if perception.ego.speed < STANDING:
@@ -126,7 +126,7 @@ class EmergencyBraking:
         times = np.concatenate([people[0], cars[0]])
         closing = speed - np.maximum(np.concatenate([people[1], cars[1]]), 0.0)
         drive = perception.ego.drive
-        # If it is not triggered now, it is one plan later, by then faster if the ego is speeding up.
+        # If the brake is not triggered now, it is one plan later; by then the ego may have become faster.
         late = drive.drive_lag + perception.ego.plan_interval
         gained = max(perception.ego.acceleration, 0.0) * late
         urgent = [
@@ -137,7 +137,7 @@ class EmergencyBraking:
         return names[int(np.argmin(first))] if any(urgent) else ""
 
     def _needed(self, speed: float, late: float, drive: Drive) -> float:
-        """Return how far away the contact has to be to trigger later [m]."""
+        """Return the least distance to the contact at which the brake may still be triggered later [m]."""
         rule = self.rule
         stops = stopping_distance(speed, rule.full(drive), rule.dead_time + late, rule.ramp)
         return stops + rule.stop_margin
@@ -146,7 +146,7 @@ class EmergencyBraking:
 def _people(
     perception: Perception, speed: float, rule: BrakingRule, forecast: Forecast | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Return when the front meets each pedestrian [s], and their speed in the ego's direction then [m/s]."""
+    """Return when the front hits each pedestrian [s], and their speed in the ego's direction then [m/s]."""
     them, ego = perception.pedestrians, perception.ego
     x, y, x_speed, y_speed = _seen_from(ego, them.along, them.across, them.along_speed, them.across_speed)
     body = ego.body
@@ -165,9 +165,9 @@ def _people(
 def _forecast_contacts(
     ego: EgoState, speed: float, forecast: Forecast, radius: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return when each pedestrian is met [s], and the straight line of their along coordinate then.
+    """Return when the ego hits each pedestrian [s], and the line along which they move ahead of it then.
 
-    The second is where that line is at time 0 [m], the third its slope [m/s], relative to the ego.
+    The second value is where that line is at time 0 [m], the third its slope [m/s], both relative to the ego.
     """
     body, samples = ego.body, forecast.times
     x, y = _turned(ego, forecast.along, forecast.across - ego.across)
@@ -182,7 +182,7 @@ def _forecast_contacts(
 
 
 def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]:
-    """Return when each vehicle that stands or goes the same way is met [s], and how fast it goes [m/s]."""
+    """Return when the ego hits each vehicle that stands or goes the same way [s], and its speed [m/s]."""
     them, ego = perception.vehicles, perception.ego
     along = them.along - 0.5 * them.length * np.cos(them.heading_error)
     x, y, x_speed, y_speed = _seen_from(ego, along, them.across, them.along_speed, them.across_speed)
@@ -200,14 +200,14 @@ def _cars(perception: Perception, speed: float) -> tuple[FloatArray, FloatArray]
         relative,
         y_speed,
     )
-    # Whoever stands, perhaps to turn across the ego's way, will not have left it in time.
+    # A standing vehicle, perhaps about to turn across the ego's way, will not have left it in time.
     concerned = (np.abs(turned) < ALONG_THE_LANE) | (np.hypot(them.along_speed, them.across_speed) < STANDING)
     met = concerned & _at_front(times, x - half_length, relative, body.front)
     return np.where(met, times, np.inf), x_speed
 
 
 def _at_front(times: FloatArray, x: FloatArray, relative: FloatArray, front: float) -> np.ndarray:
-    """Say which contacts are with the front and not with a flank, which braking would not help."""
+    """Return which contacts are with the front; braking does not prevent those with a side."""
     met = np.where(np.isfinite(times), times, 0.0)
     return np.isfinite(times) & (x + relative * met >= front - FRONT_DEPTH)
 
@@ -215,7 +215,7 @@ def _at_front(times: FloatArray, x: FloatArray, relative: FloatArray, front: flo
 def _seen_from(
     ego: EgoState, along: FloatArray, across: FloatArray, along_speed: FloatArray, across_speed: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return places and velocities turned into the ego's own axes, from its rear axle."""
+    """Return places and velocities in the ego's own axes, with the origin at its rear axle."""
     return (
         *_turned(ego, along, across - ego.across),
         *_turned(ego, along_speed, across_speed),

@@ -1,9 +1,9 @@
-"""The search for a way at walking pace round people and vehicles that stand.
+"""The search for a way at walking pace round standing people and vehicles.
 
-From where the rear axle is, arcs of equal length are driven with each of some steering angles; of the poses
-that they lead to those are kept that touch nobody and stay near the lane, the cheapest of each small cell.
-After some metres the cheapest way is the answer: the arcs are short, so that a car turns between two people,
-and the distance from the lane's centre line costs, so that it comes back.
+The search starts at the rear axle and continues every way by arcs of equal length, one for each of several
+steering angles. It keeps the poses that touch nobody and stay near the lane, and of those in a small cell the
+cheapest. After some metres, the cheapest way is the answer. The arcs are short, so that a car can turn
+between two people, and the distance from the lane's centre line costs, so that the ego comes back to it.
 """
 
 from __future__ import annotations
@@ -20,46 +20,46 @@ from controllers.geometry.plane import to_plane
 from controllers.interface import EgoState, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
-"""Length of an arc, and of the way that is looked for [m]."""
+"""Length of an arc, and of the way that is searched for [m]."""
 SHORTEST, SHORTEST_OFF = 6.0, 2.0
-"""A way that ends earlier leads nowhere; one that leads the car away from those who lean on it [m]."""
+"""Least length of a way, and of one that leads the car away from people who lean on it [m]."""
 ANGLES = 13
-"""Steering angles of an arc, evenly from right to left."""
+"""Number of steering angles tried for an arc, evenly spaced from right to left [-]."""
 ASIDE = 1.8
-"""How far beside the lane's centre line the rear axle may be [m]."""
+"""The rear axle may be up to this far beside the lane's centre line [m]."""
 IN_LANE = 0.1
-"""The front bumper reaches into the lane by so much: SUMO has no place for a vehicle that does not [m]."""
+"""The front bumper must overlap the lane by this much, as SUMO cannot place a vehicle beside it [m]."""
 KEPT = 400
-"""So many ways are followed at a time."""
+"""Number of ways that are followed at a time [-]."""
 DRIFT = 0.03
-"""So much nearer than planned a way may lead when it is driven [m]."""
+"""When a way is driven, it may come nearer to obstacles than planned by this much [m]."""
 CELL, CELL_TURNED = 0.2, 0.05
-"""Poses that differ by less are one [m, rad]."""
+"""Size of the cells in which poses count as the same [m, rad]."""
 OFF_LANE, TURNED, STEERED = 1.0, 2.0, 0.1
-"""Costs of a metre at 1 m beside the lane, at 1 rad to it, and of 1 rad of steering."""
+"""Costs of a metre driven 1 m beside the centre line, of a metre at 1 rad to it, and of 1 rad of steering."""
 CROWDED, CROWD = 0.4, 2.0
-"""Nearer than this to somebody is dearer [m], by so much for each metre of the way at no distance at all."""
+"""Driving nearer than this to an obstacle costs more [m], and so much more per metre at distance 0 [1/m]."""
 
 
 class Obstacles(NamedTuple):
     """What the body may not touch, in the plane of :mod:`controllers.geometry.plane`: n discs and v boxes."""
 
     x: FloatArray
-    """Of the discs, shape (n,) [m]."""
+    """Centres of the discs, shape (n,) [m]."""
     y: FloatArray
     kept: FloatArray
-    """Radius and the distance kept to it, shape (n,) [m]."""
+    """Radius of each disc plus the distance kept to it, shape (n,) [m]."""
     boxes: Boxes
     kept_to_boxes: FloatArray
-    """Shape (v,) [m]."""
+    """Distance kept to each box, shape (v,) [m]."""
 
     def nearer(self, by: float) -> Obstacles:
-        """Return the same, to be kept less away from [m]."""
+        """Return the same obstacles with the distances kept reduced [m]."""
         return self._replace(kept=self.kept - by, kept_to_boxes=self.kept_to_boxes - by)
 
 
 class _Line(NamedTuple):
-    """The lane's centre line: places and headings, shape (k,) each."""
+    """Places and headings of the lane's centre line, shape (k,) each."""
 
     x: FloatArray
     y: FloatArray
@@ -67,19 +67,19 @@ class _Line(NamedTuple):
 
 
 class _Poses(NamedTuple):
-    """Ways found so far, by where they have led; shape (m,) each."""
+    """Poses at the ends of the ways found so far; shape (m,) each."""
 
     x: FloatArray
     y: FloatArray
     heading: FloatArray
     steering: FloatArray
-    """Of the last arc [rad]."""
+    """Steering angle of the last arc [rad]."""
     cost: FloatArray
     before: NDArray[np.intp]
-    """Which of the poses one arc before."""
+    """Index of the pose one arc before."""
 
     def only(self, chosen: NDArray[np.intp]) -> _Poses:
-        """Return some of them."""
+        """Return the poses with the given indices."""
         return _Poses(
             self.x[chosen],
             self.y[chosen],
@@ -96,18 +96,18 @@ def find(
     farthest: float,
     off: Obstacles | None = None,
 ) -> FloatArray | None:
-    """Return the steering angles of the cheapest way, one an arc, shape (k,); ``None`` for no way [rad].
+    """Return the steering angles of the cheapest way, one per arc, shape (k,) [rad]; ``None`` for no way.
 
     Parameters
     ----------
     perception
         What the ego is told.
     obstacles
-        Who may not be touched.
+        Obstacles that may not be touched.
     farthest
-        The front bumper is to come no farther than this from where it is [m].
+        Greatest distance that the front bumper may move [m].
     off
-        Where given, a shorter way will do that ends with the body clear of these.
+        If given, a shorter way is enough if the body is clear of these obstacles at its end.
     """
     ego = perception.ego
     space = _space(perception, obstacles)
@@ -135,13 +135,13 @@ def find(
 
 
 def leads_on(perception: Perception, obstacles: Obstacles, way: FloatArray, done: float) -> bool:
-    """Return whether what is left of a way is still free.
+    """Return whether the rest of a way is still free.
 
     Parameters
     ----------
     perception, obstacles : as for :func:`find`
-    way : its steering angles, shape (k,) [rad]
-    done : how much of it has been driven [m]
+    way : steering angles of the way, shape (k,) [rad]
+    done : length that has been driven already [m]
     """
     at = _start(perception.ego)
     space = _space(perception, obstacles.nearer(DRIFT), DRIFT)
@@ -154,15 +154,15 @@ def leads_on(perception: Perception, obstacles: Obstacles, way: FloatArray, done
 
 
 class _Space(NamedTuple):
-    """Where ways may lead."""
+    """The space that ways may use."""
 
     ego: EgoState
     line: _Line
     obstacles: Obstacles
     rear: float
-    """How far beside the line the rear axle may be [m]."""
+    """Greatest distance of the rear axle from the line [m]."""
     front: float
-    """The same of the front bumper [m]."""
+    """Greatest distance of the middle of the front bumper from the line [m]."""
 
 
 def _space(perception: Perception, obstacles: Obstacles, drift: float = 0.0) -> _Space:
@@ -171,7 +171,7 @@ def _space(perception: Perception, obstacles: Obstacles, drift: float = 0.0) -> 
     rear, front, _ = _aside(ego, line, at.x, at.y, at.heading)
     lane = perception.road.lane(perception.road.reference)
     reaches = 0.5 * (ego.body.width + (lane.width if lane else ego.body.width)) - IN_LANE
-    # Who is farther beside the lane already may stay so.
+    # An ego that is farther beside the lane already may stay so.
     limits = max(ASIDE, float(rear[0])) + drift, max(reaches, float(front[0])) + drift
     return _Space(ego, line, obstacles, *limits)
 
@@ -189,7 +189,7 @@ def _start(ego: EgoState) -> _Poses:
 
 
 def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) -> _Poses:
-    """Return where one more arc leads with each angle, without what is not free."""
+    """Return the free poses to which one more arc leads with each steering angle."""
     ego, line = space.ego, space.line
     steering = np.tile(angles, len(at.x))
     before = np.repeat(np.arange(len(at.x)), len(angles))
@@ -210,7 +210,7 @@ def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) 
 def _away(
     ego: EgoState, x: FloatArray, y: FloatArray, heading: FloatArray, obstacles: Obstacles
 ) -> FloatArray:
-    """Return how far the body is from what it may not touch, shape (m,) [m]."""
+    """Return how much farther than required the body is from obstacles, at most ``CROWDED`` [m]."""
     where = x[None], y[None], heading[None]
     places = (values[:, None] for values in (obstacles.x, obstacles.y, obstacles.kept))
     away = disc_clearances(*where, ego.body, *places)[0].min(axis=1, initial=CROWDED)
@@ -221,7 +221,7 @@ def _away(
 
 
 def _cheapest_of_cells(poses: _Poses) -> _Poses:
-    """Return the cheapest pose of each cell, at most so many as are kept."""
+    """Return the cheapest pose of each cell, at most ``KEPT`` of them."""
     order = np.argsort(poses.cost, kind="stable")
     cells = np.stack(
         (
@@ -244,7 +244,7 @@ def _centre_line(road: RoadAhead) -> _Line:
 def _aside(
     ego: EgoState, line: _Line, x: FloatArray, y: FloatArray, heading: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return how far rear axle and front bumper are beside the centre line [m], and the angle to it [rad]."""
+    """Return how far rear axle and front bumper are from the centre line [m], and the angle to it [rad]."""
     rear, at_rear = _beside(line, x, y)
     ahead = ego.body.front
     front, _ = _beside(line, x + ahead * np.cos(heading), y + ahead * np.sin(heading))

@@ -1,12 +1,12 @@
-"""The last check of a plan: rolled out with the true body, does it touch anybody?
+"""The last check of a plan: whether the plan touches anybody when rolled out with the true body.
 
-Every plan that is to be carried out, fallbacks included, is rolled out for three seconds with all four
-corners of the body on the true curve of the road. Pedestrians are discs at their true places; those who may
-enter the ego's way walk on as they do or as the predictor says, the others come to stand. Vehicles that
-stand count as well. A plan that would touch somebody is replaced by the least braking that does not, as late
-as that is possible. Where no braking keeps the margin, what stays farthest away from pedestrians even if they
-walk on is carried out: that may be the plan itself, or to get past somebody beside the ego and brake then. It
-is a safety net: how seldom it is needed says how good the plans are.
+Every plan that is to be carried out, including fallbacks, is rolled out for three seconds with all four
+corners of the body on the true curve of the road. Pedestrians are discs at their true places. Those who may
+enter the ego's way keep walking, or walk as the predictor says; the others come to a stop. Standing vehicles
+count as well, and some moving ones. A plan that would touch somebody is replaced by the least braking that
+does not, as late as possible. If no braking keeps the margin, the ego does what stays farthest away from
+pedestrians even if they walk on: this may be the plan itself, or to get past a pedestrian beside the ego and
+then brake. The check is a safety net: the more seldom it is needed, the better the plans are.
 """
 
 from __future__ import annotations
@@ -45,26 +45,26 @@ from controllers.safety.vehicle_boxes import (
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
-"""Status of a plan that was replaced by braking, and by a way out at walking pace."""
+"""Status of a plan that was replaced by braking, and of one replaced by a way out at walking pace."""
 LOOKED_AHEAD = 3.0
-"""[s]"""
+"""Length of the rollout [s]."""
 MARGIN, STARTING_MARGIN, TOUCHING = 0.1, 0.2, 0.01
-"""Distances to pedestrians that count as contact: of a moving ego, of one that starts, and always [m]."""
+"""Distances to pedestrians that count as contact: for a moving ego, for one that starts, and always [m]."""
 GRAZING = 0.03
-"""Pedestrians already nearer than the margin count as touched where they get nearer by this [m]."""
+"""Pedestrians already nearer than the margin count as touched if the ego comes nearer to them by this [m]."""
 WALK_ON = 0.7
-"""Walking pedestrians not expected to enter the ego's way stand only after this time, not at once [s]."""
+"""Walking pedestrians who are not expected to enter the ego's way stop only after this time [s]."""
 STARTING = 0.5
-"""An ego that stood starts until it is faster [m/s]."""
+"""An ego that stood counts as starting up to this speed [m/s]."""
 WALKERS_MARGIN = 0.3
-"""Pedestrians who walk may step aside: this distance to them counts as contact [m]."""
+"""Distance to walking pedestrians that counts as contact, as they may step aside [m]."""
 URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
-"""Brakings that are tried; as long as one less than the first would do, the plan may see to it [m/s^2]."""
+"""Decelerations that are tried; if ``MILD`` is enough, braking is left to the plan [m/s^2]."""
 TIGHT, BENDS_WITHIN = 1.0 / 15.0, 20.0
-"""Curvature of a bend in which the body leaves its lane [1/m], and how far ahead bends are looked at [m]."""
+"""Curvature of a bend in which the body leaves its lane [1/m], and distance within which bends count [m]."""
 MILD, SOON = 3.0, 0.7
-"""Braking that the plan may see to itself [m/s^2], but for a contact nearer than this: a slow ego could stop
-until somebody is there, and would not [s]."""
+"""If this deceleration is enough, braking is left to the plan [m/s^2], unless the contact is nearer in time
+than this: a slow ego could stop before it, but its plan would not [s]."""
 
 
 @dataclass(slots=True)
@@ -73,7 +73,7 @@ class LastCheck:
 
     _out: WayOut = field(default_factory=WayOut)
     _stood: bool = False
-    """Whether it has stood and not been under way since."""
+    """Whether the ego has stood and has not been under way since."""
 
     def checked(
         self,
@@ -85,30 +85,30 @@ class LastCheck:
         room: float = np.inf,
         comes: FloatArray | None = None,
     ) -> Plan:
-        """Return the plan, or one that brakes where it would touch somebody.
+        """Return the plan, or a replacement if it would touch somebody.
 
         Parameters
         ----------
         perception
             What the ego is told.
         plan
-            To be checked.
+            Plan to be checked.
         may_enter
-            Who of the pedestrians walks on; the others stand, shape (n,).
+            Which pedestrians walk on; the others come to a stop, shape (n,).
         forecast
-            Where those are going who walk on; ``None``: they keep their velocities.
+            Where those who walk on are going; ``None``: they keep their velocities.
         stuck
-            Whether only those who stay where they are keep the plan from going anywhere.
+            Whether only people who stay where they are keep the plan from going anywhere.
         room
             How far the front bumper may go until it has to wait for something else [m].
         comes
-            Across speed of those who walk to a waiting place in the lane, or will walk on across a crossing,
-            shape (n,); nan for others, ``None`` for nobody [m/s].
+            Speed across of those who walk to a waiting place in the lane, or will walk on across a crossing,
+            shape (n,); nan for others; ``None`` if there are no such pedestrians [m/s].
         """
         near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
         self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
-        # One that only creeps past somebody does not start: it would stop beside them, and stay there.
+        # An ego that only creeps past somebody does not start: it would stop beside them and stay there.
         starts = self._stood or self._out.taken
         cars = [boxes for boxes in _vehicles(perception, times, starts) if boxes.x.size]
         if not len(near) and not cars:
@@ -126,7 +126,7 @@ class LastCheck:
             self._out.reset()
         else:
             held = touched or stuck
-            # Whom the ego would wait for, had it not waited for so long, still is why it waits.
+            # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
             out = self._out.command(perception, people, walk, times, room, held, near_it)
             if out is not None:
@@ -142,8 +142,8 @@ class LastCheck:
         if starts or not touches.all():
             enough = tried[-1] if touches.all() else tried[int(np.argmin(touches))]
             return _braking(plan, min(float(enough), limit))
-        # No braking keeps the margin. One that stops the ego beside somebody who walks on is no help.
-        # Nor is one that leaves the flank to somebody whom an ego that drove on would have passed.
+        # No braking keeps the margin. Braking is no help if the ego then stops beside somebody who walks on,
+        # or if its side is then hit by somebody whom it would have passed by driving on.
         people = _and_walking_on(perception, near, people, times)
         first = passing_first(perception, times)
         all_of_them = zip(motion, first, slower, strict=True)
@@ -165,23 +165,23 @@ def _people(
     comes: FloatArray | None,
     starts: bool,
 ) -> Discs:
-    """Return where those who are near will be; the rest as for `LastCheck.checked`."""
+    """Return where those who are near will be; parameters as for `LastCheck.checked`."""
     walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
-    if comes is not None and not starts:  # who stands on a crossing is the plan's business then
+    if comes is not None and not starts:  # the plan then takes care of those who stand on a crossing
         comes = np.where(perception.pedestrians.waiting, comes, np.nan)
     return discs(perception, near, may_enter, forecast, times, walk_on, comes)
 
 
 def _keeps(clearance: FloatArray, motion: Motion, walk: NDArray[np.bool_]) -> bool:
-    """Say whether somebody keeps an ego that has just stopped from starting."""
+    """Return whether somebody would keep an ego that has just stopped from starting."""
     margin = _margins(clearance[0, 0], walk, starts=True, patience_over=False)
     return bool(_touches(clearance, motion, margin)[0])
 
 
 def _margins(now: FloatArray, walk: NDArray[np.bool_], starts: bool, patience_over: bool) -> FloatArray:
-    """Return the distance to each that counts as touching, from the present ones, shape (n,) [m].
+    """Return the distances that count as touching, given the present distances, shape (n,) [m].
 
-    The first ones are people, of whom some walk, the others vehicles.
+    The first entries are people, some of whom walk; the others are vehicles.
     """
     people, most = len(walk), np.full(len(now), MARGIN)
     most[:people][walk] = WALKERS_MARGIN
@@ -193,7 +193,7 @@ def _margins(now: FloatArray, walk: NDArray[np.bool_], starts: bool, patience_ov
 
 
 def _near(perception: Perception) -> NDArray[np.intp]:
-    """Return who the body could reach within the time looked ahead."""
+    """Return which pedestrians the body could reach within the time looked ahead, by index."""
     ego, people = perception.ego, perception.pedestrians
     reach = ego.body.length + (ego.speed + 3.0) * LOOKED_AHEAD
     x, y = people.position[:, 0] - ego.x, people.position[:, 1] - ego.y
@@ -203,10 +203,10 @@ def _near(perception: Perception) -> NDArray[np.intp]:
 
 
 def _vehicles(perception: Perception, times: FloatArray, starts: bool) -> Iterator[Boxes]:
-    """Yield the vehicles that the body may not touch: those that stand, and of those under way some.
+    """Yield the vehicles that the body may not touch: those that stand, and some of those under way.
 
-    In a tight bend the body leaves its lane, so that it comes near those that come towards it, and it turns
-    across the way of whoever rides beside it in the lane.
+    In a tight bend the body leaves its lane, so that it comes near oncoming vehicles, and it turns across the
+    way of cyclists and others beside it in the lane.
     """
     yield standing_vehicles(perception)
     if starts:
@@ -226,9 +226,10 @@ def _joined(some: Discs, others: Discs) -> Discs:
 def _and_walking_on(
     perception: Perception, near: NDArray[np.intp], people: Discs, times: FloatArray
 ) -> Discs:
-    """Return some people, and the same should they walk on.
+    """Return some people, and the same people again if they walk on.
 
-    On a crossing it is straight across, too: a first step onto it says little about the direction.
+    On a crossing, walking straight across is included too: a first step onto it tells little about the
+    direction.
     """
     told = perception.pedestrians
     everybody = np.full(len(told), True)
@@ -254,9 +255,9 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
 
     Parameters
     ----------
-    clearance : to everybody, shape (K, m, n) [m]
+    clearance : distances to people and vehicles, shape (K, m, n) [m]
     motion : the variants
-    margin : distance that counts as touching, shape (n,) [m]
+    margin : distances that count as touching, shape (n,) [m]
     """
     near = (clearance < margin).any(axis=2)
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
@@ -265,26 +266,26 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
 def _touches_until(
     time: float, times: FloatArray, clearance: FloatArray, motion: Motion, margin: FloatArray
 ) -> bool:
-    """Return whether the one variant of a motion touches somebody before a time [s]."""
+    """Return whether a motion with one variant touches somebody before a time [s]."""
     early = times < time
     return bool(_touches(clearance[early], Motion(*(each[early] for each in motion)), margin)[0])
 
 
 def _least(clearance: FloatArray, motion: Motion) -> FloatArray:
-    """Return the least distance to anybody of each variant of a motion while it moves, shape (m,) [m]."""
+    """Return the least distance to anybody while each variant of a motion moves, shape (m,) [m]."""
     nearest = clearance.min(axis=2, initial=np.inf)
     return np.asarray(np.where(motion.speed > STANDING, nearest, np.inf).min(axis=0))
 
 
 def _passing_first(plan: Plan) -> Plan:
-    """Return the plan with its accelerations replaced by one that gets the ego past somebody beside it."""
+    """Return the plan with an acceleration instead that gets the ego past a pedestrian beside it."""
     command = plan.command
     onward = np.full(len(command.times), PASSING_ACCELERATION)
     return replace(plan, command=Command(command.times, onward, command.steering), status=SHIELDED)
 
 
 def _braking(plan: Plan, braking: float) -> Plan:
-    """Return the plan with its accelerations replaced by a braking that goes on."""
+    """Return the plan with all its accelerations lowered at least to a constant braking [m/s^2]."""
     command = plan.command
     slower = np.minimum(command.acceleration, -braking)
     return replace(plan, command=Command(command.times, slower, command.steering), status=SHIELDED)

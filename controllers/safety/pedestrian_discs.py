@@ -1,4 +1,4 @@
-"""Where pedestrians will be, as discs in a plane: for whoever lays the true body of a car beside them."""
+"""Where pedestrians will be, as discs in a plane, to be compared with the true body of a car."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Discs(NamedTuple):
     """Shape (n, K) [m]."""
     y: FloatArray
     radius: FloatArray
-    """Of the disc, plus the uncertainty of its place, shape (n, K) [m]."""
+    """Radius of the disc plus the uncertainty of its place, shape (n, K) [m]."""
 
 
 def discs(
@@ -39,19 +39,19 @@ def discs(
     perception
         What the ego is told.
     who
-        Which of them, by index, shape (n,).
+        Which pedestrians, by index, shape (n,).
     walks
-        Which of all pedestrians go on as they do; the others come to a stop.
+        Which of all pedestrians walk on; the others come to a stop.
     forecast
         Where walking pedestrians go; ``None``: they keep their velocities.
     times
-        From now, shape (K,) [s].
+        Instants from now, shape (K,) [s].
     walk_on
-        After which time the others stand [s]. Those who are at no crossing go on along the road: only what
-        leads them across it ends.
+        Time after which the others stand [s]. Those who are at no crossing go on along the road: only their
+        movement across it ends.
     across_speed
-        Of those of all whose movement is known better than by their velocity: straight across the road where
-        they are; nan for others [m/s].
+        For all pedestrians, the speed straight across the road where it is known better than from their
+        velocity; nan for others [m/s].
     """
     people = perception.pedestrians
     places, velocities = people_in_plane(perception.ego, perception.road, people)
@@ -66,7 +66,7 @@ def discs(
     gone = velocities[who, :, None] * times
     reach = np.zeros((len(who), len(times)))
     if forecast is not None:
-        # What a forecast says about the way from here, in the frame of the road where each of them is.
+        # The way from here according to the forecast, in the frame of the road at each pedestrian.
         there, here = forecast.at(times), forecast.at(np.zeros(1))
         along, across = (there.along - here.along)[who], (there.across - here.across)[who]
         cosine, sine = ahead[who, :1], ahead[who, 1:]

@@ -1,4 +1,4 @@
-"""Where the body will be along a plan, true to its corners and to the curve of the road."""
+"""Where the ego's body will be along a plan, with its true corners on the true curve of the road."""
 
 from __future__ import annotations
 
@@ -13,47 +13,50 @@ from controllers.geometry.plane import bends, to_plane
 from controllers.interface import Perception, Plan
 
 LAG = 0.35
-"""Time constant with which a braking command takes hold, the ramp of the command included [s]."""
+"""Time constant with which a braking command takes effect, the ramp of the command included [s]."""
 SPACING = 0.1
-"""Between instants of a rollout [s]."""
+"""Time between the instants of a rollout [s]."""
 APART = 0.01
-"""Between places of a course at least; a plan that stops has several instants at one place [m]."""
+"""Least distance between places of a course, as a plan that stops has several instants at one place [m]."""
 STEERED_FROM = 0.5
-"""Steering is planned as if the ego were at least so fast: standing wheels lead nowhere [m/s]."""
+"""Planned steering assumes at least this speed, as a standing ego would get nowhere [m/s]."""
 PASSING_ACCELERATION, PASSED_AFTER, BRAKING_AFTER = 2.0, 0.7, 6.5
-"""How an ego gets past somebody who walks up to its flank, for so long, and brakes afterwards [m/s^2, s]."""
+"""Acceleration with which the ego gets past a pedestrian who walks towards its side, how long it lasts, and
+deceleration afterwards [m/s^2, s, m/s^2]."""
 
 
 class Course(NamedTuple):
-    """Where the rear axle goes, whatever the speed: k points in the order of driving."""
+    """The way of the rear axle, independent of the speed: k points in the order of driving."""
 
     along: FloatArray
-    """Along the route, ascending, shape (k,) [m]."""
+    """Along coordinates, ascending, shape (k,) [m]."""
     across: FloatArray
     heading_error: FloatArray
-    """To the centre line [rad]."""
+    """Heading relative to the centre line [rad]."""
 
 
 class Motion(NamedTuple):
-    """How m variants of a plan move along a course, shape (K, m) each; the first instant is now."""
+    """Motions of m variants of a plan along a course, shape (K, m) each; the first instant is now."""
 
     along: FloatArray
-    """Along the route [m]."""
+    """Along coordinates [m]."""
     speed: FloatArray
     """[m/s]"""
 
 
 def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray) -> Course:
-    """Return the course of a plan: as its steering leads, then as planned, then straight on along the lane.
+    """Return the course of a plan: first by its steering, then by its planned places.
+
+    Beyond its end, :func:`poses` goes straight on along the lane.
 
     Parameters
     ----------
     perception, plan
         What is known, and what is to be done.
     motion
-        The plan's own, one variant, at ``times``.
+        Motion of the plan itself, one variant, at ``times``.
     times
-        From now, shape (K,) [s].
+        Instants from now, shape (K,) [s].
     """
     led = _steered(perception, plan, motion, times)
     at, across, _ = led[-1]
@@ -64,7 +67,7 @@ def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray
     knots = zip(plan.times.tolist(), plan.along.tolist(), plan.across.tolist(), strict=True)
     for time, place, beside in knots:
         if time > until:
-            # An ego slower than its steering supposes gets to an offset later in time, not earlier in place.
+            # An ego slower than its steering assumes reaches an offset later in time, not earlier in place.
             left = min(1.0, (time - until) / (time - earlier))
             at += left * max(place - gone, STEERED_FROM * (time - earlier))
             across += left * (beside - offset)
@@ -76,14 +79,14 @@ def course(perception: Perception, plan: Plan, motion: Motion, times: FloatArray
 
 
 def _led_until(plan: Plan) -> float:
-    """Return until when the plan's commands say how it is steered [s]."""
+    """Return the time until which the plan's commands determine the steering [s]."""
     return float(plan.command.times[-1])
 
 
 def _steered(
     perception: Perception, plan: Plan, motion: Motion, times: FloatArray
 ) -> list[tuple[float, float, float]]:
-    """Return the points to which the commanded steering leads: a kinematic bicycle behind its lag.
+    """Return the points to which the commanded steering leads, by a kinematic bicycle with steering lag.
 
     They are in the route frame: along, across and heading error.
     """
@@ -112,7 +115,7 @@ def _steered(
 
 
 def planned(perception: Perception, plan: Plan, times: FloatArray) -> Motion:
-    """Return the motion that a plan asks for, one variant; without a horizon, what it commands at first."""
+    """Return the motion that a plan demands, one variant; without a horizon, that of its first command."""
     ego = perception.ego
     if not len(plan.times):
         return braked(perception, -plan.command.acceleration[:1], times)
@@ -124,7 +127,7 @@ def planned(perception: Perception, plan: Plan, times: FloatArray) -> Motion:
 
 
 def braked(perception: Perception, braking: FloatArray, times: FloatArray) -> Motion:
-    """Return the motion of m constant braking commands from now on; negative ones speed up [m/s^2]."""
+    """Return the motions for m constant braking commands [m/s^2] from now on; negative ones speed up."""
     ego = perception.ego
     wanted = -np.asarray(braking, dtype=np.float64)[None, :]
     reached = wanted + (ego.acceleration - wanted) * np.exp(-times[:, None] / LAG)
@@ -136,7 +139,7 @@ def braked(perception: Perception, braking: FloatArray, times: FloatArray) -> Mo
 
 
 def passing_first(perception: Perception, times: FloatArray) -> Motion:
-    """Return the motion, one variant, that speeds up a little to get past somebody, and brakes then."""
+    """Return the motion, one variant, that speeds up a little to get past a pedestrian, and then brakes."""
     ego = perception.ego
     acceleration, speed, along = ego.acceleration, ego.speed, 0.0
     way = [(0.0, speed)]

@@ -12,24 +12,25 @@ from controllers.geometry.plane import to_plane, vehicles_in_plane
 from controllers.interface import Perception
 
 STANDING = 0.5
-"""Slower ones stand [m/s]."""
+"""Below this speed, a vehicle counts as standing [m/s]."""
 NEAR, NEAR_DRIVING = 15.0, 35.0
-"""Those of whom every part is farther from the ego's middle do not count, standing and driving [m]."""
+"""Vehicles of which every part is farther than this from the ego's middle do not count. The second value is
+for oncoming vehicles and for those that drive wherever they will be, the first for all others [m]."""
 ONCOMING = np.deg2rad(150.0)
-"""Vehicles whose heading differs from the lane's by more come towards the ego."""
+"""Vehicles whose heading differs by more than this from that of the lane come towards the ego [rad]."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
-"""Instants at which those that drive are looked at [s]."""
+"""Instants at which driving vehicles are considered [s]."""
 
 
 def standing_vehicles(perception: Perception) -> Boxes:
-    """Return those that stand, in the plane of :mod:`controllers.geometry.plane`."""
+    """Return the standing vehicles, in the plane of :mod:`controllers.geometry.plane`."""
     return _boxes(perception, _near(perception, NEAR) & _stand(perception), np.zeros(1))
 
 
 def driving_vehicles(perception: Perception) -> Boxes:
-    """Return those that drive, wherever they will be in the next seconds: a box for each of some instants.
+    """Return the driving vehicles wherever they will be in the next seconds: one box for each instant.
 
-    Whoever follows the ego is left out.
+    Vehicles that follow the ego are left out.
     """
     them = perception.vehicles
     follow = footprints(them).same_way & (them.along < 0.0)
@@ -38,18 +39,18 @@ def driving_vehicles(perception: Perception) -> Boxes:
 
 
 def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
-    """Return those that drive across the ego's way or towards it, straight on, at K instants [s].
+    """Return the vehicles that drive across the ego's way or towards it, straight on, at K instants [s].
 
-    Whoever drives the ego's way is followed, and does not count.
+    Vehicles that drive the ego's way are left to car-following and do not count.
     """
     who = _near(perception, NEAR) & ~_stand(perception) & ~footprints(perception.vehicles).same_way
     return _straight_on(perception, who, times)
 
 
 def beside_in_lane(perception: Perception, times: FloatArray) -> Boxes:
-    """Return those that drive beside the ego in its own lane, straight on, at K instants [s].
+    """Return the vehicles that drive beside the ego in its own lane, straight on, at K instants [s].
 
-    Cyclists do, where lanes are wide. Which way they take at a junction is not known.
+    Cyclists do so in wide lanes. Which way they take at a junction is not known.
     """
     them, ego, road = perception.vehicles, perception.ego, perception.road
     box, lane = footprints(them), road.lane(road.reference)
@@ -63,9 +64,9 @@ def beside_in_lane(perception: Perception, times: FloatArray) -> Boxes:
 
 
 def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
-    """Return those that come towards the ego along its road, at K instants [s].
+    """Return the vehicles that come towards the ego along its road, at K instants [s].
 
-    They keep to their lane, round bends too.
+    They are assumed to keep their lane, also in bends.
     """
     them = perception.vehicles
     towards = np.abs(them.heading_error) > ONCOMING
@@ -88,7 +89,7 @@ def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
 
 
 def _near(perception: Perception, most: float) -> NDArray[np.bool_]:
-    """Return which vehicles are near: of a lorry the tail may be beside an ego far behind its front."""
+    """Return which vehicles have a part near the ego: the tail of a lorry may be, though its front is not."""
     box, ego = footprints(perception.vehicles), perception.ego
     middle = 0.5 * ego.body.front
     ahead = np.maximum(np.maximum(box.rear - middle, middle - box.front), 0.0)
@@ -102,7 +103,7 @@ def _stand(perception: Perception) -> NDArray[np.bool_]:
 
 
 def _straight_on(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
-    """Return m vehicles at each of K instants, should they drive straight on: places of shape (K, m)."""
+    """Return m vehicles at each of K instants if they drive straight on: places of shape (K, m)."""
     boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
     if not shape[1]:
         return boxes
@@ -111,7 +112,7 @@ def _straight_on(perception: Perception, who: NDArray[np.bool_], times: FloatArr
 
 
 def _boxes(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
-    """Return m vehicles as they are at K instants [s], should they drive straight on: K * m boxes."""
+    """Return m vehicles at K instants [s] if they drive straight on: K * m boxes."""
     them = perception.vehicles
     if not who.any():
         return Boxes(*np.empty((5, 0)))

@@ -1,8 +1,8 @@
-"""The way out for an ego that is kept from starting: walking pace, round those who stay.
+"""The way out for an ego that is kept from starting: at walking pace, round those who stay.
 
-People gather round a standing car, and those who wait for it to leave their crossing stand where its way
-leads; vehicles that wait for it do so too. After a while the ego looks for a way round them, and once on it
-goes on until it is back in its lane.
+People gather round a standing car, and people who wait for it to leave their crossing stand in its way; so do
+vehicles that wait for it. After a while the ego looks for a way round them. Once on such a way, it follows it
+until it is back in its lane.
 """
 
 from __future__ import annotations
@@ -23,31 +23,33 @@ from controllers.safety.pedestrian_discs import Discs
 from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 
 PATIENCE = 4.0
-"""For so long an ego that is kept from starting waits [s]."""
+"""Time for which an ego that is kept from starting waits [s]."""
 LET_GO = 1.0
-"""After so long without anybody who keeps it from starting it waits anew [s]."""
+"""The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
-"""Of the way out [m/s, m/s^2]."""
+"""Speed, acceleration and deceleration on the way out [m/s, m/s^2]."""
 INCHING, APART = 0.07, 0.01
-"""Speed while somebody leans on the car, at which it counts as standing; whoever is nearer leans [m/s, m]."""
+"""Speed while somebody leans on the car, so low that it counts as standing; people nearer than this distance
+lean on it [m/s, m]."""
 TO_PEOPLE = (0.1, 0.02)
-"""Distance kept to people who stand, and where there is no way with it [m]."""
+"""Distance kept to people who stand, and the smaller one used if there is no way with the first [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
 INSTANTS = 10
-"""Of the instants of a rollout every so many is looked at [-]."""
+"""One in this many instants of a rollout is considered [-]."""
 NEARER = 0.002
-"""Those who are nearer already may stay so, but not come nearer by this [m]."""
+"""People and vehicles that are too near already may stay so, but come nearer by no more than this [m]."""
 SOUGHT_EVERY = 0.5
-"""How often a way is looked for at most [s]."""
+"""Least time between two searches for a way [s]."""
 AHEAD = 0.1
-"""The wheels are where the way wants them so far ahead [m]."""
+"""The wheels take the angle that the way demands this far ahead [m]."""
 IN_LANE, ALONG_LANE = 0.4, 0.15
-"""The ego is back in its lane this near to its centre line and direction [m, rad]."""
+"""The ego is back in its lane when it is this near to its centre line and direction [m, rad]."""
 TURNED = 0.15
-"""Wheels that are farther from where they should be are turned first [rad]."""
+"""If the wheels are farther than this from the wanted angle, the ego turns them before it moves [rad]."""
 CHECKED, CHECKED_WALKERS = 8, 20
-"""Instants of the rollout at which its beginning is checked, for those who stand and for those who walk."""
+"""Number of instants at the beginning of the rollout that are checked for contact, with all people and with
+those who walk [-]."""
 
 
 @dataclass(slots=True)
@@ -55,25 +57,25 @@ class WayOut:
     """The ways out of one ego."""
 
     held_since: float | None = None
-    """Since when it is kept from starting [s]."""
+    """Time since when the ego has been kept from starting [s]."""
     _held_at: float = -np.inf
-    """When it was so last [s]."""
+    """Last time when it was kept from starting [s]."""
     taken: bool = False
-    """Whether it is on a way out."""
+    """Whether the ego is on a way out."""
     _way: FloatArray | None = None
     """Steering angles of the arcs of the way, shape (k,) [rad]."""
     _driven: float = 0.0
-    """How much of it has been driven [m]."""
+    """Length of the way that has been driven [m]."""
     _sought: float = -np.inf
     _last: float = 0.0
-    # When a way was sought, and when this was asked [s].
+    # Times of the last search for a way and of the last call of ``command`` [s].
 
     def reset(self) -> None:
         """Forget everything: the ego is under way."""
         self.held_since, self.taken, self._way, self._sought = None, False, None, -np.inf
 
     def waited(self, time: float) -> float:
-        """Return for how long the ego has been kept from starting; 0 where it is not [s]."""
+        """Return how long the ego has been kept from starting; 0 if it is not [s]."""
         return 0.0 if self.held_since is None else time - self.held_since
 
     def command(
@@ -86,7 +88,7 @@ class WayOut:
         held: bool,
         somebody_near: bool,
     ) -> Command | None:
-        """Return what leads out; ``None`` where nothing does, where it is too early, or where it has led out.
+        """Return the command that leads out; ``None`` if there is no way, if it is too early, or afterwards.
 
         Parameters
         ----------
@@ -95,15 +97,15 @@ class WayOut:
         people
             Where n pedestrians will be.
         walks
-            Who of them walks, shape (n,).
+            Which of them walk, shape (n,).
         times
-            Of ``people``, from now, shape (K,) [s].
+            Instants of ``people``, from now, shape (K,) [s].
         farthest
-            How far the front bumper may go for other reasons [m].
+            How far the front bumper may go with regard to everything else [m].
         held
             Whether somebody keeps the ego from following its plan.
         somebody_near
-            Whether somebody would keep an ego that has just stopped from it.
+            Whether somebody would keep the ego from starting if it had only just stopped.
         """
         ego = perception.ego
         in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
@@ -140,9 +142,9 @@ class WayOut:
         farthest: float,
         leant_on: bool,
     ) -> None:
-        """Keep the way as long as it is free, else look for another: the wider distances first.
+        """Keep the way as long as it is free, else look for another, with the wider distances first.
 
-        An ego on which somebody leans is content with one that leads away from them.
+        If somebody leans on the ego, a way that only leads away from them is enough.
         """
         vehicles, time = _vehicles(perception), perception.ego.time
         near = _obstacles(people, kept, vehicles)
@@ -163,13 +165,13 @@ class WayOut:
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
-    """Return people, wherever they will be within the time looked ahead, and vehicles."""
+    """Return people at all places where they will be within the time looked ahead, and vehicles."""
     x, y, reach = (values[:, ::INSTANTS] for values in people)
     return Obstacles(x.ravel(), y.ravel(), (reach + kept[:, None]).ravel(), *vehicles)
 
 
 def _vehicles(perception: Perception) -> tuple[Boxes, FloatArray]:
-    """Return vehicles that stand, those that drive wherever they will be, and the distances kept [m]."""
+    """Return standing vehicles, driving ones wherever they will be, and the distances kept to them [m]."""
     stand, drive = standing_vehicles(perception), driving_vehicles(perception)
     now = box_clearances(*_here(perception), perception.ego.body, stand)[0, 0]
     kept = np.append(np.minimum(now - NEARER, TO_VEHICLES), np.full(len(drive.x), TO_DRIVING))
@@ -185,7 +187,7 @@ def _towards(
     angle: float,
     speed: float,
 ) -> Command:
-    """Return the command that follows an angle, or waits while somebody walks into the way."""
+    """Return the command that follows a steering angle, or waits while somebody is in the way."""
     ego = perception.ego
     x, y, heading = _rolled(perception, angle, times)
     clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
@@ -194,7 +196,7 @@ def _towards(
     turning = abs(ego.steering - angle) > TURNED
     wanted = 0.0 if meets or turning else speed
     if wanted == 0.0 and ego.speed < STANDING:
-        return constant_command(-BRAKING, angle)  # it holds its brake
+        return constant_command(-BRAKING, angle)  # the ego holds its brake
     change = (wanted - ego.speed) / max(ego.plan_interval, 0.5)
     return constant_command(float(np.clip(change, -BRAKING, ACCELERATION)), angle)
 
@@ -206,7 +208,7 @@ def _distances(perception: Perception, people: Discs) -> FloatArray:
 
 
 def _here(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return where the rear axle is now, x, y and heading of shape (1, 1) each."""
+    """Return x, y and heading of the rear axle now, shape (1, 1) each."""
     place = np.zeros((1, 1))
     return place, place + perception.ego.across, place + perception.ego.heading_error
 

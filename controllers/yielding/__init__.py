@@ -1,1 +1,1 @@
-"""Methods that change the speed alone, as filters of any driver: who is in the way, and what each allows."""
+"""Methods that change only the speed, as filters of any driver: who is in the way, and what each allows."""

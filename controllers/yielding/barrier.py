@@ -1,4 +1,4 @@
-"""A control barrier function along the road, kept by the quadratic program nearest to what a driver wants."""
+"""A control barrier function along the road, kept by a quadratic program close to what the driver wants."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from controllers.optimisation.solve import Memory, solve
 from controllers.yielding.facing import Answer, Facing
 
 SLOTS = 8
-"""So many pedestrians, the nearest, have a row in the program."""
+"""Number of pedestrians, the nearest ones, that have a row in the program [-]."""
 UNSOLVED = "fallback_full_braking"
 
 
@@ -24,10 +24,10 @@ class BarrierRule:
 
     Parameters
     ----------
-    braking : c_d g, with which the ego can always stop [m/s^2]
-    rate : γ, how fast the state may come to the barrier [1/s]
-    time_margin : between the ego and pedestrians who come later or have left before [s]
-    slack_weight : price of a barrier that is not kept, over that of a change of acceleration
+    braking : c_d g, deceleration with which the ego can always stop [m/s^2]
+    rate : γ, how fast the state may approach the barrier [1/s]
+    time_margin : time gap between the ego and pedestrians who come later or have left before [s]
+    slack_weight : cost of violating the barrier, relative to that of changing the acceleration
     """
 
     braking: float
@@ -46,21 +46,21 @@ class BarrierFilter:
     Parameters
     ----------
     rule : the barrier
-    solver : of the program
+    solver : settings of the solver
 
     Notes
     -----
-    The program of [Ames2017]_: the acceleration nearest to the wanted one with ḣ ≥ −γ h for everybody who
-    would be met, softened where braking is not enough. With ḣ = −v − v a / (c_d g) a row is
-    v / (c_d g) · a − δ ≤ γ h − v. The paper's barrier keeps a distance to a leader; that it also holds for
-    pedestrians who will be in the way when the ego comes is our use of it.
+    The program of [Ames2017]_ finds the acceleration nearest to the wanted one with ḣ ≥ −γ h for every
+    pedestrian whom the ego would meet, softened where braking is not enough. With ḣ = −v − v a / (c_d g), a
+    row is v / (c_d g) · a − δ ≤ γ h − v. The paper's barrier keeps a distance to a leader; its use for
+    pedestrians who will be in the way when the ego comes is our own.
     """
 
     def __init__(self, rule: BarrierRule, solver: SolverSettings) -> None:
         self._rule, self._solver, self._memory = rule, solver, Memory()
 
     def problem(self, facing: Facing, concerned: FloatArray) -> Problem:
-        """Return the program for the pedestrians with those gaps, not solved yet."""
+        """Return the program for pedestrians with the gaps ``concerned`` [m], not solved yet."""
         ego, rule = facing.perception.ego, self._rule
         problem = blank(
             "(a - wanted)^2 + weight slack^2",
@@ -79,7 +79,7 @@ class BarrierFilter:
         return problem
 
     def allowed(self, facing: Facing) -> Answer:
-        """Return the solution; full braking where there is none."""
+        """Return the solution of the program; full braking if there is none."""
         met = np.flatnonzero(facing.meets(self._rule.time_margin))
         if not len(met):
             return Answer()
@@ -93,5 +93,5 @@ class BarrierFilter:
             return Answer(full, True, name, False, UNSOLVED, overridden=True, solves=solves)
         most = float(solution.z[0])
         if ego.speed < 0.5 and float(gaps.min()) < 0.5:
-            most = min(most, 0.0)  # at rest the barrier says nothing about starting
+            most = min(most, 0.0)  # at rest, the barrier does not prevent starting
         return Answer(most, True, name, slack=max(float(solution.z[1]), 0.0), solves=solves)

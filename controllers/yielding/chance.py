@@ -1,4 +1,4 @@
-"""How probable it is that pedestrians are in the way, and what distance that asks for."""
+"""How probable it is that pedestrians are in the way, and the distance that this requires."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from controllers.arrays import FloatArray
 from controllers.yielding.facing import Facing
 
 LEAST_DEVIATION = 0.05
-"""Nobody's place is known better [m]."""
+"""Least standard deviation of a pedestrian's place [m]."""
 CERTAIN_SHARE = 0.5
-"""The share of the accepted risk that a pedestrian who is certainly in the way may use up along the road."""
+"""Greatest probability of contact along the road that is ever allowed, so that no margin is negative [-]."""
 
 
 @dataclass(frozen=True, slots=True)
 class WalkingUncertainty:
-    """How unsure the place of pedestrians becomes.
+    """How uncertain the places of pedestrians become.
 
     Parameters
     ----------
     pace : standard deviation of their velocity along either axis [m/s]
-    place : of what is known of their place now, beside what the sensors tell [m]
+    place : standard deviation of their present place, in addition to that of the sensors [m]
     """
 
     pace: float
@@ -36,7 +36,7 @@ class WalkingUncertainty:
 
         Parameters
         ----------
-        told : standard deviation of what the sensors tell, shape (n,) [m]
+        told : standard deviation that the sensors report, shape (n,) [m]
         times : shape (K,) [s]
         """
         known = np.maximum(np.hypot(self.place, told), LEAST_DEVIATION)
@@ -45,7 +45,7 @@ class WalkingUncertainty:
 
 @dataclass(frozen=True, slots=True)
 class Tightening:
-    """What a chance constraint asks of the position, for n pedestrians and K times."""
+    """What a chance constraint requires of the position, for n pedestrians and K times."""
 
     counts: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     """Where the probability of being in the way is larger than the accepted risk, shape (n, K)."""
@@ -58,23 +58,24 @@ class Tightening:
 def tightening(
     facing: Facing, side_margin: float, times: FloatArray, unsure: WalkingUncertainty, risk: float
 ) -> Tightening:
-    """Return what P(contact at a time) ≤ risk asks for, with independent normal errors along and across.
+    """Return what P(contact at a time) ≤ risk requires, with independent normal errors along and across.
 
-    A contact needs both: the pedestrian in the path's width, with probability p, and the bumper at their
-    place. With p ≤ risk nothing is asked for; else P(along) ≤ risk / p, so a margin of z(1 − risk / p) σ.
+    For a contact, the pedestrian has to be within the path's width, with probability p, and the bumper at
+    their place. If p ≤ risk, nothing is required. Otherwise P(along) ≤ risk / p, which requires a margin of
+    z(1 − risk / p) σ.
 
     Parameters
     ----------
     facing : who is in the way
-    side_margin : what a disc is grown by across the way [m]
+    side_margin : margin by which a disc is grown across the way [m]
     times : shape (K,) [s]
     unsure : how the deviations grow
-    risk : ε, accepted of each pedestrian at each time
+    risk : ε, risk accepted for each pedestrian at each time
 
     Notes
     -----
-    The deterministic form of a chance constraint on a normal variable, as in [Blackmore2011]_; that the two
-    axes share the risk is our own.
+    This is the deterministic form of a chance constraint on a normal variable, as in [Blackmore2011]_; the
+    sharing of the risk between the two axes is our own.
     """
     people, ego = facing.people, facing.perception.ego
     told = facing.perception.pedestrians.uncertainty[people.index]

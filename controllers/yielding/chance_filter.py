@@ -13,12 +13,12 @@ from controllers.yielding.chance_program import ChancePlan, ChanceProgram
 from controllers.yielding.facing import Answer, Facing
 
 LASTS = 2.0
-"""What the driver wants is expected to last for so long [s]."""
+"""The acceleration that the driver wants is expected to last for this long [s]."""
 CLASSES = 3
-"""Passing classes that are solved at most."""
+"""Greatest number of passing classes that are solved [-]."""
 UNSOLVED = "fallback_full_braking"
 KEPT = 0.9
-"""The passing class so far is given up for one that costs less than this share of it."""
+"""The present passing class is given up only for one that costs less than this share of its cost [-]."""
 
 
 class ChanceFilter:
@@ -26,11 +26,11 @@ class ChanceFilter:
 
     Parameters
     ----------
-    program : of one class
-    unsure : how unsure pedestrians' places become
-    risk : ε of each pedestrian at each time
-    side_margin : what a disc is grown by across the way [m]
-    solver : its name is told
+    program : program of one class
+    unsure : how uncertain pedestrians' places become
+    risk : ε, risk accepted for each pedestrian at each time
+    side_margin : margin by which a disc is grown across the way [m]
+    solver : its name is reported
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class ChanceFilter:
         self._ahead: frozenset[str] = frozenset()
 
     def allowed(self, facing: Facing) -> Answer:
-        """Return the first accelerations of the cheapest plan; full braking where none is found."""
+        """Return the cheapest plan and its mean acceleration until the next; without any, full braking."""
         people, ego = facing.people, facing.perception.ego
         if not len(people):
             self._ahead = frozenset()
@@ -81,7 +81,7 @@ class ChanceFilter:
     def _cheapest(
         self, facing: Facing, asked: Tightening, concerned: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
     ) -> tuple[int, ChancePlan | None]:
-        """Return how many of the first are let pass, and the plan for that."""
+        """Return how many of the first pedestrians are let pass in the cheapest plan, and that plan."""
         n = len(concerned)
         now = sum(facing.people.names[i] not in self._ahead for i in concerned)
         tried = list(dict.fromkeys([n, now, 0, n - 1]))[:CLASSES]
@@ -119,7 +119,7 @@ class ChanceFilter:
         return self._program.solve(problem, speed, ego.acceleration, wanted)
 
     def _wanted(self, facing: Facing) -> FloatArray:
-        """Return the speeds that the driver would drive."""
+        """Return the speeds at which the driver would drive [m/s]."""
         ego, times = facing.perception.ego, self._program.times
         limit = max(limit_now(facing.perception.road, ego.body.front), ego.speed)
         lasting = np.minimum(times, LASTS)

@@ -27,14 +27,14 @@ class ChanceWeights:
     acceleration: float = 1.0
     """[1/(m/s^2)^2]"""
     change: float = 0.6
-    """Of the change of acceleration [1/(m/s^3)^2]."""
+    """Weight of the change of acceleration [1/(m/s^3)^2]."""
     violation: float = 300.0
-    """Per square metre that a position bound is missed."""
+    """Weight of the squared violation of a position bound, not multiplied by time [1/m^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChancePlan:
-    """A motion; shape (K,) each."""
+    """A planned motion; shape (K,) each."""
 
     solved: bool
     cost: float
@@ -46,14 +46,14 @@ class ChancePlan:
 
 
 class ChanceProgram:
-    """The program for a fixed horizon; written anew for each solve.
+    """The program for a fixed horizon; it is set up anew for each solve.
 
     Parameters
     ----------
-    step, count : the horizon is K steps long [s]
-    weights : of the objective
-    hardest : braking at most [m/s^2]
-    solver : of the program
+    step, count : length of a step [s] and number K of steps of the horizon
+    weights : weights of the objective
+    hardest : greatest deceleration [m/s^2]
+    solver : settings of the solver
     """
 
     def __init__(
@@ -91,8 +91,8 @@ class ChanceProgram:
         ----------
         speed, before : present speed [m/s] and acceleration [m/s^2]
         wanted : speeds to drive, shape (K,) [m/s]
-        upper, lower : bounds of the position from now; inf where there is none, shape (K,) [m]
-        acceleration : at most [m/s^2]
+        upper, lower : bounds of the position from now; infinite where there is none, shape (K,) [m]
+        acceleration : greatest acceleration [m/s^2]
         """
         count, w, dt = len(self.times), self._weights, self._step
         sizes = {"acceleration [m/s^2]": count, "slack [m]": 2}
@@ -121,7 +121,7 @@ class ChanceProgram:
         return problem
 
     def solve(self, problem: Problem, speed: float, before: float, wanted: FloatArray) -> ChancePlan:
-        """Return the plan that a program comes to; for the others see ``problem``."""
+        """Return the plan that solves a program; for the other parameters see ``problem``."""
         count, w = len(self.times), self._weights
         found = solve(problem, self._solver, self.memory)
         accelerations, slack = found.z[:count], found.z[count:]

@@ -1,4 +1,4 @@
-"""What a filter is told: who comes into an ego's path, where it could stop for them, and what it wants."""
+"""What a filter is told: who comes into the ego's path, where it could stop for them, and what it wants."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from controllers.conflicts.path_conflicts import Conflicts, find
 from controllers.interface import Decision, Perception, Solves
 
 HORIZON = 8.0
-"""Pedestrians who come into the way later do not matter yet [s]."""
+"""Pedestrians who come into the way later than this are not considered yet [s]."""
 LINE_GAP = 0.3
-"""A stop line that the bumper is past by less still counts [m]."""
+"""A stop line still counts if the bumper has passed it by less than this [m]."""
 SLOWEST = 2.0
-"""A slower ego is taken to get on at this speed, so that there is a time at which it meets people [m/s]."""
+"""The ego is assumed to drive at least at this speed, so that there is a time when it meets people [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Facing:
-    """The pedestrians in an ego's path, by time of entry, and what its driver wants to do."""
+    """The pedestrians in the ego's path, ordered by time of entry, and what its driver wants to do."""
 
     perception: Perception
     people: Conflicts
-    """Those in conflict; n of them."""
+    """The n pedestrians in conflict."""
     places: FloatArray
-    """Where a bumper that yields to each would stop, from the rear axle, shape (n,) [m]."""
+    """Place where the front bumper would stop to yield to each, from the rear axle, shape (n,) [m]."""
     wanted: float
-    """What the driver would command [m/s^2]."""
+    """Acceleration that the driver would command [m/s^2]."""
 
     @property
     def gaps(self) -> FloatArray:
-        """Return the distances from the bumper to those places, shape (n,) [m]."""
+        """Distances from the front bumper to those places, shape (n,) [m]."""
         return self.places - self.perception.ego.body.front
 
     def meets(self, time_margin: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Say whom the ego would meet if it kept its speed, shape (n,).
+        """Return whom the ego would meet if it kept its speed, shape (n,).
 
-        Somebody is met who is in its path, or less than a margin before or after, while it passes them.
+        It meets those who are in its path while it passes them, or less than ``time_margin`` before or after.
         """
         ego, people = self.perception.ego, self.people
         speed = max(ego.speed, SLOWEST)
@@ -56,20 +56,20 @@ class Answer:
     """What a filter allows."""
 
     most: float = math.inf
-    """Acceleration at most; inf for whatever the driver wants [m/s^2]."""
+    """Greatest acceleration; inf if the driver may do what it wants [m/s^2]."""
     applies: bool = False
-    """Whether its condition holds."""
+    """Whether the condition for the filter to act holds."""
     because: str = ""
-    """Of whom; empty for nobody."""
+    """Name of the pedestrian who is the reason; empty for none."""
     solved: bool = True
     status: str = "ok"
     overridden: bool = False
-    """Whether a fallback has the last word."""
+    """Whether a fallback replaces the method's own answer."""
     passing: str = ""
     slack: float = 0.0
     solves: Solves | None = None
     times: FloatArray | None = None
-    """Of a planned motion; ``None`` where it plans none [s]."""
+    """Times of the planned motion; ``None`` if the filter plans none [s]."""
     along: FloatArray | None = None
     """[m]"""
     speed: FloatArray | None = None
@@ -80,7 +80,7 @@ class SpeedFilter(Protocol):
     """Limits the acceleration of one ego because of pedestrians; it may remember."""
 
     def allowed(self, facing: Facing) -> Answer:
-        """Return what it allows until the next plan."""
+        """Return what the filter allows until the next plan."""
         ...
 
 
@@ -89,8 +89,8 @@ class PathWatch:
 
     Parameters
     ----------
-    side_margin : what a pedestrian's disc is grown by across the way [m]
-    standoff : distance kept to a pedestrian where there is no stop line [m]
+    side_margin : margin by which a pedestrian's disc is grown across the way [m]
+    standoff : distance kept to a pedestrian, with or without a stop line [m]
     """
 
     def __init__(self, side_margin: float, standoff: float) -> None:
@@ -98,7 +98,7 @@ class PathWatch:
         self._watch, self._assume = Watch(), PedestrianAssumptions()
 
     def look(self, perception: Perception, decision: Decision, wanted: float) -> Facing:
-        """Return who is in the way to the lane decided for, and in the present one."""
+        """Return who is in the way between the ego's present place and the lane decided for."""
         ego, lane = perception.ego, perception.road.lane(decision.target_lane)
         half, offset = 0.5 * ego.body.width, lane.offset if lane is not None else 0.0
         band = (min(ego.across, offset) - half, max(ego.across, offset) + half)

@@ -1,4 +1,4 @@
-"""A driver whose acceleration a filter limits because of pedestrians."""
+"""A driver whose acceleration is limited by a filter because of pedestrians."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from controllers.yielding.facing import Answer, PathWatch, SpeedFilter
 
 
 class BlindDriver:
-    """Drives as road and vehicles ask and brakes for vehicles in an emergency; pedestrians do not matter."""
+    """Drives as road and vehicles demand, with emergency braking for vehicles; it ignores pedestrians."""
 
     def __init__(self, style: DrivingStyle) -> None:
         self._traffic = TrafficDriver(style)
         self._brake = EmergencyBraking()
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in."""
+        """Return which lane to be in."""
         threat = self._brake.watch(replace(perception, pedestrians=NOBODY))
         return self._traffic.decide(perception, threat)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Follow, and keep or change the lane."""
+        """Return the plan that follows other vehicles, and keeps or changes the lane."""
         times = lane_keeping.instants(perception.ego)
         allowed = self._traffic.accelerations(perception, decision)
         acceleration = np.minimum(allowed, self._brake.accelerations(perception.ego, times))
@@ -38,13 +38,13 @@ class BlindDriver:
 
 
 class FilteredDriver:
-    """Hands on to a driver, and lets a filter limit what it commands.
+    """Passes everything on to a driver, and lets a filter limit its accelerations.
 
     Parameters
     ----------
-    driver : any controller; its steering is left as it is
-    speed_filter : what is allowed
-    watch : who is in the way
+    driver : any controller; its steering is not changed
+    speed_filter : says what is allowed
+    watch : says who is in the way
     """
 
     def __init__(self, driver: Controller, speed_filter: SpeedFilter, watch: PathWatch) -> None:
@@ -53,7 +53,7 @@ class FilteredDriver:
         self._plan: Plan | None = None
 
     def decide(self, perception: Perception) -> Decision:
-        """Decide as the driver does; because of whom the filter acts, where it does."""
+        """Decide as the driver does; if the filter acts, its reason replaces that of the driver."""
         decision = self._driver.decide(perception)
         self._plan = self._driver.plan(perception, decision)
         wanted = float(self._plan.command.acceleration.mean())

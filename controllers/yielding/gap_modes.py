@@ -1,4 +1,4 @@
-"""A hybrid controller of four modes for pedestrians who step onto the road when they accept a gap."""
+"""A hybrid controller with four modes, for pedestrians who step onto the road when they accept a gap."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from controllers.driving.following import limit_now
 from controllers.yielding.facing import Answer, Facing
 
 WALKS = 0.2
-"""A slower pedestrian stands [m/s]."""
+"""Up to this speed, a pedestrian counts as standing [m/s]."""
 SAMPLES = 200
-"""Of a braking's profile."""
+"""Number of samples of a braking profile [-]."""
 
 
 class Mode(StrEnum):
@@ -25,25 +25,25 @@ class Mode(StrEnum):
     NOMINAL = "nominal"
     """Nobody is stepping out: the driver drives."""
     YIELD = "yield"
-    """Comes to a stop before the pedestrian, comfortably."""
+    """The ego comes to a comfortable stop before the pedestrian."""
     PASS = "pass"
-    """Nothing would stop the ego before the pedestrian's way: it gets past them."""
+    """No braking could stop the ego before the pedestrian's way: it gets past them."""
     HARD_BRAKE = "hard_brake"
-    """Only more than comfortable braking stops the ego."""
+    """The ego can stop only by braking harder than is comfortable."""
 
 
 @dataclass(frozen=True, slots=True)
 class GapRule:
-    """When which mode is taken, and how it drives.
+    """When each mode is taken, and how the ego drives in it.
 
     Parameters
     ----------
-    comfortable, hardest : braking [m/s^2]
-    jerk : of comfortable braking [m/s^3]
-    acceleration : in mode pass, at most [m/s^2]
-    gain : with which a speed is tracked [1/s]
-    walking_speed : pedestrians on their way are taken to be as fast at least [m/s]
-    advantage : an ego that arrives so much earlier than the pedestrian drives on [s]
+    comfortable, hardest : comfortable and greatest deceleration [m/s^2]
+    jerk : jerk of comfortable braking [m/s^3]
+    acceleration : greatest acceleration in mode pass [m/s^2]
+    gain : gain with which a speed is tracked [1/s]
+    walking_speed : least speed that pedestrians on their way are assumed to have [m/s]
+    advantage : the ego drives on if it arrives earlier than the pedestrian by more than this [s]
     """
 
     comfortable: float
@@ -64,9 +64,10 @@ class GapFilter:
 
     Notes
     -----
-    The modes, their conditions and laws are those of [Kapania2019]_, read in the code that its authors
-    published. It treats one pedestrian at one crossing. Ours: of several the nearest counts; whoever would
-    be met is braked for and not passed; and as a filter, it only limits what the driver wants.
+    The modes, their conditions and control laws are those of [Kapania2019]_, taken from the code that its
+    authors published. The paper treats one pedestrian at one crossing. Our own additions: the nearest of
+    several pedestrians counts; the ego brakes for pedestrians whom it would meet, and does not pass them; and
+    as a filter, the method only limits what the driver wants.
     """
 
     def __init__(self, rule: GapRule) -> None:
@@ -74,10 +75,10 @@ class GapFilter:
         self._mode = Mode.NOMINAL
         self._yields_to = ""
         self._from = (0.0, 0.0)
-        """Speed and distance at which hard braking began [m/s, m]."""
+        """Speed and distance at the beginning of hard braking [m/s, m]."""
 
     def allowed(self, facing: Facing) -> Answer:
-        """Return what the mode asks for; the mode is the answer's status."""
+        """Return what the mode allows; the answer's status names the mode."""
         out = np.flatnonzero(self._stepping_out(facing))
         if not len(out):
             self._mode = Mode.NOMINAL
@@ -96,7 +97,7 @@ class GapFilter:
         return Answer(min(most, facing.wanted), True, name, status=_told(self._mode))
 
     def _stepping_out(self, facing: Facing) -> BoolArray:
-        """Return who is on their way into the path, or in it, and not long after the ego, shape (n,)."""
+        """Return who is in the path, or on their way into it and not there long after the ego, shape (n,)."""
         ego, people, rule = facing.perception.ego, facing.people, self._rule
         pace = np.abs(people.across_speed)
         inside = people.enter <= 0.0
@@ -110,7 +111,8 @@ class GapFilter:
     def _braking(self, facing: Facing, speed: float, distance: float, name: str) -> float:
         """Take the mode that stops within a distance, and return its acceleration [m/s^2].
 
-        Yielding to somebody goes on when it needs more than is comfortable; to somebody else it begins anew.
+        The mode yield goes on for the same pedestrian even if it needs more than comfortable braking; for
+        another pedestrian the choice is made anew.
         """
         rule = self._rule
         hard = self._mode is Mode.HARD_BRAKE
@@ -131,22 +133,22 @@ class GapFilter:
 
 @dataclass(frozen=True, slots=True)
 class StopProfile:
-    """Speed and acceleration over the distance that is left to the stop."""
+    """Speed and acceleration over the distance left to the stop."""
 
     distance: FloatArray
-    """Ascending [m]."""
+    """Distances left, ascending [m]."""
     speed: FloatArray
     acceleration: FloatArray
 
     def at(self, distance: float) -> tuple[float, float]:
-        """Return both at a distance; before braking begins the acceleration is 0."""
+        """Return speed and acceleration at a distance; before braking begins, the acceleration is 0."""
         speed = np.interp(distance, self.distance, self.speed)
         return float(speed), float(np.interp(distance, self.distance, self.acceleration))
 
 
 @lru_cache(maxsize=64)
 def comfortable_stop(speed: float, braking: float, jerk: float) -> StopProfile:
-    """Return a trapezoidal deceleration to standstill: up and down with the jerk, at most the braking.
+    """Return the profile of a trapezoidal deceleration to standstill, limited by ``braking`` and ``jerk``.
 
     >>> profile = comfortable_stop(12.0, 3.0, 1.5)
     >>> round(float(profile.distance[-1]), 1)  # 12**2 / (2 * 3) + 12 * 3 / (2 * 1.5)

@@ -1,4 +1,4 @@
-"""Responsibility-sensitive safety for pedestrians: safe distances, and the proper response."""
+"""Responsibility-sensitive safety (RSS) for pedestrians: safe distances, and the proper response."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from controllers.yielding.facing import Answer, Facing
 
 @dataclass(frozen=True, slots=True)
 class ResponsibilityRule:
-    """What both sides are assumed to do at worst.
+    """What both sides are assumed to do in the worst case.
 
     Parameters
     ----------
     response_time : ρ of the ego [s]
     acceleration : a_max of the ego within its response time [m/s^2]
-    braking : b_min, with which it brakes at least from then on [m/s^2]
+    braking : b_min, least deceleration of the ego from then on [m/s^2]
     pedestrian_response : ρ of pedestrians [s]
-    pedestrian_acceleration, pedestrian_braking : across, within their response time and afterwards [m/s^2]
-    margin : μ, small movements to the side [m]
+    pedestrian_acceleration, pedestrian_braking : acceleration of pedestrians across the road within their
+        response time, and deceleration afterwards [m/s^2]
+    margin : μ, allowance for small movements to the side [m]
     """
 
     response_time: float
@@ -40,14 +41,14 @@ class ResponsibilityRule:
 
         Notes
         -----
-        Lemma 2 of [ShalevShwartz2017]_ for a front road user without speed along the road.
+        Lemma 2 of [ShalevShwartz2017]_ for a road user ahead who has no speed along the road.
         """
         reached = speed + self.response_time * self.acceleration
         gained = 0.5 * self.acceleration * self.response_time**2
         return speed * self.response_time + gained + reached**2 / (2.0 * self.braking)
 
     def speed_at(self, distance: float) -> float:
-        """Return the highest speed at which a distance is safe, 0 where none is: the inverse [m/s]."""
+        """Return the highest speed at which a distance is safe, 0 if none is [m/s]; inverse of ``along``."""
         rho, a, b = self.response_time, self.acceleration, self.braking
         # v² + 2 (ρ a + ρ b) v + ρ² a² + b a ρ² − 2 b d = 0
         half = rho * (a + b)
@@ -55,9 +56,9 @@ class ResponsibilityRule:
         return max(math.sqrt(max(under, 0.0)) - half, 0.0)
 
     def across(self, towards: FloatArray) -> FloatArray:
-        """Return the safe distances to the side for pedestrians who come nearer at some speeds [m].
+        """Return the safe distances to the side for pedestrians who come nearer at given speeds [m].
 
-        μ + v ρ + a ρ² / 2 + (v + ρ a)² / (2 b), for those who go away at least μ
+        μ + v ρ + a ρ² / 2 + (v + ρ a)² / (2 b), but at least μ for those who move away
 
         Notes
         -----
@@ -70,18 +71,18 @@ class ResponsibilityRule:
 
 
 class ResponsibilityFilter:
-    """Brakes for pedestrians to whom neither distance is safe; otherwise it keeps the state safe.
+    """Brakes for pedestrians if neither distance to them is safe; otherwise keeps the state safe.
 
     Parameters
     ----------
-    rule : the distances
+    rule : gives the safe distances
     """
 
     def __init__(self, rule: ResponsibilityRule) -> None:
         self._rule = rule
 
     def allowed(self, facing: Facing) -> Answer:
-        """Return the proper response: b_min or what is needed in danger, and nothing that leads into it."""
+        """Return the proper response: b_min or more in danger, otherwise nothing that leads into danger."""
         ego, people = facing.perception.ego, facing.people
         beside = np.abs(people.across - ego.across) - 0.5 * ego.body.width - people.radius
         towards = -np.sign(people.across - ego.across) * people.across_speed
@@ -92,7 +93,7 @@ class ResponsibilityFilter:
         gap, name = max(float(facing.gaps[nearest]), 0.0), people.names[nearest]
         danger = gap < self._rule.along(ego.speed)
         if danger:
-            # The rules ask for b_min at least; whoever steps out late needs more.
+            # The rules require at least b_min; a pedestrian who steps out late needs more.
             needed = ego.speed**2 / (2.0 * max(gap, 0.1))
             return Answer(-max(self._rule.braking, needed), True, name)
         interval = max(ego.plan_interval, 0.1)
