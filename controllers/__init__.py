@@ -1,1 +1,1 @@
-"""Vehicle controllers: what an ego does with what it perceives."""
+"""Vehicle controllers: how the ego drives, given what it perceives."""

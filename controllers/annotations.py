@@ -1,4 +1,4 @@
-"""What an annotation is made of: ``float | None`` of two types, ``Literal`` of its values."""
+"""The parts of an annotation: the types of ``float | None``, the values of a ``Literal``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 
 def alternatives(hint: object) -> tuple[object, ...]:
-    """Return the types and values that a hint is made of.
+    """Return the types and values that a type hint consists of.
 
     >>> alternatives(Annotated[float, "metres"] | None)
     (<class 'float'>, <class 'NoneType'>)
@@ -26,7 +26,7 @@ def alternatives(hint: object) -> tuple[object, ...]:
 
 
 def metadata(field: FieldInfo) -> Iterator[Any]:
-    """Yield what annotates a field, or one of its alternatives."""
+    """Yield the metadata of a field and of its alternatives."""
     yield from _flat(field.metadata)
     for hint in (field.annotation, *get_args(field.annotation)):
         if get_origin(hint) is Annotated:
@@ -34,7 +34,7 @@ def metadata(field: FieldInfo) -> Iterator[Any]:
 
 
 def choices(field: FieldInfo) -> tuple[str, ...]:
-    """Return the only values that a field takes, but for none; empty where a type says which."""
+    """Return the values to which a field is restricted, without none; empty if it takes all of a type."""
     kinds = [kind for kind in alternatives(field.annotation) if kind is not type(None)]
     found: list[str] = []
     for kind in kinds:

@@ -1,4 +1,4 @@
-"""What types say of arrays."""
+"""Type aliases of arrays."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """The controllers that exist, by name: files of ``controllers/strategies`` and plug-ins.
 
-A controller is a module with ``build(settings: Settings) -> Controller``, whose ``Settings`` are a
-:class:`~controllers.settings.ControllerSettings`, or with ``build(*, parameter: type = default, ...)``, of
-whose signature the settings are made. The first line of the module's docstring is its description. Modules
-outside this repository join through the entry-point group ``cosim.controllers``, are named by their address
-(``./patient.py``), or are handed over by a program (:mod:`controllers.outside.handed_over`).
+A controller is a module with ``build(settings: Settings) -> Controller``, where ``Settings`` is a subclass of
+:class:`~controllers.settings.ControllerSettings`, or with ``build(*, parameter: type = default, ...)``, whose
+signature gives the settings. The first line of the module's docstring is its description. Modules outside
+this repository join through the entry-point group ``cosim.controllers``, are named by their address
+(``./patient.py``), or are passed by a program (:mod:`controllers.outside.handed_over`).
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from controllers.settings import SEED, ControllerSettings
 
 ENTRY_POINT_GROUP = "cosim.controllers"
 Named = str | Given
-"""A name or an address, or what a program hands over."""
+"""A name, an address, or a controller that a program passes."""
 
 
 class CatalogError(ValueError):
-    """An unknown controller or parameter, or a value it cannot take; the text is one line for the user."""
+    """An unknown controller or parameter, or an invalid value; the text is one line for the user."""
 
 
 def names() -> tuple[str, ...]:
@@ -72,17 +72,17 @@ def parameters(name: Named) -> Mapping[str, object]:
 
 
 def described(name: Named) -> tuple[Parameter, ...]:
-    """Return all that is known of the controller's parameters."""
+    """Return the full descriptions of the controller's parameters."""
     return described_by(model_of(name))
 
 
 def moved(name: Named) -> Mapping[str, str]:
-    """Return the parameters that the controller had once: for each, what to do instead."""
+    """Return the controller's former parameters: for each, what to do instead."""
     return model_of(name).moved
 
 
 def having(key: str) -> tuple[str, ...]:
-    """Return the controllers that have a parameter of that name, of those that can be loaded."""
+    """Return the names of the controllers with that parameter, among those that can be loaded."""
     found = []
     for name in names():
         with suppress(CatalogError):
@@ -91,12 +91,12 @@ def having(key: str) -> tuple[str, ...]:
 
 
 def parse(name: Named, texts: Mapping[str, str]) -> dict[str, object]:
-    """Convert the texts of parameters to what the controller's settings ask for.
+    """Convert the texts of parameters to the types of the controller's settings.
 
     Raises
     ------
     CatalogError
-        Unknown controller or parameter, or a text that is no such value.
+        Unknown controller or parameter, or a text that is not a valid value.
     """
     made = _settings(name, texts)
     return {key: getattr(made, key) for key in texts}
@@ -108,9 +108,9 @@ def build(name: Named, /, *, seed: int = 1, **values: object) -> Controller:
     Parameters
     ----------
     name : str or Given
-        One of ``names()``, an address, or what a program hands over.
+        One of ``names()``, an address, or a controller that a program passes.
     seed : int
-        Handed on where the controller draws random numbers.
+        Seed for controllers that draw random numbers.
     **values
         Some of ``parameters(name)``; the others keep their defaults.
 
@@ -143,7 +143,7 @@ def _settings(name: Named, values: Mapping[str, object]) -> ControllerSettings:
 
 
 def _own() -> set[str]:
-    """Return the files of the repository, which a plug-in of the same name does not replace."""
+    """Return the names of the repository's own controllers, which no plug-in of the same name replaces."""
     return {found.name for found in pkgutil.iter_modules(controllers.strategies.__path__)}
 
 
@@ -153,16 +153,16 @@ def _plug_ins() -> EntryPoints:
 
 @lru_cache(maxsize=1)
 def _announced(places: tuple[tuple[str, float], ...]) -> EntryPoints:
-    """Return what the packages in these places announce.
+    """Return the entry points of the packages in these places.
 
-    To read what every installed package announces takes 20 ms; a run asks for it a dozen times, and once for
-    each ego that sets out.
+    Reading the entry points of all installed packages takes 20 ms; a run needs them a dozen times, and once
+    more for each ego that departs.
     """
     return entry_points(group=ENTRY_POINT_GROUP)
 
 
 def _changed_at(place: str) -> float:
-    """Return when something was installed in a folder, or removed from it, the last time."""
+    """Return when something was last installed in a folder, or removed from it."""
     try:
         return Path(place).stat().st_mtime
     except OSError:
@@ -170,14 +170,14 @@ def _changed_at(place: str) -> float:
 
 
 def files(name: Named) -> dict[str, str]:
-    """Return the files that a controller outside the catalogue is made of, and their SHA-256."""
+    """Return the files of a controller from outside the catalogue, and their SHA-256."""
     if isinstance(name, Given):
         return {f"controller {name}": name.source_sha256} if name.source_sha256 else {}
     return addresses.files(name)
 
 
 def _module(name: Named) -> Any:
-    """Return what has the function ``build`` of a controller."""
+    """Return the module or object with the controller's function ``build``."""
     if isinstance(name, Given):
         return name
     own, points = _own(), _plug_ins()

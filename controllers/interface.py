@@ -1,6 +1,6 @@
-"""A controller: what it is told, from :mod:`controllers.perception`, and what it answers.
+"""The interface of a controller: what it is told, from :mod:`controllers.perception`, and what it answers.
 
-Values are SI, in the frames of what is told. Everything is imported from here.
+Values are in SI units and in the frames of the perception. All names are to be imported from here.
 """
 
 from __future__ import annotations
@@ -80,20 +80,20 @@ class Manoeuvre(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What the controller wants, and because of whom."""
+    """What the controller wants, and the reason."""
 
     manoeuvre: Manoeuvre
     target_lane: int
     """``Lane.number`` to end in."""
     rule: str | None = None
-    """Which of its rules a method decided by, in its own words; ``None`` where it has none."""
+    """The rule by which the method decided, in its own words; ``None`` if it has no rules."""
     because: str = ""
     """Name of the vehicle, pedestrian, signal or lane end that mattered most; empty for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """Desired acceleration and front-wheel angle over the time from now on, held after the last entry.
+    """Desired acceleration and front-wheel angle from now on; the last entry is held.
 
     A world applies ``acceleration[i]`` from ``times[i]`` until ``times[i + 1]``.
     """
@@ -102,11 +102,11 @@ class Command:
     acceleration: FloatArray
     steering: FloatArray
     hand_back: bool = False
-    """SUMO's own driver drives until the next command; the other fields are not used."""
+    """Whether SUMO's own driver drives until the next command; the other fields are then not used."""
 
 
 def constant_command(acceleration: float, steering: float) -> Command:
-    """Return the command that holds both values."""
+    """Return the command that holds an acceleration [m/s^2] and a front-wheel angle [rad]."""
     return Command(np.zeros(1), np.array([acceleration]), np.array([steering]))
 
 
@@ -121,7 +121,7 @@ class Solves:
     """Which solver ran."""
     programs: int
     unsolved: int
-    """Those without a solution whose certificate holds."""
+    """Number of programs without a solution whose certificate holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,16 +137,17 @@ class Plan:
     slack: float = 0.0
     """Largest violation of a soft constraint [m]."""
     solves: Solves | None = None
-    """``None``: nothing was solved for it."""
+    """The programs solved for this plan; ``None`` if there were none."""
     own: OwnPart | None = None
-    """What of it is the method's own; ``None`` for a controller that has no method for pedestrians."""
+    """The method's own part of the plan; ``None`` for a controller that has no method for pedestrians."""
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Horizon [s from now]; the next three have its length, in the route frame, rear axle."""
+    """Horizon [s from now]; the next three fields have its length and describe the rear axle in the route
+    frame."""
     along: FloatArray = field(default_factory=lambda: np.zeros(0))
     across: FloatArray = field(default_factory=lambda: np.zeros(0))
     speed: FloatArray = field(default_factory=lambda: np.zeros(0))
     overlay: Mapping[str, FloatArray] = field(default_factory=dict)
-    """What a replay may draw: cones, fields, candidates; by name."""
+    """Shapes that a replay may draw, by name: cones, fields, candidates."""
 
     @property
     def states_own(self) -> bool:
@@ -158,9 +159,9 @@ class Controller(Protocol):
     """Drives one ego for one run."""
 
     def decide(self, perception: Perception) -> Decision:
-        """Say what to do."""
+        """Return what to do."""
         ...
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Say how to do it."""
+        """Return how to do it."""
         ...

@@ -1,4 +1,4 @@
-"""What a model of settings says of its parameters, and what was wrong with a value, in one line."""
+"""Descriptions of the parameters of a settings model, and one-line messages about invalid values."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _UNITS = {
     "deg": "°",
     "hz": "Hz",
 }
-"""By the end of a name, as the conventions ask for it."""
+"""Units by the ending of a parameter's name, as the conventions require."""
 _KINDS = {
     "float_parsing": "a number",
     "float_type": "a number",
@@ -49,16 +49,16 @@ class Parameter:
     name: str
     default: object
     unit: str
-    """Empty where it has none."""
+    """Unit; empty if it has none."""
     bounds: str
-    """What it may be, in words."""
+    """Allowed values, in words."""
     choices: tuple[str, ...]
-    """The only texts it takes; empty where ``bounds`` says more than that."""
+    """The only texts allowed; empty if it is not restricted to a list of texts."""
     meaning: str
 
 
 def described_by(model: type[SettingsModel]) -> tuple[Parameter, ...]:
-    """Return what can be set, in the order of the model."""
+    """Return the parameters that can be set, in the order of the model."""
     return tuple(
         Parameter(name, field.default, _unit(name, field), _bounds(field), _choices(field), _meaning(field))
         for name, field in model.model_fields.items()
@@ -67,7 +67,7 @@ def described_by(model: type[SettingsModel]) -> tuple[Parameter, ...]:
 
 
 def told(model: type[SettingsModel], error: ValidationError) -> str:
-    """Return in one line what was wrong with a value, and what is expected or exists."""
+    """Return in one line what was wrong with a value, and what would be valid."""
     first, *others = error.errors(include_url=False)
     key = str(first["loc"][0]) if first["loc"] else ""
     if first["type"] == "extra_forbidden":
@@ -83,7 +83,7 @@ def told(model: type[SettingsModel], error: ValidationError) -> str:
 
 
 def unknown(model: type[SettingsModel], key: str) -> str:
-    """Return in one line that there is no such parameter, and which there are."""
+    """Return in one line that there is no such parameter, and which parameters there are."""
     if key in model.moved:
         return f"no parameter '{key}': {model.moved[key]}"
     names = tuple(one.name for one in described_by(model))
@@ -91,7 +91,7 @@ def unknown(model: type[SettingsModel], key: str) -> str:
 
 
 def existing(wanted: str, names: Iterable[str]) -> str:
-    """Return the names that there are, and the one that may be meant.
+    """Return the existing names in a sentence, with the one that the user may have meant.
 
     >>> existing("rang", ["hold", "range"])
     "did you mean 'range'? there are: hold, range"

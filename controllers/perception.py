@@ -1,4 +1,4 @@
-"""What a controller is told: the ego, the road ahead of it, and who else is there.
+"""What a controller is told: the ego, the road ahead of it, and the other road users.
 
 All values are SI; angles are radians, counter-clockwise from east. The *route frame* has its origin at
 the ego's rear axle, projected on the centre line of the lane the ego is in (the *reference lane*,
@@ -50,7 +50,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class EgoState:
-    """The ego as its own sensors know it."""
+    """The state of the ego according to its own sensors."""
 
     name: str
     time: float
@@ -66,7 +66,7 @@ class EgoState:
     """Heading relative to the centre line at the rear axle [rad]."""
     speed: float
     acceleration: float
-    """Realised acceleration, behind the drive lag [m/s^2]."""
+    """Realised acceleration, after the drive lag [m/s^2]."""
     steering: float
     """Realised front-wheel angle, left positive [rad]."""
     body: Body
@@ -79,20 +79,20 @@ class PedestrianPhase(StrEnum):
     """What a pedestrian is about to do."""
 
     CROSSING = "crossing"
-    """On a crossing."""
+    """The pedestrian is on a crossing."""
     WAITING = "waiting"
-    """Not on the crossing yet, but it is the next edge of the walk."""
+    """The pedestrian is not on a crossing yet, but the next edge of their walk is one."""
     WALKING = "walking"
-    """Anywhere else."""
+    """The pedestrian is anywhere else."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pedestrians:
     """Pedestrians in the route frame; arrays of length n.
 
-    Persons on, or about to enter, a crossing of ``RoadAhead.crossings`` are expressed in the straight
-    frame tangent to the reference lane where it meets that crossing, so that a turning path bends
-    neither their distance nor their velocity.
+    Pedestrians on, or about to enter, a crossing of ``RoadAhead.crossings`` are given in the straight frame
+    tangent to the reference lane where it meets that crossing, so that a turning path distorts neither their
+    distance nor their velocity.
     """
 
     names: tuple[str, ...]
@@ -108,11 +108,11 @@ class Pedestrians:
     waiting: NDArray[np.bool_]
     """True for those whose next edge is that crossing (phase WAITING)."""
     uncertainty: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Standard deviation of the position along either axis [m]; not given: zeros, the truth is known."""
+    """Standard deviation of the position along either axis [m]; zeros if not given: the truth is known."""
     position: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    """In the world, (n, 2) [m]; not given: nan, only the places along the route are known."""
+    """Positions in the world, (n, 2) [m]; nan if not given: only the places along the route are known."""
     velocity: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    """In the world, (n, 2) [m/s]."""
+    """Velocities in the world, (n, 2) [m/s]; nan if not given."""
 
     def __post_init__(self) -> None:
         """Fill in what is not given."""
@@ -132,20 +132,20 @@ class Vehicles:
 
     names: tuple[str, ...]
     along: FloatArray
-    """Of the front bumper's centre [m]."""
+    """Along coordinate of the front bumper's centre [m]."""
     across: FloatArray
-    """Of the body's centre [m]."""
+    """Across coordinate of the body's centre [m]."""
     along_speed: FloatArray
     across_speed: FloatArray
     acceleration: FloatArray
     heading_error: FloatArray
-    """Relative to the centre line, in (−pi, pi] [rad]."""
+    """Heading relative to the centre line, in (−pi, pi] [rad]."""
     length: FloatArray
     width: FloatArray
     position: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    """Of the front bumper's centre in the world, (n, 2) [m]; not given: nan."""
+    """Positions of the front bumpers' centres in the world, (n, 2) [m]; nan if not given."""
     heading: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """In the world [rad]; not given: nan."""
+    """Headings in the world [rad]; nan if not given."""
 
     def __post_init__(self) -> None:
         """Fill in what is not given."""
@@ -161,7 +161,7 @@ Many = TypeVar("Many", Pedestrians, Vehicles)
 
 
 def only(many: Many, chosen: Sequence[int] | IntArray) -> Many:
-    """Return some of the pedestrians or vehicles, by index."""
+    """Return the pedestrians or vehicles with the given indices."""
     arrays = {one.name: getattr(many, one.name)[chosen] for one in fields(many) if one.name != "names"}
     return replace(many, names=tuple(many.names[i] for i in chosen), **arrays)
 
@@ -187,7 +187,7 @@ class Neighbour:
 
 @dataclass(frozen=True, slots=True)
 class NeighbourGaps:
-    """Neighbours in the ego's lane and the adjacent ones; ``None`` where nobody is within range."""
+    """Neighbours in the ego's lane and the adjacent ones; ``None`` if there is none within range."""
 
     ahead: Neighbour | None = None
     behind: Neighbour | None = None
@@ -215,7 +215,7 @@ class CrossingKind(StrEnum):
     """Who has to wait at a crossing."""
 
     ZEBRA = "zebra"
-    """Pedestrians have priority, or nothing is regulated and they wait for nobody."""
+    """Pedestrians have priority, or priority is not regulated and they wait for nobody."""
     UNMARKED = "unmarked"
     """Vehicles have priority."""
     SIGNAL = "signal"
@@ -241,7 +241,7 @@ class Crossing:
     """``None`` where no signal controls it."""
 
     def begins(self, across: float) -> float:
-        """Return where it begins for a pedestrian: across coordinate of the end nearer to theirs [m]."""
+        """Return where the crossing begins for a pedestrian: across coordinate of the nearer end [m]."""
         return self.right if 2.0 * across < self.right + self.left else self.left
 
 
@@ -251,7 +251,7 @@ class SignalState(StrEnum):
     RED = "red"
     AMBER = "amber"
     GREEN = "green"
-    """Includes permissive green; the duty to yield is in ``RoadAhead.foes``."""
+    """Green, including permissive green; ``RoadAhead.foes`` says to whom the ego has to yield."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +265,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class StopSign:
-    """A stop line with a stop sign: who comes to it stops, even where nobody has to be let pass."""
+    """A stop line with a stop sign: vehicles have to stop there, even if they need not yield to anybody."""
 
     name: str
     stop_line: float
@@ -274,7 +274,7 @@ class StopSign:
 
 @dataclass(frozen=True, slots=True)
 class JunctionFoe:
-    """A vehicle whose path crosses the ego's inside a junction ahead."""
+    """A vehicle whose path crosses that of the ego inside a junction ahead."""
 
     name: str
     entry: float
@@ -283,7 +283,7 @@ class JunctionFoe:
     stop_line: float
     """Along coordinate of the ego's stop line before that junction [m]."""
     foe_entry: float
-    """Distance from the foe's front bumper to the conflict; negative once past [m]."""
+    """Distance from the foe's front bumper to the conflict; negative once past its beginning [m]."""
     foe_exit: float
     """Distance that the foe has to drive until its rear bumper has left the conflict [m]."""
     foe_speed: float
@@ -328,14 +328,14 @@ class RoadAhead:
 
 @dataclass(frozen=True, slots=True)
 class Eyesight:
-    """Where from the ego looks for pedestrians; what vehicles hide from there it may not have been told."""
+    """Where the ego's sensor for pedestrians is; the ego may not be told of pedestrians hidden from it."""
 
     ahead: float
-    """From the rear axle to the sensor, along the body [m]."""
+    """Distance from the rear axle to the sensor, along the body [m]."""
     left: float
-    """From the body's middle to the sensor, left positive [m]."""
+    """Distance from the body's centre line to the sensor, left positive [m]."""
     watched: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
-    """Areas that others watch who tell the ego, (k, 3): x and y of the middle in the world, radius [m]."""
+    """Areas that others watch for the ego, (k, 3): x and y of the middle in the world, radius [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -348,4 +348,4 @@ class Perception:
     gaps: NeighbourGaps
     road: RoadAhead
     eyesight: Eyesight | None = None
-    """``None``: the ego is told of everybody."""
+    """Place of the ego's sensor; ``None`` if the ego is told of everybody."""

@@ -1,7 +1,7 @@
-"""Settings as models: one place says a parameter's name, type, default, unit, bounds and meaning.
+"""Settings as models: a parameter's name, type, default, unit, bounds and meaning are defined in one place.
 
-The annotation of a field holds type and bounds, the end of its name the unit, the text below it the meaning.
-:mod:`controllers.parameters` reads them for whoever lists parameters or tells what was wrong with a value.
+The annotation of a field gives its type and bounds, the end of its name the unit, the text below it the
+meaning. :mod:`controllers.parameters` reads them to list parameters and to explain invalid values.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
 AtLeastOne = Annotated[int, Field(ge=1)]
 
 SEED = "seed"
-"""Of everything random; it follows from the run's seed and the ego's name, so nobody sets it by hand."""
+"""Name of the seed of all random numbers. The seed follows from the run's seed and the ego's name, so nobody
+sets it by hand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +44,12 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class OneOf:
-    """The texts that a field takes, looked up when one is checked."""
+    """The texts that a field allows, looked up when a value is checked."""
 
     names: Callable[[], tuple[str, ...]]
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Add the check to pydantic's own of the type."""
+        """Add the check to pydantic's own check of the type."""
         return core_schema.no_info_after_validator_function(self._checked, handler(source))
 
     def _checked(self, text: str) -> str:
@@ -58,19 +59,19 @@ class OneOf:
 
 
 class SettingsModel(BaseModel):
-    """Named values, all of them known; they are taken as they are, or as the texts that ``--set`` gives."""
+    """Named values, with no others allowed; each is given as a value or as a text of ``--set``."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, use_attribute_docstrings=True, protected_namespaces=()
     )
 
     moved: ClassVar[Mapping[str, str]] = {}
-    """Parameters that there were once: for each, what to do instead."""
+    """Former parameters: for each, what to do instead."""
 
     @field_validator("*", mode="before")
     @classmethod
     def _plain(cls, value: object, info: ValidationInfo) -> object:
-        """Read ``none``; refuse truth values as numbers, which pydantic takes for 0 and 1."""
+        """Convert the text ``none``; reject truth values as numbers, which pydantic would read as 0 and 1."""
         kinds = alternatives(cls.model_fields[str(info.field_name)].annotation)
         if isinstance(value, str):
             value = value.strip()
@@ -85,28 +86,28 @@ class SettingsModel(BaseModel):
     @field_validator("*", mode="after")
     @classmethod
     def _a_number(cls, value: object) -> object:
-        """Refuse nan, which some bounds let through."""
+        """Reject nan, which some bounds let through."""
         if isinstance(value, float) and math.isnan(value):
             raise PydanticKnownError("float_type")
         return value
 
 
 class ControllerSettings(SettingsModel):
-    """What can be set of a controller; each has a model of its own, which its ``build`` takes."""
+    """The settings of a controller; each controller has its own model, which its ``build`` takes."""
 
     seed: int = 1
-    """Of everything random."""
+    """Seed of all random numbers."""
 
 
 class _FromSignature(ControllerSettings):
-    """The base of what is made of a signature, whose types may be any."""
+    """Base of the models made from a signature, which may have any types."""
 
-    # Its fields have no texts below them, and to look for some takes as long as all else.
+    # Its fields have no texts below them, and looking for them would take as long as everything else.
     model_config = ConfigDict(arbitrary_types_allowed=True, use_attribute_docstrings=False)
 
 
 def model_of(build: Callable[..., object]) -> type[ControllerSettings]:
-    """Return the settings that a ``build`` takes: its one model, or a model made of its signature.
+    """Return the settings model that a ``build`` takes: its own model, or one made from its signature.
 
     Raises
     ------
@@ -123,7 +124,7 @@ def model_of(build: Callable[..., object]) -> type[ControllerSettings]:
 
 
 def call(build: Callable[..., Any], settings: ControllerSettings) -> Any:
-    """Return what ``build`` makes of the settings, whichever way it takes them."""
+    """Return what ``build`` returns for the settings, whichever way it takes them."""
     if _taken_by(build) is not None:
         return build(settings)
     return build(**{key: getattr(settings, key) for key in inspect.signature(build).parameters})
