@@ -75,7 +75,7 @@ class Manoeuvre(StrEnum):
     CHANGE_RIGHT = "change_right"
     ABORT_CHANGE = "abort_change"
     HAND_BACK = "hand_back"
-    """SUMO's own driver drives."""
+    """The controller lets SUMO's own driver drive."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,7 +72,7 @@ class EgoState:
     body: Body
     drive: Drive
     plan_interval: float
-    """Time until the next plan is asked for [s]."""
+    """Time until the next plan is requested [s]."""
 
 
 class PedestrianPhase(StrEnum):
@@ -207,8 +207,8 @@ class Lane:
     """Across coordinate of its centre line at the ego [m]."""
     width: float
     follows_route_for: float
-    """Distance ahead of the rear axle until the lane stops leading along the route; inf when it never does
-    within the view [m]."""
+    """Distance ahead of the rear axle up to which the lane leads along the route; inf if it does so as far as
+    the view reaches [m]."""
 
 
 class CrossingKind(StrEnum):

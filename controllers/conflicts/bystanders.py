@@ -45,7 +45,7 @@ LARGEST_SWING = 1.5
 
 
 class Bystanders(NamedTuple):
-    """How near the body comes to each of n pedestrians at k positions of the rear axle."""
+    """Distances from the body to each of n pedestrians at k positions of the rear axle."""
 
     places: FloatArray
     """The k positions along the road, shape (k,) [m]."""

@@ -12,7 +12,7 @@ from controllers.interface import Crossing, Perception
 STANDS_FOR = 1.0
 """An ego that would stand on a crossing for longer than this stops before it [s]."""
 KEEP_CLEAR_BRAKING = 2.5
-"""A crossing is kept clear where braking no harder than this suffices [m/s^2]."""
+"""The ego keeps a crossing clear if braking no harder than this is enough [m/s^2]."""
 
 
 def keep_clear_line(

@@ -47,7 +47,7 @@ the third value to stop before the conflict; if it speeds up by the first, than 
 
 @dataclass(frozen=True, slots=True)
 class StopPlace:
-    """A place the front bumper must not pass now."""
+    """A place that the front bumper must not pass for now."""
 
     name: str
     along: float

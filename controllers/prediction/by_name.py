@@ -29,7 +29,7 @@ def build(name: str, *, seed: int = 1) -> Predictor:
     Parameters
     ----------
     name : one of ``names()``
-    seed : handed on where the predictor draws random numbers
+    seed : seed for predictors that draw random numbers
 
     Raises
     ------

@@ -66,15 +66,15 @@ class SocialForceModel:
     spread: float = 0.05
     """Standard deviation of the speed [m/s]."""
     relaxation: float = 0.5
-    """τ [s]"""
+    """Relaxation time τ of the speed [s]."""
     strength: float = 4.5
-    """A [m/s^2]"""
+    """Strength A of the push [m/s^2]."""
     steepness: float = 5.5
-    """γ [1/m]"""
+    """Steepness γ of the push over the distance [1/m]."""
     car_radius: float = 1.6
-    """r_v [m]"""
+    """Radius r_v of the car [m]."""
     pedestrian_radius: float = 0.35
-    """r_p [m]"""
+    """Radius r_p of the pedestrian [m]."""
     hardest: float = 6.0
     """Greatest acceleration by the push [m/s^2]."""
     fastest: float = 2.5

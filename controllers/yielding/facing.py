@@ -77,7 +77,7 @@ class Answer:
 
 
 class SpeedFilter(Protocol):
-    """Limits the acceleration of one ego because of pedestrians; it may remember."""
+    """Limits the acceleration of one ego because of pedestrians; it may have memory."""
 
     def allowed(self, facing: Facing) -> Answer:
         """Return what the filter allows until the next plan."""

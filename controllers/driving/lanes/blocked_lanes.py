@@ -1,4 +1,4 @@
-"""Lanes that end at a vehicle which will not drive on: parked, broken down, or roadworks."""
+"""Lanes blocked by a vehicle that will not drive on: parked, broken down, or at roadworks."""
 
 from __future__ import annotations
 

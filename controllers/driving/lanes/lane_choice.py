@@ -70,7 +70,7 @@ class LaneChoice:
         return self._target, because
 
     def begin(self, perception: Perception, number: int, because: str) -> None:
-        """Begin a change to an adjacent lane for a reason of the method's own; ``choose`` goes on with it."""
+        """Begin a change to an adjacent lane for the method's own reason; ``choose`` then continues it."""
         self._target, self._because, self._last_change = number, because, perception.ego.time
 
     def _wanted(self, perception: Perception) -> tuple[int | None, str]:

@@ -1,4 +1,4 @@
-"""The way from where the ego is into the middle of a lane, true to the curve of the road."""
+"""The way from the ego's place into the middle of a lane, on the true curve of the road."""
 
 from __future__ import annotations
 
