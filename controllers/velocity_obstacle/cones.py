@@ -17,14 +17,15 @@ from controllers.arrays import FloatArray
 
 
 class Cone(StrEnum):
-    """Which velocities the cone is about."""
+    """Kind of collision cone: which velocity has to stay outside of it."""
 
     STEP = "step"
     """The velocity obstacle truncated to one prediction step: positions, not velocities, are kept apart."""
     VO = "vo"
     """The new velocity must leave the cone, Eq. (2)."""
     IVO = "ivo"
-    """Interactive: the pedestrian is expected to do half; twice the new minus the old velocity, Eq. (3)."""
+    """Interactive: the pedestrian does half of the avoiding; twice the new minus the old velocity leaves the
+    cone, Eq. (3)."""
     HYBRID = "hybrid"
     """IVO while the old velocity is already on the wanted side, VO otherwise."""
 
@@ -65,8 +66,8 @@ def rectangle_tangent(
     """Return the tangent ray to a rectangle grown by ``radius``, the ego's outline seen from its centre.
 
     The grown rectangle is the convex hull of discs at its four corners, so its tangent is the outermost of
-    theirs. Rays are scaled to unit length. Where the origin's counterpart ``p`` lies inside the grown
-    rectangle there is no tangent and the result means nothing.
+    theirs. Rays are scaled to unit length. If ``p`` lies inside the grown rectangle, there is no
+    tangent and the result is meaningless.
     """
     corners = [(i * half_length, j * half_width) for i in (1, -1) for j in (1, -1)]
     rays = [_unit(*tangent(px + x, py + y, radius, side)) for x, y in corners]
@@ -85,5 +86,5 @@ def _unit(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 def clearance(
     ray_x: FloatArray, ray_y: FloatArray, wx: FloatArray, wy: FloatArray, side: FloatArray
 ) -> FloatArray:
-    """Return ``g = s (ray_x w_y - ray_y w_x)``; outside the cone it is not negative."""
+    """Return ``g = s (ray_x w_y - ray_y w_x)``, which is not negative outside the cone."""
     return side * (ray_x * wy - ray_y * wx)

@@ -1,7 +1,8 @@
 """Decision rules (26)-(31) of the velocity-obstacle paper: straight, lane change or autonomous.
 
 The rules look at four gaps: to the vehicles ahead and behind in the ego's lane and in an adjacent one,
-each against the least gap ``G_min = standstill gap + headway * v``. A gap to nobody is infinite.
+and compare each with the least gap ``G_min = standstill gap + headway * v``. Without a neighbour, the gap is
+infinite.
 """
 
 from __future__ import annotations
@@ -13,12 +14,12 @@ from controllers.interface import Neighbour, NeighbourGaps
 
 
 class Reading(StrEnum):
-    """Which conditions the rules have."""
+    """How the conditions of the rules are read."""
 
     ADAPTED = "adapted"
-    """One short gap of a lane suffices."""
+    """One short gap in a lane is enough."""
     PRINTED = "printed"
-    """Both gaps of a lane have to be short, as in the paper."""
+    """Both gaps in a lane have to be short, as in the paper."""
 
 
 class Rule(StrEnum):
@@ -60,7 +61,7 @@ def rule(gaps: LaneGaps, g_min: float) -> Rule:
     """Return which of the three rules holds for one adjacent lane.
 
     STRAIGHT when the adjacent lane has no room: its front gap or its rear gap is at most ``g_min``.
-    LANE CHANGE when the ego's own lane has none, ahead or behind, and the adjacent one does.
+    LANE CHANGE when the ego's own lane has no room, ahead or behind, and the adjacent one does.
     AUTONOMOUS otherwise: both are possible, and the cheaper one is taken.
 
     Parameters
@@ -73,9 +74,9 @@ def rule(gaps: LaneGaps, g_min: float) -> Rule:
     Notes
     -----
     Eqs. (26)-(31) of [VOMPC2019]_ ask for both adjacent gaps to be short before they rule the change
-    out, and for both own gaps before they demand it; see :func:`printed_rule`. One short gap of the other
-    lane already makes a change unsafe, and one of the own lane is reason enough to look for another, so
-    either one suffices here.
+    out, and for both gaps of the ego's lane before they demand it; see :func:`printed_rule`. One short gap in
+    the other lane already makes a change unsafe, and one in the ego's lane is reason enough to look for
+    another lane, so one short gap is enough here.
     """
     if _short(gaps.adjacent_ahead, g_min) or _short(gaps.adjacent_behind, g_min):
         return Rule.STRAIGHT
@@ -87,8 +88,8 @@ def rule(gaps: LaneGaps, g_min: float) -> Rule:
 def printed_rule(gaps: LaneGaps, g_min: float) -> Rule:
     """Return which rule holds with the conditions as they are printed.
 
-    STRAIGHT when both gaps of the adjacent lane are at most ``g_min``, LANE CHANGE when both of the own lane
-    are and both of the adjacent one are not, AUTONOMOUS otherwise.
+    STRAIGHT when both gaps of the adjacent lane are at most ``g_min``, LANE CHANGE when both gaps of the
+    ego's lane are and neither gap of the adjacent lane is, AUTONOMOUS otherwise.
 
     Parameters
     ----------
@@ -97,8 +98,8 @@ def printed_rule(gaps: LaneGaps, g_min: float) -> Rule:
 
     Notes
     -----
-    Eqs. (26)-(31) of [VOMPC2019]_. A gap that is exactly ``g_min`` is printed as short and as not short; it
-    counts as short.
+    Eqs. (26)-(31) of [VOMPC2019]_. The printed conditions count a gap of exactly ``g_min`` both as short and
+    as not short; here it counts as short.
     """
     adjacent = [_short(gaps.adjacent_ahead, g_min), _short(gaps.adjacent_behind, g_min)]
     if all(adjacent):

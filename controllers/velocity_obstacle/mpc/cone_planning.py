@@ -1,4 +1,4 @@
-"""Plans for a passing class with collision cones in place of bounds on the position."""
+"""Plans for a passing class with collision cones instead of bounds on the position."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from controllers.velocity_obstacle.mpc.longitudinal import SpeedPlan, SpeedTask
 from controllers.velocity_obstacle.mpc.speed_planning import SpeedPlanner
 
 SLOTS = 6
-"""Pedestrians with a cone; whoever is farther away bounds the position instead."""
+"""Number of nearest pedestrians that get a cone; those farther away bound the position instead."""
 
 SteeringOf = Callable[[Perception, SpeedPlan, Lane | None], SteeringTask]
-"""Makes the steering task for a speed plan on the way into a lane."""
+"""Function that makes the steering task for a speed plan on the way into a lane."""
 
 
 @dataclass(slots=True, kw_only=True)
 class ConePlanner(SpeedPlanner):
-    """A speed planner whose pedestrians are collision cones, so that it plans the steering as well."""
+    """Speed planner that represents pedestrians as collision cones, and so plans the steering as well."""
 
     steering: LateralProgram
     steering_of: SteeringOf
@@ -42,8 +42,8 @@ class ConePlanner(SpeedPlanner):
         conflicts: Conflicts,
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
-        """Sequential QPs, begun from the plan that keeps the positions apart."""
-        # Slotted dataclasses are made anew, which zero-argument super() does not survive.
+        """Solve sequential QPs, starting from the plan that keeps the positions apart."""
+        # ``slots=True`` creates the class anew, so zero-argument super() does not work here.
         speed, nothing = SpeedPlanner._solve_class(self, perception, lane, task, conflicts, behind)
         if len(conflicts) == 0 or not speed.found:
             return speed, nothing
@@ -66,7 +66,7 @@ class ConePlanner(SpeedPlanner):
                 memory=self.joint_memory,
             )
             if not plan.speed.found:
-                # The plan of the pass before holds about its own nominal motion; the first pass has none.
+                # The previous pass's plan holds about its own nominal motion; the first pass has none.
                 return (best.speed, best.steering) if joined else (plan.speed, nothing)
             best, joined = plan, True
             steering_task = self.steering_of(perception, best.speed, lane)
@@ -95,7 +95,7 @@ class ConePlanner(SpeedPlanner):
 
 
 def _nearest(perception: Perception, conflicts: Conflicts) -> NDArray[np.intp]:
-    """Return the indices of the nearest pedestrians, in their order."""
+    """Return the indices of the nearest pedestrians, in ascending order."""
     distance = np.hypot(conflicts.along - perception.ego.body.front, conflicts.across - perception.ego.across)
     return np.sort(np.argsort(distance, kind="stable")[:SLOTS])
 

@@ -1,8 +1,8 @@
 """Speed and steering in one quadratic program, with collision cones that couple them.
 
-Variables are the jerks and slacks of the speed program, the steering rates and slack of the steering
-program, and two slacks per pedestrian slot; the objective is the sum of both. The two programs are built as
-they are and copied in blocks; below their rows stand those of the cones, linearised about a nominal plan.
+Variables are the inputs and slacks of the speed program, the steering rates and slack of the steering
+program, and two slacks per pedestrian slot; the objective is the sum of both. Both programs are built
+unchanged and copied in as blocks. The rows of the cones follow, linearised about a nominal plan.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from controllers.velocity_obstacle.mpc.lateral import LateralProgram, Response, 
 from controllers.velocity_obstacle.mpc.longitudinal import LongitudinalProgram, SpeedPlan, SpeedTask
 
 NEAR = 1.0
-"""Velocities nearer ahead can hardly be changed any more. They have a slack of their own, so that their
-violation does not excuse later ones [s]."""
+"""Cone rows earlier than this have a slack of their own: velocities that soon can hardly be changed, and
+violating them must not relax later rows [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointPlan:
-    """Both plans; ``speed.cost`` is the whole objective, ``speed.slack`` counts the cones too."""
+    """Speed and steering plan; ``speed.cost`` is the whole objective, ``speed.slack`` includes the cones."""
 
     speed: SpeedPlan
     steering: SteeringPlan
@@ -50,9 +50,9 @@ class ConeProgram:
     speed, steering
         The two programs; their horizons must be the same.
     settings
-        Which cone.
+        Which cone is used.
     slots
-        Pedestrians that fit in; a slot without one costs nothing.
+        Number of pedestrians that fit in; an empty slot costs nothing.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class ConeProgram:
     def build(
         self, speed: SpeedTask, steering: SteeringTask, walkers: Walkers, nominal: Motion
     ) -> JointResponse:
-        """Write both tasks and the cones about a nominal motion into the program."""
+        """Write both tasks, and the cones linearised about a nominal motion, into the program."""
         speed_free = self.speed.build(speed)
         response = self.steering.build(steering)
         self._place(constant=False)
@@ -149,7 +149,7 @@ class ConeProgram:
         return np.concatenate((plan.speed.inputs, plan.steering.inputs, np.zeros(2 * self.slots)))
 
     def _place(self, constant: bool) -> None:
-        """Copy the blocks of the two programs; those that never change only once."""
+        """Copy the blocks of the two programs, with ``constant`` also those that never change."""
         row, variable = 0, 0
         for part in (self.speed.problem, self.steering.problem):
             m, n = len(part.h), len(part.q)
@@ -181,7 +181,7 @@ def _rows(weights: FloatArray, gain: FloatArray) -> FloatArray:
 
 
 def _shifted(weights: FloatArray, gain: FloatArray) -> FloatArray:
-    """Return rows about the state one time before; the present one depends on no input."""
+    """Return rows about the state one step earlier; the first step's is the present state, without inputs."""
     result = np.zeros_like(gain)
     result[1:] = weights[1:, None] * gain[:-1]
     return result
@@ -190,7 +190,7 @@ def _shifted(weights: FloatArray, gain: FloatArray) -> FloatArray:
 def _at_free_response(
     cones: ConeRows, nominal: Motion, speed_free: FloatArray, steering_free: FloatArray
 ) -> FloatArray:
-    """Return the linearised cones' value where no input is given, shape (m, N)."""
+    """Return the value of the linearised cones without any input, shape (m, N)."""
     speed = speed_free[SPEED] - nominal.speed
     heading = steering_free[HEADING] - nominal.heading
     value = cones.value + cones.position * (speed_free[POSITION] - nominal.position)

@@ -17,31 +17,31 @@ from controllers.arrays import FloatArray
 from controllers.velocity_obstacle.cones import Cone, clearance, rectangle_tangent
 
 SLOWEST, LONGEST = 0.3, 5.0
-"""Bounds of the time that turns a distance in velocities into one in metres [s]."""
+"""Bounds of the time that converts a distance between velocities into metres [s]."""
 DIFFERENCE = 1e-4
 """Step of the central differences [m, rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """What the cone encloses: a rectangle about the body's centre, or a disc when it has no extent."""
+    """Shape that the cone encloses: a rectangle about the body's centre, or a disc if it has no extent."""
 
     half_length: float
     half_width: float
     centre: float
-    """From the rear axle forward [m]."""
+    """Distance of the body's centre ahead of the rear axle [m]."""
     radius: float | None
-    """Of ego and pedestrian together; ``None``: the pedestrian's own [m]."""
+    """Radius of ego and pedestrian together; ``None``: the pedestrian's own radius [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ConeSettings:
-    """Which cone, about what, and for how long ahead."""
+    """Kind of cone, the shape that it encloses, and how far it looks ahead."""
 
     kind: Cone
     outline: Outline
     truncation: float
-    """A collision later than this does not count; inf for the paper's infinite cone [s]."""
+    """Collisions later than this do not count; inf for the paper's infinite cone [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +56,12 @@ class Walkers:
     side: FloatArray
     """+1: the relative velocity stays left of the left tangent; −1: right of the right one; 0: either."""
     reach: FloatArray | float = 0.0
-    """What the outline is grown by because they may be elsewhere, shape (m, N) [m]."""
+    """Growth of the outline because pedestrians may be elsewhere than predicted, shape (m, N) [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A motion of the rear axle, shape (N,) each, and how it began."""
+    """Motion of the rear axle, shape (N,) each, with its heading and speed at the start."""
 
     position: FloatArray
     across: FloatArray
@@ -75,7 +75,7 @@ class Motion:
         return self.speed * np.cos(self.heading), self.speed * np.sin(self.heading)
 
     def earlier(self) -> tuple[FloatArray, FloatArray]:
-        """Return speed and heading one time before each."""
+        """Return speed and heading one step before each time."""
         return (
             np.concatenate(([self.start_speed], self.speed[:-1])),
             np.concatenate(([self.start_heading], self.heading[:-1])),
@@ -86,8 +86,8 @@ class Motion:
 class ConeRows:
     """``value + gradient . change >= 0`` for each pedestrian and time, in metres; shape (m, N) each.
 
-    ``value`` is about how far the nearest approach of the nominal motion stays outside (or is inside) the
-    outline. ``speed_before`` and ``heading_before`` belong to the state one time earlier.
+    ``value`` is roughly how far outside the outline the nominal motion stays at its nearest approach; it is
+    negative inside. ``speed_before`` and ``heading_before`` belong to the state one step earlier.
     """
 
     value: FloatArray
@@ -109,13 +109,13 @@ def rows(settings: ConeSettings, walkers: Walkers, nominal: Motion) -> ConeRows:
     walkers
         Where the pedestrians will be, and on which side they are passed.
     nominal
-        About which the rows are linearised.
+        Motion about which the rows are linearised.
 
     Notes
     -----
     The cone at a time uses the positions and the velocities of that time, Eqs. (16) and (17) of
     [VOMPC2019]_ read with the full angle on both sides. The velocity "before" of the interactive and the
-    hybrid cone is the one of the preceding time of the horizon, at first the present one.
+    hybrid cone is that of the preceding time of the horizon; for the first time, it is the present velocity.
     """
     outline = settings.outline
     cos, sin = np.cos(nominal.heading), np.sin(nominal.heading)
@@ -150,7 +150,7 @@ def rows(settings: ConeSettings, walkers: Walkers, nominal: Motion) -> ConeRows:
     by_turn = (value(px, py, heading + h) - value(px, py, heading - h)) / (2.0 * h)
     by_ux, by_uy = _velocity_gradient(outline, px, py, heading, radius, side, by_cap)
 
-    # The body's centre swings round the rear axle; p is relative to it.
+    # The body's centre swings round the rear axle; p is relative to that centre.
     by_turn = by_turn + outline.centre * (by_x * sin - by_y * cos)
     before_cos, before_sin = np.cos(heading_before), np.sin(heading_before)
     seconds = np.clip(np.hypot(px, py) / np.maximum(np.hypot(ux, uy), 1e-6), SLOWEST, LONGEST)
@@ -202,7 +202,7 @@ def _leg(
 def _nearest(
     outline: Outline, px: FloatArray, py: FloatArray, heading: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the distance from the outline to a point and the direction of it, in the body's frame."""
+    """Return the distance from the outline to a point and the direction to it, in the body's frame."""
     x, y = _turned(px, py, heading)
     gap_x = x - np.clip(x, -outline.half_length, outline.half_length)
     gap_y = y - np.clip(y, -outline.half_width, outline.half_width)
@@ -223,11 +223,11 @@ def _cap(
     radius: FloatArray,
     truncation: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return by how much ``u`` is too slow to close the gap in time [m/s], and the distance [m]."""
+    """Return by how much ``u`` is too slow to close the gap before truncation [m/s], and the distance [m]."""
     distance, normal_x, normal_y = _nearest(outline, px, py, heading)
     x, y = _turned(ux, uy, heading)
     gap = distance - radius
-    # Who is too near already is left at a finite speed, however short the truncation.
+    # A gap that is negative already is opened at a finite speed, however short the truncation.
     allowed = gap / np.where(gap < 0.0, max(truncation, 1.0), truncation)
     return allowed - x * normal_x - y * normal_y, distance
 

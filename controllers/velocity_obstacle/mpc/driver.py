@@ -2,7 +2,7 @@
 
 Speed and steering are two quadratic programs, solved one after the other. The pedestrians bound the
 position along the lane only, so the steering program can use the speed profile already found, which is
-more accurate than linearising both at once. With a collision cone both are one program.
+more accurate than linearising both at once. With a collision cone, both are planned in one program.
 """
 
 from __future__ import annotations
@@ -64,15 +64,15 @@ from controllers.velocity_obstacle.mpc.speed_tasks import front_across
 from controllers.velocity_obstacle.mpc.unsolved_programs import FRESH, fallback
 
 SLACK, SLACK_FROM = "slack", 0.05
-"""Status of a plan that goes farther than people allow, and from when on it does [m]."""
+"""Status of a plan that goes farther than pedestrians allow, and the excess from which it is given [m]."""
 NOWHERE = 0.3
-"""A plan that leads less far than this is none for an ego that stands [m]."""
+"""A standing ego stays where it is if its plan leads less far than this [m]."""
 BODY_OUT_OF_LANE = 0.75
-"""Share of a lane's width after which the body is beside whoever drives in the middle of the old lane."""
+"""Share of a lane's width after which the front is clear of vehicles in the middle of the old lane."""
 
 
 class Shape(StrEnum):
-    """What a collision cone encloses."""
+    """Shape that a collision cone encloses."""
 
     RECTANGLE = "rectangle"
     DISC = "disc"
@@ -80,7 +80,7 @@ class Shape(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ConeParameters:
-    """Which collision cone keeps the ego away from pedestrians."""
+    """Parameters of the collision cone that keeps the ego away from pedestrians."""
 
     kind: Cone
     shape: Shape
@@ -108,8 +108,8 @@ class VelocityObstacleMpc:
 
     Parameters
     ----------
-    settings : how
-    predictor : where pedestrians will be; ``None``: they keep their velocities
+    settings : parameters of the controller
+    predictor : predicts where pedestrians will be; ``None``: they are expected to keep their velocities
     """
 
     def __init__(self, settings: Settings, predictor: Predictor | None = None) -> None:
@@ -129,7 +129,7 @@ class VelocityObstacleMpc:
         self._steering_memory, self._joint_memory = Memory(self._tally), Memory(self._tally)
 
     def decide(self, perception: Perception) -> Decision:
-        """Apply the decision rules on the neighbour gaps; see ``lane_by_cost``."""
+        """Apply the decision rules to the neighbour gaps; see ``lane_by_cost``."""
         perception = self._seen(perception)
         planner = self._planner(perception)
         self._kept = None
@@ -146,10 +146,10 @@ class VelocityObstacleMpc:
         return decision if decision.because else replace(decision, because=planner.nearest_stop())
 
     def begin_change(self, perception: Perception, side: int) -> bool:
-        """Begin a lane change that somebody else decides on: 1 left, -1 right; return whether it begins.
+        """Begin a lane change requested from outside: 1 left, -1 right; return whether it begins.
 
-        It does where there is a lane and no change is under way. `decide`, called next, goes on with it
-        and gives it up if somebody is in the way, as with a change of its own.
+        It begins if there is such a lane and no change is under way. ``decide``, called next, continues the
+        change and gives it up if a vehicle is in the way, as with a change of its own.
         """
         self._lanes.settle(perception)
         lane = perception.road.lane(perception.road.reference + side)
@@ -161,7 +161,7 @@ class VelocityObstacleMpc:
     def plan(self, perception: Perception, decision: Decision) -> Plan:
         """Solve the speed program for each passing class, take the cheapest, then solve the steering.
 
-        Whatever comes of it is checked with the true body before it is carried out.
+        A last check tests the result with the true body before it is carried out.
         """
         plan, chosen = self._plan(perception, decision)
         seen = self._seen(perception)
@@ -172,14 +172,14 @@ class VelocityObstacleMpc:
         return replace(checked, own=_own(plan, checked, chosen))
 
     def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:
-        """Return the plan before the last check, and the speed plan that it is made of."""
+        """Return the plan before the last check, and the speed plan that it is based on."""
         perception = self._seen(perception)
         planner = self._planner(perception)
         lane = self._lanes.lane(perception)
         if self.settings.change.for_pedestrians:
             planner.settled_from = self._lanes.settled_from(perception)
         if self._kept is not None and decision.manoeuvre is Manoeuvre.KEEP:
-            chosen = self._kept  # the decision has already found out what keeping the lane costs
+            chosen = self._kept  # the decision has already planned for keeping the lane
         else:
             chosen = planner.cheapest(perception, lane, self._leaving(perception, lane))
         steering = chosen.steering
@@ -210,13 +210,14 @@ class VelocityObstacleMpc:
         return answer, chosen
 
     def _solves(self) -> Solves:
-        """Return what was solved since this was asked last."""
+        """Return the solves since the last call."""
         return Solves(self.settings.solver.name, *self._tally.take())
 
     def _seen(self, perception: Perception) -> Perception:
-        """Return the perception as it is planned on; worked out once per plan.
+        """Return the perception that plans are based on; worked out once per plan.
 
-        Blocked lanes are told as ending, and the own lane's centre line keeps away from people beside it.
+        Blocked lanes are represented as ending, and the centre line of the ego's lane keeps away from people
+        beside it.
         """
         if self._view is None or self._view[0] is not perception:
             seen = self._blocked.look(with_margins(perception, self.settings.passing.uncertainty_gain))
@@ -228,7 +229,7 @@ class VelocityObstacleMpc:
         return self._view[1]
 
     def _waiting_place(self, perception: Perception) -> float:
-        """Return where to wait for a change that the route asks for; a blocked lane ends early already."""
+        """Return where to wait for a change that the route requires; a blocked lane ends early already."""
         here = perception.road.lane(perception.road.reference)
         if here is None or self._blocked.ends(here):
             return np.inf
@@ -244,7 +245,7 @@ class VelocityObstacleMpc:
         return max(self._memory.shifted_by(towards * still), 0.5) if still > 0.0 else 0.5
 
     def _steering_task(self, perception: Perception, speed: SpeedPlan, lane: Lane | None) -> SteeringTask:
-        """Return the task of steering into a lane; one that is not the target is taken as reached already."""
+        """Return the task of steering into a lane; one that is not the target counts as reached already."""
         ego, road, target = perception.ego, perception.road, self._lanes.lane(perception)
         there = lane is not None and (target is None or lane.number != target.number)
         mean, curvature = last_plan.in_intervals(
@@ -286,15 +287,15 @@ class VelocityObstacleMpc:
             ego.plan_interval + FRESH,
         )
         if ego.speed < STANDING and float(speed.position.max()) < NOWHERE:
-            # Standing, with nowhere to go: hold the brake instead of creeping on rounding.
+            # The ego stands and has nowhere to go: hold the brake instead of creeping because of rounding.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
         slower = wheels.held_back(ego, self._times, steering.command, command.acceleration)
         command = replace(command, acceleration=slower)
         planner = self._planner(perception)
         red_line = planner.right_of_way.red_line
         if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:
-            # The plan, smooth as it is, ends beyond a red light's line. Who stands there is in the junction
-            # for everybody else: all the brakes for as long as that is so.
+            # The smooth plan ends beyond a red light's line. An ego that stands there counts as in the
+            # junction for everybody else: it brakes as hard as it can for as long as that is so.
             hardest = -planner.program.limits.emergency_braking
             return replace(command, acceleration=np.full(len(command.times), hardest))
         return command
@@ -359,7 +360,7 @@ class VelocityObstacleMpc:
         return self._steering
 
 
-# Egos of one kind share their programs, over runs too: only what is written anew for each solve is in them.
+# Egos of the same kind share their programs, across runs too: all that varies in them is rewritten per solve.
 @lru_cache(maxsize=32)
 def _speed_program(dt: tuple[float, ...], *arguments: Any) -> LongitudinalProgram:
     return LongitudinalProgram(np.array(dt), *arguments)
@@ -371,7 +372,7 @@ def _steering_program(dt: tuple[float, ...], *arguments: Any) -> LateralProgram:
 
 
 def _own(plan: Plan, checked: Plan, chosen: Chosen) -> OwnPart:
-    """Return what the programs, and not a fallback or the last check, do about pedestrians."""
+    """Return what the programs themselves do about pedestrians, without a fallback or the last check."""
     applies, own = len(chosen.conflicts) > 0, plan.solved and checked.status == plan.status
     return OwnPart(applies, applies and own, not own or chosen.bound, not own)
 

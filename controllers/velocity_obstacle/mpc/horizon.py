@@ -21,7 +21,7 @@ from controllers.velocity_obstacle.mpc.arithmetic.steering_program import STEERI
 def growing_grid(steps: int, first: float, last: float) -> FloatArray:
     """Return ``steps`` interval lengths that grow geometrically from ``first`` to ``last`` [s].
 
-    Near steps need the resolution of the command, far ones only an idea of what follows.
+    Near steps need the resolution of the command; for far steps, a rough idea of what follows is enough.
 
     >>> growing_grid(3, 0.1, 0.4).round(3).tolist()
     [0.1, 0.2, 0.4]
@@ -61,19 +61,19 @@ def lagged_ramp(h: FloatArray, lag: float) -> LaggedRamp:
 class LongitudinalHorizon:
     """Position, speed, acceleration and commanded acceleration, driven by the change of the command.
 
-    An input is what the command has changed by since now at the end of an interval; in between it ramps.
-    Jerks would say the same, but as inputs of a triple integrator they make the quadratic program so
-    badly conditioned that OSQP needs several times the iterations. The maps do not depend on the state,
-    so they are built once.
+    Each input is the change of the command from now to the end of an interval; in between, the command ramps.
+    Jerks would be equivalent, but as inputs of a triple integrator they make the quadratic program so badly
+    conditioned that OSQP needs several times the iterations. The maps do not depend on the state, so they are
+    built once.
 
     Attributes
     ----------
     start
-        States by those at the start, shape (4, N, 4).
+        Map from the states at the start to all states, shape (4, N, 4).
     gain
-        States by inputs, shape (4, N, N).
+        Map from inputs to states, shape (4, N, N).
     jerk
-        Jerks by inputs, shape (N, N), bidiagonal.
+        Map from inputs to jerks, shape (N, N), bidiagonal.
 
     Parameters
     ----------
@@ -125,15 +125,15 @@ class LateralHorizon:
     Attributes
     ----------
     gain
-        States by inputs, shape (4, N, N); those of offset and heading are written for each speed profile.
+        Map from inputs to states, shape (4, N, N); offset and heading are rewritten for each speed profile.
     bicycle
-        What that is worked out from.
+        Data from which these rows are computed.
     """
 
     def __init__(self, dt: FloatArray, lag: float, wheelbase: float) -> None:
         r = lagged_ramp(dt, lag)
         n = len(dt)
-        # Steering and command do not depend on the speed. Columns: the inputs, then both at the beginning.
+        # Steering and command do not depend on the speed. Columns: the inputs, then both at the start.
         steering, command = np.zeros((n + 1, n + 2)), np.zeros((n + 1, n + 2))
         steering[0, n], command[0, n + 1] = 1.0, 1.0
         for k in range(n):
@@ -153,6 +153,6 @@ class LateralHorizon:
 
     @property
     def steering_gain(self) -> FloatArray:
-        """Commanded steering angle by inputs, whatever the speed, shape (N, N)."""
+        """Map from inputs to the commanded steering angle, independent of the speed, shape (N, N)."""
         gain: FloatArray = self.gain[STEERING_COMMAND]
         return gain

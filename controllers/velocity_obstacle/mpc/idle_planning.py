@@ -1,9 +1,9 @@
-"""A driver that plans less often while nothing can change what it would plan.
+"""A driver that plans less often while nothing can change its plan.
 
-A plan reaches seconds ahead. What it was made for may stand still in the world: a red light's line, a bend, a
-speed limit, the lane's end. The rest of it is then as good as a new plan, and whether it still is gets asked
-at every step: as soon as somebody may matter, a light changes, or the ego is not where its plan has it, there
-is a new plan in that very step.
+A plan reaches seconds ahead. What it responds to may be fixed in the world: a red light's line, a bend, a
+speed limit, the lane's end. The rest of the plan is then as good as a new one. Every step checks whether
+that still holds: as soon as a road user may matter, a light changes, or the ego is not where its plan has it,
+a new plan is made in that very step.
 """
 
 from __future__ import annotations
@@ -23,27 +23,27 @@ from controllers.own_part import IDLE
 from controllers.velocity_obstacle.mpc.plan_memory import rest_of
 
 LONGEST = 0.5
-"""Commands go on for this long after the next plan was due [s]."""
+"""Commands continue for this long after the next plan is due [s]."""
 ROOM = 10.0
-"""Looked at beyond where the plan and a time gap end, and behind the rear axle [m]."""
+"""Distance that is checked beyond the end of the plan and a time gap, and behind the rear axle [m]."""
 ASIDE = FREE + 0.2
-"""Pedestrians who stay farther beside the body than this are passed as if they were not there [m]."""
+"""Pedestrians who stay farther than this beside the body do not affect how they are passed [m]."""
 BESIDE = 0.5
-"""Vehicles at least so far beside the body's way are not in it [m]."""
+"""Vehicles at least this far beside the area that the body sweeps are not in the way [m]."""
 CROSSING_S, CROSSING_NEAR = 3.0, 15.0
-"""How far ahead those are followed who move across the road, and from where on where they do so across the
-ego's way: when it could be as near as this [s, m]."""
+"""How far ahead vehicles that move across the road are followed, and, if they do not go the ego's way, how
+near the ego has to be able to come to them in that time [s, m]."""
 BRAKING_S = 2.0
-"""A vehicle that brakes is expected to go on for this long [s]."""
+"""A braking vehicle is expected to keep braking for this long [s]."""
 STANDSTILL_GAP, HEADWAY, BRAKING = 3.5, 1.2, 6.0
-"""A leader does not matter while the plan keeps this gap to it and this time gap, or could stop, whatever is
-more: more than a plan keeps where a leader bounds it [m, s, m/s^2]."""
+"""A leader does not matter while the plan keeps this gap plus the larger of this time gap and the stopping
+distance at this braking; a plan that a leader bounds keeps less [m, s, m/s^2]."""
 ELSEWHERE, OFF_SPEED = 0.05, 0.2
-"""How far the ego may be from where its plan has it across the road, and from its speed [m, m/s]."""
+"""Largest deviations of the ego from its plan, across the road and in speed [m, m/s]."""
 
 
 class Ahead(NamedTuple):
-    """What is left of a plan, from now on, shape (N,) each."""
+    """The rest of a plan, from now on, shape (N,) each."""
 
     times: FloatArray
     along: FloatArray
@@ -51,7 +51,7 @@ class Ahead(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Nobody beyond this matters to it [m]."""
+        """Distance beyond which nobody matters to the plan [m]."""
         return float(self.along[-1] + HEADWAY * self.speed[-1]) + ROOM
 
 
@@ -66,12 +66,12 @@ class _Made(NamedTuple):
 
 @dataclass(slots=True)
 class Unhurried:
-    """Hands on to a driver, but not at every step while nothing can change its plan.
+    """Controller that lets a driver plan, but not at every step while nothing can change the plan.
 
     Parameters
     ----------
-    driver : who plans
-    interval : time between plans while that is so, at most ``LONGEST`` [s]
+    driver : makes the plans
+    interval : time between plans while nothing can change them, at most ``LONGEST`` [s]
     by_velocity : whether pedestrians are expected to keep their velocities; otherwise all of them matter
     """
 
@@ -81,14 +81,14 @@ class Unhurried:
     _last: _Made | None = None
 
     def decide(self, perception: Perception) -> Decision:
-        """Return the last decision while it may stand, a new one otherwise."""
+        """Return the last decision while it is still valid, a new one otherwise."""
         if self._last is not None and self._may_rest(self._last, perception):
             return self._last.decision
         self._last = None
         return self.driver.decide(perception)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Return what is left of the last plan's command while it may stand, a new plan otherwise."""
+        """Return the rest of the last plan's command while it is still valid, a new plan otherwise."""
         if self._last is not None:
             command = rest_of(self._last.plan.command, perception.ego.time - self._last.time)
             return Plan(command, own=IDLE)
@@ -99,14 +99,14 @@ class Unhurried:
         return plan
 
     def _may_rest(self, last: _Made, perception: Perception) -> bool:
-        # Half a step of tolerance: times of steps are sums.
+        # Half a step of tolerance: the times of steps are sums and not exact.
         ego, age = perception.ego, perception.ego.time - last.time
         if age >= self.interval - 0.5 * ego.plan_interval:
             return False
         plan = last.plan
         return (
             abs(float(np.interp(age, plan.times, plan.speed)) - ego.speed) < OFF_SPEED
-            # In a bend a plan is true to the road for a shorter time than on a straight one.
+            # In a bend, a plan matches the road for a shorter time than on a straight road.
             and abs(float(np.interp(age, plan.times, plan.across)) - ego.across) < ELSEWHERE
             and _lights(perception.road) == last.lights
             and is_settled(perception, _rest_of_plan(plan, age), self.by_velocity)
@@ -114,19 +114,19 @@ class Unhurried:
 
 
 def _rest_of_plan(plan: Plan, age: float) -> Ahead:
-    """Return a plan moved to the present."""
+    """Return the rest of a plan, relative to the present."""
     first = float(plan.times[0])
     driven = plan.along[0] * age / first if age < first else float(np.interp(age, plan.times, plan.along))
     return Ahead(np.maximum(plan.times - age, 0.0), np.maximum(plan.along - driven, 0.0), plan.speed)
 
 
 def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) -> bool:
-    """Return whether nobody can matter to a plan now, and the road goes on as it is.
+    """Return whether nobody can matter to a plan now and nothing on the road ahead asks for a new one.
 
     Parameters
     ----------
-    perception : what the ego is told
-    plan : what is left of it
+    perception : what the ego perceives
+    plan : the rest of the plan
     by_velocity : whether pedestrians are expected to keep their velocities; otherwise all in view matter
     """
     ego, road, reach = perception.ego, perception.road, plan.reach
@@ -138,9 +138,9 @@ def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) ->
     if any(light.state is SignalState.AMBER and light.stop_line < reach for light in road.signals):
         return False
     if any(sign.stop_line < reach for sign in road.stop_signs):
-        return False  # to have stopped there is seen while planning
+        return False  # whether the ego has stopped there is noticed while planning
     if perception.eyesight is not None and len(perception.vehicles):
-        return False  # they may hide somebody
+        return False  # vehicles may hide pedestrians
     half = 0.5 * ego.body.width
     way = min(ego.across, here.offset) - half, max(ego.across, here.offset) + half
     return _people_stay_aside(perception, way, plan, by_velocity) and not _in_the_way(perception, way, plan)
@@ -149,13 +149,13 @@ def is_settled(perception: Perception, plan: Ahead, by_velocity: bool = True) ->
 def _people_stay_aside(
     perception: Perception, way: tuple[float, float], plan: Ahead, by_velocity: bool
 ) -> bool:
-    """Return whether no pedestrian is about to come, or to be passed, near the way within a plan.
+    """Return whether no pedestrian comes near the ego's way, or is passed near it, during a plan.
 
     Parameters
     ----------
     perception
-    way : right and left end of what the body sweeps [m]
-    plan : what is left of it
+    way : right and left edge of the area that the body sweeps [m]
+    plan : the rest of the plan
     by_velocity : as for :func:`is_settled`
     """
     people, road = perception.pedestrians, perception.road
@@ -178,13 +178,13 @@ def _people_stay_aside(
 
 
 def _in_the_way(perception: Perception, way: tuple[float, float], plan: Ahead) -> bool:
-    """Return whether a vehicle is, or may soon be, where it bounds a plan.
+    """Return whether a vehicle is, or may soon be, where it limits a plan.
 
     Parameters
     ----------
     perception
-    way : right and left end of what the body sweeps [m]
-    plan : what is left of it
+    way : right and left edge of the area that the body sweeps [m]
+    plan : the rest of the plan
     """
     them = perception.vehicles
     if not len(them):
@@ -193,7 +193,7 @@ def _in_the_way(perception: Perception, way: tuple[float, float], plan: Ahead) -
     to_right, to_left = swing_out(perception.road, body, 0.5 * (box.front + box.rear))
     drift = np.where(np.abs(them.across_speed) > DRIFTING, them.across_speed * CROSSING_S, 0.0)
     far = ~box.same_way & (box.rear > body.front + ego.speed * CROSSING_S + CROSSING_NEAR)
-    drift[far] = 0.0  # whoever crosses there is gone when the ego comes, or is a foe in that junction
+    drift[far] = 0.0  # vehicles crossing there are gone when the ego arrives, or are foes in that junction
     meets = (box.front > -body.rear_overhang) & (box.rear < plan.reach)
     meets &= box.right + np.minimum(drift, 0.0) < way[1] + to_left + BESIDE
     meets &= box.left + np.maximum(drift, 0.0) > way[0] - to_right - BESIDE

@@ -1,6 +1,6 @@
-"""The lane that ``vo_mpc`` chooses: what the decision rules allow, and of that what costs less.
+"""Lane choice of ``vo_mpc``: the cheapest of the lanes that the decision rules allow.
 
-What any other driver chooses is in :mod:`controllers.driving.lanes.lane_choice`.
+The lane choice of all other drivers is in :mod:`controllers.driving.lanes.lane_choice`.
 """
 
 from __future__ import annotations
@@ -22,36 +22,37 @@ from controllers.velocity_obstacle.mpc.lane_manoeuvre import SETTLING, LaneManoe
 CostOfLane = Callable[[Lane], float]
 """Objective of driving in a lane as if the ego were in it already."""
 OVER = 1.0
-"""So far beyond or before a waiting place somebody still waits at it [m]."""
+"""A vehicle counts as being at a waiting place up to this far before or beyond it [m]."""
 WAITING_BRAKING = 4.0
-"""Who needs more than this to stop with room for a change ahead drives on to the lane's end [m/s^2]."""
+"""An ego that needs more braking than this to stop with room for a change drives on to the lane's end
+[m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChangeSettings:
-    """When lanes are changed."""
+    """When lanes are changed, and at what cost."""
 
     allowed: bool
     cost: float
-    """What a change costs, in units of the objective."""
+    """Cost of a change, in units of the objective."""
     reconsider: float
-    """The cost of other lanes is looked at only this often [s]."""
+    """Interval at which the cost of other lanes is considered [s]."""
     pause: float
-    """Time between two changes that the route does not ask for [s]."""
+    """Least time between two changes that the route does not require [s]."""
     before_crossing: float
     after_crossing: float
     least_speed: float
     room: float
-    """Kept free before the end of a lane that has to be left, to steer out of it from a standstill [m]."""
+    """Length kept free before the end of a lane that has to be left, to steer out from a standstill [m]."""
     standstill_gap: float
     headway: float
     gaps: GapRule
     cost_near_crossing: float = np.inf
-    """What a change costs near a crossing, where people on it are its reason; inf for no such change."""
+    """Cost of a change near a crossing that is made because of people on it; inf for no such change."""
 
     @property
     def for_pedestrians(self) -> bool:
-        """Whether a change may begin near a crossing because of people on it, where that masks nobody."""
+        """Whether a change may begin near a crossing because of people on it, where it hides nobody."""
         return bool(np.isfinite(self.cost_near_crossing))
 
 
@@ -69,11 +70,11 @@ class LaneByCost:
     def __init__(self, settings: ChangeSettings, manoeuvre: LaneManoeuvre) -> None:
         self.settings = settings
         self.manoeuvre = manoeuvre
-        self._rule = Rule.STRAIGHT  # under which the running change began
+        self._rule = Rule.STRAIGHT  # the rule under which the running change began
         self._looked = -np.inf
 
     def decide(self, perception: Perception, cost: CostOfLane) -> Decision:
-        """Return what to do; begins or aborts the manoeuvre accordingly."""
+        """Return the decision, and begin or abort the manoeuvre accordingly."""
         self.manoeuvre.settle(perception)
         if self._gave_up(perception):
             self.manoeuvre.end(perception)
@@ -85,7 +86,7 @@ class LaneByCost:
         return self._by_the_rules(perception, cost)
 
     def _gave_up(self, perception: Perception) -> bool:
-        """Return whether a change given up has come to a standstill, so that another may be tried."""
+        """Return whether an aborted change has come almost to a standstill, so that another may be tried."""
         running = self.manoeuvre
         waited = perception.ego.time - running.started
         return (
@@ -111,17 +112,17 @@ class LaneByCost:
             if not due or rule is Rule.STRAIGHT or here is None:
                 continue
             self._looked = perception.ego.time
-            # The rule LANE CHANGE finds the own lane too tight already: half the reason is enough.
+            # By the rule LANE CHANGE, the ego's lane is too tight already: half the saving is enough.
             price = (1.0 if rule is Rule.AUTONOMOUS else 0.5) * full
             keeping = cost(here) if keeping is None else keeping
-            # Staying that costs less than the change itself needs no second look.
+            # If staying costs less than the change itself, the other lane need not be considered.
             if keeping < price or blocker(perception, lane.number, s.gaps) is not None:
                 continue
             if cost(lane) + price < keeping:
                 self.manoeuvre.begin(perception, lane.number)
                 self._rule = rule
                 return Decision(_change(side), lane.number, rule, ahead)
-        # Of several adjacent lanes the one that leaves the most freedom describes the situation.
+        # With several adjacent lanes, the rule that leaves the most freedom describes the situation.
         freest = next(rule for rule in (Rule.AUTONOMOUS, Rule.LANE_CHANGE, Rule.STRAIGHT) if rule in rules)
         return Decision(Manoeuvre.KEEP, road.reference, freest, ahead)
 
@@ -136,7 +137,7 @@ class LaneByCost:
         return Decision(_change(number - reference), number, Rule.LANE_CHANGE, "lane end")
 
     def _go_on(self, perception: Perception) -> Decision:
-        """Continue a running change, or return to the lane it began in when the gap closes."""
+        """Continue a running change, or return to the lane where it began when the gap closes."""
         running, road = self.manoeuvre, perception.road
         origin = running.origin if running.origin is not None else road.reference
         target = running.lane(perception)
@@ -145,7 +146,8 @@ class LaneByCost:
         side = 1 if target.number > origin else -1
         line = target.offset - side * 0.5 * target.width
         intruded = side * (perception.ego.across - line) + 0.5 * perception.ego.body.width
-        # Half a metre over the line the neighbours have reacted; to swing back would surprise them.
+        # Once the ego is half a metre over the line, its neighbours have reacted: swinging back would
+        # surprise them.
         if intruded < 0.5 and target.number != road.reference and road.lane(origin) is not None:
             who = blocker(perception, target.number, self.settings.gaps, begun=True)
             if who is not None:
@@ -154,7 +156,7 @@ class LaneByCost:
         return Decision(_change(side), target.number, self._rule)
 
     def _open_lanes(self, perception: Perception) -> list[Lane]:
-        """Return the adjacent lanes that a change may go to here and now, gaps not considered."""
+        """Return the adjacent lanes that a change may go to here and now, regardless of gaps."""
         s, ego, road = self.settings, perception.ego, perception.road
         pausing = ego.time - self.manoeuvre.finished < s.pause
         if not s.allowed or pausing or ego.speed < s.least_speed:
@@ -179,12 +181,13 @@ class LaneByCost:
         return perception.ego.speed * (self.manoeuvre.duration + SETTLING)
 
     def waiting_place(self, perception: Perception) -> float:
-        """Return where the front bumper has to wait for a change that the route asks for; inf for none.
+        """Return where the front bumper has to wait for a change that the route requires; inf for none [m].
 
-        It leaves the room that the change takes from a standstill, and for a change to the right that of
-        another vehicle too: of two side by side who want each other's lane one has to let the other go first.
-        Where no change may begin there because of a crossing, and one may beyond it, the place is beyond it.
-        Who could not stop there any more waits nearer to the lane's end, or may use the lane to its end.
+        The place leaves the room that a change from a standstill takes. For a change to the right, it also
+        leaves room for another vehicle: of two side by side that want each other's lane, one has to let the
+        other go first. If a crossing prevents a change at the place but not beyond the crossing, the place is
+        beyond it. An ego that cannot stop there any more waits nearer to the lane's end, or may use the lane
+        to its end.
         """
         road, ego = perception.road, perception.ego
         here, wanted = road.lane(road.reference), lane_for_route(perception)
@@ -194,13 +197,13 @@ class LaneByCost:
         behind = ego.body.length + self.settings.gaps.minimum + OVER if wanted < road.reference else 0.0
         for before in (behind, 0.0):
             at = self._beyond_crossings(perception, place - before)
-            # Who stands there already may be a little over it.
+            # An ego that stands there already may be slightly beyond the place.
             if ego.speed**2 / (2.0 * WAITING_BRAKING) <= at + OVER - ego.body.front:
                 return at
         return np.inf
 
     def _beyond_crossings(self, perception: Perception, place: float) -> float:
-        """Return a waiting place, or the next one beyond crossings from which a change may begin [m]."""
+        """Return a waiting place, or one beyond the crossings near it if a change may begin there [m]."""
         near = _crossings_near(perception, place, self.settings.room - 1.0)
         if not near:
             return place
@@ -208,11 +211,11 @@ class LaneByCost:
         return place if _crossings_near(perception, beyond, self.settings.room - 1.0) else beyond
 
     def _crossing_in_the_way(self, perception: Perception) -> str:
-        """Return the crossing that a change for the route would not end before; empty for none.
+        """Return ``crossing`` if a change for the route would not end before one; empty otherwise.
 
-        Such a change may begin nearer to a crossing than others: a lane that ends there would never be left.
-        Who stands so near to the lane's end already that no better place comes begins where nobody is at the
-        crossings and the light is green.
+        Such a change may begin nearer to a crossing than others, because a lane that ends there would
+        otherwise never be left. An ego that stands so near the lane's end that no better place follows begins
+        the change if nobody is at the crossings and the light is green.
         """
         needed = max(self._length_of_change(perception), self.settings.room - 1.0)
         near = _crossings_near(perception, perception.ego.body.front, needed)
@@ -244,12 +247,12 @@ class LaneByCost:
 
 
 def _crossings_near(perception: Perception, front: float, needed: float) -> list[Crossing]:
-    """Return the crossings on which the body is, or gets in a change of lane, with its front bumper there.
+    """Return the crossings that the body is on, or reaches in a lane change, with its front at ``front``.
 
     Parameters
     ----------
-    perception : what the ego is told
-    front : of the ego, along the road [m]
+    perception : what the ego perceives
+    front : position of the front bumper along the road [m]
     needed : length of the change [m]
     """
     rear = front - perception.ego.body.length
@@ -257,7 +260,7 @@ def _crossings_near(perception: Perception, front: float, needed: float) -> list
 
 
 def _somebody_at(perception: Perception, crossing: Crossing) -> bool:
-    """Return whether somebody is on a crossing, or waits there and has no red light."""
+    """Return whether a pedestrian is on a crossing, or waits there without a red light."""
     people = perception.pedestrians
     comes = people.on_crossing | (people.waiting & (crossing.pedestrians_have_green is not False))
     return bool((comes & (people.crossing == perception.road.crossings.index(crossing))).any())

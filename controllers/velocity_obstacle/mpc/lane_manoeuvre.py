@@ -12,17 +12,17 @@ from controllers.driving.standing import STANDING
 from controllers.interface import Lane, Perception
 
 SETTLING = 0.5
-"""What is added to the planned length of a change until the body has settled in the lane [s]."""
+"""Time from the planned end of a change until the body has settled in the lane [s]."""
 
 
 @dataclass(slots=True)
 class LaneManoeuvre:
-    """Where the ego is going, in lane numbers, which do not change while it drives.
+    """The ego's lane change, in lane numbers, which stay the same while it drives.
 
     Parameters
     ----------
     duration
-        Planned length of a lane change [s].
+        Planned duration of a lane change [s].
     """
 
     duration: float
@@ -36,7 +36,7 @@ class LaneManoeuvre:
     # Offset from the target lane's centre at the start of the change [m].
 
     def settle(self, perception: Perception) -> None:
-        """Take note of where the ego is: adopt its lane, or end a change that has arrived."""
+        """Take note of where the ego is: adopt its lane, or end a completed change."""
         road, ego = perception.road, perception.ego
         if self.target is None:
             self.target = road.reference
@@ -47,7 +47,7 @@ class LaneManoeuvre:
             return
         passed = ego.time - self.started
         arrived = abs(ego.across - lane.offset) < 0.3 and passed > 0.6 * self.duration
-        # An ego that stands in the lane gets no nearer to its middle, and the route may ask for the next one.
+        # An ego that stands in the lane gets no nearer to its middle, and the route may ask for another one.
         stopped = ego.speed < STANDING and self.target == road.reference and passed > self.duration
         if self.origin is not None and (arrived or stopped):
             self.origin = None
@@ -74,7 +74,7 @@ class LaneManoeuvre:
         self._from = perception.ego.across - (lane.offset if lane else 0.0)
 
     def settled_from(self, perception: Perception) -> float:
-        """Return how far ahead the body has settled in the target lane, if it changes from now on [m]."""
+        """Return how far ahead the body has settled in the target lane, if it changes lanes now [m]."""
         passed = perception.ego.time - self.started if self.running else 0.0
         left = max(self.duration - passed, 0.0) + SETTLING
         return perception.ego.body.front + max(perception.ego.speed, 0.0) * left

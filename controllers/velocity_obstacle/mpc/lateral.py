@@ -25,9 +25,10 @@ class SteeringWeights:
     heading: float = 12.0
     """[1/rad^2]"""
     lateral_acceleration: float = 0.8
-    """Of ``v^2 (steering / wheelbase - curvature)``, what is added to following the lane [1/(m/s^2)^2]."""
+    """Weight of lateral acceleration beyond that of the lane, ``v^2 (steering / wheelbase - curvature)``
+    [1/(m/s^2)^2]."""
     steering: float = 2.0
-    """Departure from the angle that follows the lane [1/rad^2]."""
+    """Weight of deviation from the steering angle that follows the lane [1/rad^2]."""
     rate: float = 20.0
     """[1/(rad/s)^2]"""
     leaving: float = 200.0
@@ -45,11 +46,11 @@ class SteeringTask(NamedTuple):
     speed: FloatArray
     """Mean speed in each interval [m/s]."""
     curvature: FloatArray
-    """Of the lane in each interval [1/m]."""
+    """Curvature of the lane in each interval [1/m]."""
     target: FloatArray
     """Wanted offset of the rear axle [m]."""
     right: FloatArray
-    """Corridor for the rear axle and the middle of the front (across) [m]."""
+    """Right edge of the corridor for the rear axle and the middle of the front; ``left`` is the other [m]."""
     left: FloatArray
 
 
@@ -67,18 +68,18 @@ class SteeringPlan(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What the inputs of a problem that has been built do."""
+    """Response of a built problem to its inputs."""
 
     free: FloatArray
     """States without input, shape (4, N)."""
     gain: FloatArray
-    """States by inputs, shape (4, N, N)."""
+    """Map from inputs to states, shape (4, N, N)."""
     cost: float
-    """The part of the objective that no input changes, which the problem leaves out."""
+    """Part of the objective that does not depend on the inputs, which the problem leaves out."""
 
 
 class LateralProgram:
-    """Builds and solves steering plans of one layout.
+    """Builds and solves steering programs that share one layout.
 
     Parameters
     ----------
@@ -91,9 +92,9 @@ class LateralProgram:
     front
         From the rear axle to the front bumper [m].
     max_steering, max_rate
-        [rad, rad/s].
+        Limits of the steering angle and the steering rate [rad, rad/s].
     solver
-        Which solver.
+        Settings of the solver.
     """
 
     LEFT, RIGHT, FRONT_LEFT, FRONT_RIGHT, STEER_LEFT, STEER_RIGHT = range(6)
@@ -145,7 +146,7 @@ class LateralProgram:
         self._limits = steering_program.Limits(
             front, max_steering, w.across, w.heading, w.steering, w.lateral_acceleration, 2.0 * w.rate * dt
         )
-        # Views: what is written into them needs no copying.
+        # These are views, so what is written into them needs no copying.
         self._written = steering_program.Program(
             p.P[:n, :n],
             np.einsum("ii->i", p.P[:n, :n]),
@@ -156,7 +157,7 @@ class LateralProgram:
         )
 
     def build(self, task: SteeringTask) -> Response:
-        """Write the task into the problem and return what its inputs do; overwritten by the next call."""
+        """Write the task into the problem and return the response to inputs; the next call overwrites it."""
         free, cost = steering_program.write(
             self.horizon.bicycle,
             self._limits,

@@ -1,8 +1,8 @@
 """The speed plan: a quadratic program over the changes of the commanded acceleration.
 
 ``minimise sum dt [w_v (v - v_ref)^2 + w_a a^2 + w_j j^2] + slacks`` subject to bounds on the position
-(pedestrians, stop lines, vehicles), on speed, command and jerk. Whatever bounds the position alone is
-merged before it gets here, so the layout does not depend on who is around.
+(pedestrians, stop lines, vehicles), on speed, command and jerk. Everything that bounds the position alone is
+merged before it gets here, so the layout does not depend on which road users are around.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from controllers.velocity_obstacle.mpc.arithmetic.speed_program import (
 from controllers.velocity_obstacle.mpc.horizon import LongitudinalHorizon
 
 SLACK_UNIT = 0.1
-"""Slack variables are in tenths of a metre (of a m/s^2): as large as the other variables, for the solver."""
+"""Unit of the slack variables, which the solver needs to be about as large as the others [m or m/s^2]."""
 ROWS = {
     UPPER: "position below what is ahead, softened",
     LOWER: "position beyond whom the ego goes ahead of, softened",
@@ -48,7 +48,7 @@ ROWS = {
     JERK_UP: "jerk below its limit",
     JERK_DOWN: "jerk above its limit",
 }
-"""What the blocks of rows say. Each row is divided by the length of its gradient."""
+"""Meaning of the blocks of rows; each row is divided by the length of its gradient."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class SpeedWeights:
     """Per metre that a position bound is violated."""
     violation_squared: float = 100.0
     headway: float = 8.0
-    """Per metre that the time gap to the vehicle ahead is short."""
+    """Per metre by which the time gap to the vehicle ahead is too short."""
     headway_squared: float = 1.0
     emergency: float = 20.0
     """Per m/s^2 of braking beyond the comfortable limit."""
@@ -94,12 +94,11 @@ class SpeedTask(NamedTuple):
     command: float
     """Acceleration commanded last [m/s^2]."""
     reference: FloatArray
-    """Speed to be kept: the wanted one, or less on the way to where the ego stops [m/s]."""
+    """Speed to track: the wanted speed, or less on the approach to where the ego stops [m/s]."""
     wanted: FloatArray
-    """Speed without anybody to stop for, against which plans are priced, so that whoever has to stop pays for
-    it [m/s]."""
+    """Speed without anybody to stop for; plans are priced against it, so that stopping has a cost [m/s]."""
     positions: FloatArray
-    """Where the rear axle is expected, by the plan before [m]."""
+    """Positions of the rear axle expected from the previous plan [m]."""
     expected: FloatArray
     """Speed about which the braking distance is linearised [m/s]."""
     upper: FloatArray
@@ -109,7 +108,7 @@ class SpeedTask(NamedTuple):
     headway: FloatArray
     """Position plus time gap times speed must stay below this; inf without a vehicle ahead."""
     ceiling: FloatArray | None = None
-    """Speed not to be exceeded, however late the ego is; ``None``: the largest that is to be kept [m/s]."""
+    """Speed that must never be exceeded, however late the ego is; ``None``: the largest to track [m/s]."""
 
 
 class SpeedPlan(NamedTuple):
@@ -127,11 +126,11 @@ class SpeedPlan(NamedTuple):
     """Braking beyond the comfortable limit [m/s^2]."""
     inputs: FloatArray
     priced: float = 0.0
-    """The part of the cost that the program does not minimise: of keeping less than the wanted speed."""
+    """Part of the cost that the program does not minimise, for driving slower than the wanted speed."""
 
 
 class LongitudinalProgram:
-    """Builds and solves speed plans of one layout.
+    """Builds and solves speed programs that share one layout.
 
     Parameters
     ----------
@@ -140,12 +139,12 @@ class LongitudinalProgram:
     lag
         Time constant of drive and brake [s].
     weights, limits
-        See there.
+        See :class:`SpeedWeights` and :class:`SpeedLimits`.
     solver
-        Which solver.
+        Settings of the solver.
     """
 
-    # Slack variables behind the N inputs.
+    # Slack variables, which follow the N inputs.
     SLACK_UPPER, SLACK_LOWER, SLACK_HEADWAY, EMERGENCY = range(4)
     SLACKS = 4
 
@@ -216,15 +215,15 @@ class LongitudinalProgram:
         return speed_program.departs(task.expected, plan.speed, task.stoppable)
 
     def plan(self, task: SpeedTask, free: FloatArray, z: FloatArray, cost: float, found: bool) -> SpeedPlan:
-        """Return what inputs and slacks mean.
+        """Return the speed plan that inputs and slacks stand for.
 
         Parameters
         ----------
-        task : as built
+        task : the task that the problem was built for
         free : states without input, shape (4, N)
         z : inputs and slacks
         cost : objective of the problem at ``z``
-        found : whether that is a solution
+        found : whether ``z`` is a solution
         """
         states, constant = speed_program.states(free, self._gain, z, task.reference, self.dt, self._tracking)
         speed = states[SPEED]
@@ -257,7 +256,7 @@ class LongitudinalProgram:
         )
 
     def _fill_constant_parts(self) -> tuple[speed_program.Layout, speed_program.Program]:
-        """Write what does not change; return what the rest is worked out from, and where it goes."""
+        """Write the constant parts; return what the rest is computed from, and where it is written to."""
         n, p, w, limits = self.steps, self.problem, self.weights, self.limits
         s, v, a, c = self.horizon.gain
         jerk = self.horizon.jerk
@@ -279,8 +278,8 @@ class LongitudinalProgram:
             JERK_UP: jerk,
             JERK_DOWN: -jerk,
         }
-        # Rows of equal length: a metre at the end of the horizon then weighs no more than one at its
-        # beginning in the solver's stopping criterion.
+        # Rows are scaled to equal length, so that a metre at the end of the horizon weighs no more than one
+        # at its beginning in the solver's stopping criterion.
         self._scale = {
             block: 1.0 / np.sqrt((rows**2).sum(axis=1) + SLACK_UNIT**2)
             for block, rows in {**signed, STOPPABLE: s}.items()

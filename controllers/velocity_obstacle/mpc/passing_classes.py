@@ -1,7 +1,7 @@
-"""Passing classes: who is let pass and who is not, and what each class asks of the position.
+"""Passing classes: whom the ego lets go first and whom not, and how each class bounds the position.
 
-Sorted by the time at which they enter the ego's path, only n + 1 orders of pedestrians make sense: the ego
-lets the first j pass (it goes *behind* them) and goes *ahead* of the rest.
+With n pedestrians sorted by the time at which they enter the ego's path, only n + 1 orders make sense: the
+ego lets the first j go first (it passes *behind* them) and passes *ahead* of the rest.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds
 
 
 def class_name(conflicts: Conflicts, behind: int) -> str:
-    """Return who is let pass and who is not: ``behind=p1|p2 ahead=p3``; empty without conflicts."""
+    """Return whom the ego passes behind and ahead of: ``behind=p1|p2 ahead=p3``; empty without conflicts."""
     if not len(conflicts):
         return ""
     return f"behind={'|'.join(conflicts.names[:behind])} ahead={'|'.join(conflicts.names[behind:])}"
@@ -25,12 +25,12 @@ def class_name(conflicts: Conflicts, behind: int) -> str:
 def stops(
     conflicts: Conflicts, behind: int, front: float, margin_along: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return where those are who are let pass, where the front bumper stops, and how long [m, m, s].
+    """Return where pedestrians let go first are, where the front bumper stops, and until when [m, m, s].
 
     Parameters
     ----------
     conflicts, behind
-        By time of entry, and how many of them are let pass.
+        Conflicts sorted by time of entry, and how many pedestrians are let go first.
     front
         From the rear axle to the front bumper [m].
     margin_along
@@ -39,26 +39,26 @@ def stops(
     c = conflicts
     before = c.along[:behind] - c.radius[:behind] - margin_along
     line = c.stop_line[:behind]
-    # Once the bumper is past the stop line only the pedestrian counts.
+    # Once the bumper is past the stop line, only the pedestrian counts.
     places = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
     return c.along[:behind], places, c.leave[:behind]
 
 
 class ClassBounds(NamedTuple):
-    """What each passing class asks of the rear axle's position, shape (n + 1, N) each.
+    """Bounds of each passing class on the rear axle's position, shape (n + 1, N) each.
 
-    Row j is the class that lets the first j pass. Every half-plane of this formulation bounds the position
-    alone, so per time only the tightest one matters: the program does not grow with the number of
-    pedestrians, and nothing is lost.
+    Row j is the class that lets the first j pedestrians go first. Every half-plane of this formulation bounds
+    the position alone, so only the tightest one matters at each time: the program does not grow with the
+    number of pedestrians, and nothing is lost.
     """
 
     upper: FloatArray
-    """Largest position while somebody who is let pass has not left; inf where free [m]."""
+    """Largest position while a pedestrian let go first has not left; inf where free [m]."""
     lower: FloatArray
-    """Least position once somebody who is passed ahead of enters; −inf where free [m]."""
+    """Least position once a pedestrian the ego passes ahead of enters; −inf where free [m]."""
     freeze: FloatArray
-    """As ``upper``, but only while somebody is expected in the band: where the ego must still be able to
-    stop should they stop walking [m]."""
+    """As ``upper``, but only while a pedestrian is expected in the band: the ego must still be able to stop
+    here should they stop walking [m]."""
 
 
 def class_bounds(
@@ -74,7 +74,7 @@ def class_bounds(
     Parameters
     ----------
     conflicts
-        By time of entry.
+        Conflicts sorted by time of entry.
     times
         Horizon, shape (N,) [s].
     front, rear
@@ -82,7 +82,7 @@ def class_bounds(
     margin_along
         [m].
     speed
-        Expected speed at each time: carries a bound from the instant it holds to the next grid time,
+        Expected speed at each time, which carries a bound from the instant it holds to the next grid time,
         shape (N,) [m/s].
     """
     c = conflicts

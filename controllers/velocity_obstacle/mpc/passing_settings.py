@@ -1,4 +1,4 @@
-"""How pedestrians are passed, as parameters of the speed plans."""
+"""Parameters of the speed plans that say how pedestrians are passed."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class PassingSettings:
     max_classes: int
     passes: int
     reconsider: float
-    """While the present class is reachable, others are tried only this often [s]."""
+    """Interval at which other classes are tried while the present one is reachable [s]."""
     standstill_gap: float
     bend_acceleration: float
     assume: PedestrianAssumptions
     hidden: HiddenPedestrian = field(default_factory=lambda: HiddenPedestrian(0.0))
     uncertainty_gain: float = 0.0
-    """What a margin grows by for each metre that a position is uncertain (standard deviation)."""
+    """Growth of a margin per metre of standard deviation of a position."""

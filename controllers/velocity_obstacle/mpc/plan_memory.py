@@ -1,4 +1,4 @@
-"""What the controller planned last, moved to the present."""
+"""The controller's last plan, moved to the present."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from controllers.interface import Command, EgoState
 from controllers.velocity_obstacle.mpc.arithmetic import last_plan
 
 FORGOTTEN_AFTER = 1.5
-"""An older plan is no guide any more [s]."""
+"""A plan older than this is no longer used as a guide [s]."""
 COMMAND_SPACING = 0.05
-"""Commands are given as a sequence this fine, so that a long simulation step is driven well too [s]."""
+"""Spacing of the commands in a sequence, fine enough to drive a long simulation step well too [s]."""
 
 
 @dataclass(slots=True)
@@ -29,7 +29,7 @@ class PlanMemory:
     """Planned movement across the road from where the ego was, left positive [m]."""
     _asked: tuple[float | None, float] | None = None
     _now: tuple[float, float] = (0.0, 0.0)
-    # What was commanded for that time, of the plan made then; it is asked for several times a step.
+    # Command now, for the plan and the instant in ``_asked``; kept because it is needed several times a step.
 
     def keep(
         self, time: float, command: Command, position: FloatArray, speed: FloatArray, shift: FloatArray
@@ -57,7 +57,7 @@ class PlanMemory:
         return last_plan.moved(self.times, self.position, self.speed, age)
 
     def commanded(self, ego: EgoState) -> tuple[float, float]:
-        """Return acceleration and steering that are commanded at this instant."""
+        """Return the acceleration and steering angle commanded at this instant."""
         if self.command is None:
             return ego.acceleration, ego.steering
         if self._asked != (self.made_at, ego.time):
@@ -65,20 +65,20 @@ class PlanMemory:
             self._now = float(self.command.acceleration[i]), float(self.command.steering[i])
             self._asked = self.made_at, ego.time
         acceleration, steering = self._now
-        # A vehicle at its limits, one that SUMO held, or one that the last check let drive otherwise has left
-        # the command behind.
+        # The vehicle departs from the command when it is at its limits, when SUMO holds it, or when the last
+        # check overrides the plan.
         return (
             ego.acceleration if abs(acceleration - ego.acceleration) > 4.0 else acceleration,
             ego.steering if abs(steering - ego.steering) > 0.2 else steering,
         )
 
     def rest(self, time: float) -> Command | None:
-        """Return what is left of the last command, as a command from now on."""
+        """Return the rest of the last command, as a command from now on."""
         return None if self.command is None else rest_of(self.command, self.age(time))
 
 
 def rest_of(command: Command, age: float) -> Command:
-    """Return what is left of a command that was given ``age`` ago [s], as a command from now on."""
+    """Return the rest of a command given ``age`` seconds ago, as a command from now on."""
     i = _entry(command, age)
     times = np.maximum(command.times[i:] - age, 0.0)
     return Command(times, command.acceleration[i:], command.steering[i:])
@@ -95,14 +95,14 @@ def sampled_command(
     steering: FloatArray,
     duration: float,
 ) -> Command:
-    """Return the command that follows two profiles for a time.
+    """Return the command that follows two profiles for ``duration``.
 
     Parameters
     ----------
     times : horizon, shape (N,) [s]
-    now : both commands at this instant
-    acceleration, steering : at ``times``, linear in between
-    duration : [s]
+    now : commanded acceleration and steering angle at this instant
+    acceleration, steering : the profiles at ``times``, linear in between
+    duration : how long the command lasts [s]
     """
     profiles = last_plan.sampled(times, now[0], acceleration, now[1], steering, COMMAND_SPACING, duration)
     return Command(*profiles)

@@ -38,11 +38,11 @@ from controllers.velocity_obstacle.mpc.speed_tasks import (
 )
 
 REACHED = 0.3
-"""A bound nearer to a plan than this has shaped it [m]."""
+"""A bound that is nearer to a plan than this counts as having shaped it [m]."""
 STUCK_WITHIN = 0.5
-"""Who cannot go as far as this cannot go anywhere [m]."""
+"""An ego that cannot go as far as this counts as unable to move [m]."""
 FORECAST_SPACING = 0.1
-"""How finely a predictor is asked; in between people go straight on [s]."""
+"""Time step of the predictions; in between, people are expected to go straight on [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,41 +53,41 @@ class Chosen:
     conflicts: Conflicts
     behind: int
     because: str
-    """Who bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nobody."""
+    """What bounds the position first: a signal, a crossing, a pedestrian or a vehicle; empty for nothing."""
     steering: SteeringPlan | None = None
-    """Where speed and steering were planned together."""
+    """Steering plan, if speed and steering were planned together."""
     too_far: float = 0.0
-    """By how far the plan goes beyond where the people who are let pass should stop it [m]."""
+    """How far the plan goes beyond the point where people let go first should stop it [m]."""
     room: float = np.inf
-    """How far the front bumper may go until it has to wait for a light, or for whoever will go on [m]."""
+    """How far the front bumper may go until it waits for a light or for a road user who will go on [m]."""
     stuck: bool = False
-    """Whether those who stay where they are keep the ego from going anywhere in that room."""
+    """Whether road users who stay where they are keep the ego from moving within ``room``."""
     bound: bool = False
-    """Whether what the class asks for because of pedestrians reaches the plan, which would differ without."""
+    """Whether the class's bounds for pedestrians shape the plan, which would differ without them."""
 
 
 @dataclass(slots=True)
 class SpeedPlanner:
-    """Makes speed plans; remembers which pedestrians the ego has set out to pass ahead of."""
+    """Makes speed plans, and remembers which pedestrians the ego has decided to pass ahead of."""
 
     settings: PassingSettings
     program: LongitudinalProgram
     memory: PlanMemory
     right_of_way: RightOfWay
     predictor: Predictor | None = None
-    """Where pedestrians will be; ``None``: they keep their velocities, in closed form."""
+    """Predicts where pedestrians will be; ``None``: they keep their velocities, in closed form."""
     solves: Memory = field(default_factory=Memory)
-    """Of the speed programs."""
+    """Memory for solving the speed programs."""
     forecast: Forecast | None = None
-    """Of the present instant; ``None`` without a predictor."""
+    """Forecast at the present instant; ``None`` without a predictor."""
     settled_from: float = np.inf
-    """Who is further ahead is met in the lane driven to alone, the change being over by then [m]."""
+    """Position where the lane change is over; people farther ahead are met in the target lane only [m]."""
     _ahead: dict[str, bool] = field(default_factory=dict)
     _reconsidered: float = -np.inf
     _watch: Watch = field(default_factory=Watch)
     _expectation: Expectation = field(init=False)
     _bounds: tuple[Conflicts, SpeedTask, ClassBounds] | None = None
-    # Of the conflicts and task they were worked out for.
+    # The bounds, with the conflicts and the task that they were computed for.
     _tasks: SpeedTasks = field(init=False)
 
     def __post_init__(self) -> None:
@@ -99,7 +99,7 @@ class SpeedPlanner:
         Parameters
         ----------
         perception
-            What the ego is told.
+            What the ego perceives.
         waiting_place
             Where the front bumper waits in the present lane for a change to another; inf for nowhere [m].
         """
@@ -112,18 +112,18 @@ class SpeedPlanner:
 
     @property
     def may_enter(self) -> NDArray[np.bool_]:
-        """Who of the pedestrians may come into the way who is not there yet, shape (n,)."""
+        """Which pedestrians may come into the ego's way but are not there yet, shape (n,)."""
         return self._expectation.enters
 
     @property
     def comes(self) -> FloatArray | None:
-        """What is known better of movements than velocities; see ``Expectation``."""
+        """Across speeds that are known better than from the velocities now; see ``Expectation``."""
         return self._expectation.comes
 
     def _band(
         self, perception: Perception, lane: Lane | None
     ) -> tuple[float | FloatArray, float | FloatArray]:
-        """Return right and left end of what the body sweeps where it meets each pedestrian [m]."""
+        """Return the right and left edge of what the body sweeps where it meets each pedestrian [m]."""
         right, left = swept(perception, lane)
         if lane is None or np.isinf(self.settled_from):
             return right, left
@@ -147,9 +147,9 @@ class SpeedPlanner:
         Parameters
         ----------
         perception
-            What the ego is told.
+            What the ego perceives.
         lane
-            Where the ego drives to; ``None``: straight on.
+            Lane that the ego drives to; ``None``: straight on.
         leaving_for
             How long the vehicles ahead in the present lane still count when another lane is the target [s].
         """
@@ -181,7 +181,7 @@ class SpeedPlanner:
             if best is not None and self._least_cost(perception, task, conflicts, behind) > best_cost:
                 continue
             plan, steering = self._solve_class(perception, lane, task, conflicts, behind)
-            # A change of mind has to be worth it.
+            # A change of class has to be worth it.
             cost = plan.cost / (s.hysteresis if flips[behind] else 1.0)
             if plan.found and (best is None or cost < best_cost):
                 who = because or (conflicts.names[0] if len(conflicts) else "")
@@ -191,7 +191,7 @@ class SpeedPlanner:
         return self._judged(perception, task, best, waits_at)
 
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
-        """Return a plan with what it makes of those who are let pass, and of those who stand in the way."""
+        """Return a choice with ``bound``, ``too_far`` and, for a slow ego, ``room`` and ``stuck`` set."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
@@ -216,7 +216,7 @@ class SpeedPlanner:
         conflicts: Conflicts,
         behind: int,
     ) -> tuple[SpeedPlan, SteeringPlan | None]:
-        """Return the plan for one passing class, with its steering where that was planned too."""
+        """Return the plan for one passing class, with the steering plan if that was made too."""
         bounded = self._bounded(perception, task, conflicts, behind)
         plan = self._solve(bounded)
         if not len(conflicts) or not plan.found:
@@ -225,7 +225,7 @@ class SpeedPlanner:
         return self._priced(plan, float(np.maximum(lower - bounded.upper, 0.0).max())), None
 
     def _solve(self, task: SpeedTask) -> SpeedPlan:
-        """Sequential QPs: the braking distance is linearised about the plan of the pass before."""
+        """Solve sequential QPs: each linearises the braking distance about the plan of the previous pass."""
         plan = self.program.solve(task, memory=self.solves)
         for _ in range(self.settings.passes - 1):
             if not plan.found or not self.program.worth_another_pass(task, plan):
@@ -244,7 +244,7 @@ class SpeedPlanner:
         task: SpeedTask,
         flips: Sequence[int],
     ) -> list[int]:
-        """Return the passing classes to solve: the present one and those that come nearest to reachable."""
+        """Return the passing classes to solve: the present one and those nearest to being reachable."""
         s, n = self.settings, len(conflicts)
         if n == 0:
             return [0]
@@ -267,13 +267,13 @@ class SpeedPlanner:
                 return same[: s.max_classes]
         scored = sorted((far[behind], flips[behind], -behind, behind) for behind in range(n + 1))
         chosen = [behind for *_, behind in scored][: s.max_classes]
-        # Letting everybody pass is always worth a try.
+        # The class that lets everybody go first is always tried.
         return chosen if n in chosen else [*chosen[: s.max_classes - 1], n]
 
     def _least_cost(
         self, perception: Perception, task: SpeedTask, conflicts: Conflicts, behind: int
     ) -> float:
-        """Return what a class costs at least for violated bounds, however hard the ego brakes or pushes."""
+        """Return the least cost of a class's violated bounds, however hard the ego brakes or accelerates."""
         limits, weights, times = self.program.limits, self.program.weights, self.memory.times
         speed = perception.ego.speed
         farthest = speed * times + 0.5 * limits.acceleration * times**2
@@ -285,7 +285,7 @@ class SpeedPlanner:
         return weights.violation * (late + soon) + weights.violation_squared * (late**2 + soon**2)
 
     def _due(self, perception: Perception) -> bool:
-        """Return whether it is time to look at all passing classes again."""
+        """Return whether it is time to consider all passing classes again."""
         return perception.ego.time - self._reconsidered >= self.settings.reconsider - 1e-9
 
     def _locked(self, perception: Perception, conflicts: Conflicts) -> bool:
@@ -297,10 +297,10 @@ class SpeedPlanner:
         return (nearest - perception.ego.body.front) / perception.ego.speed < self.settings.lock
 
     def _flips(self, conflicts: Conflicts) -> list[int]:
-        """Return, for each class, for how many pedestrians it differs from the one that is being followed."""
+        """Return, for each class, for how many pedestrians it differs from the class followed now."""
         ahead = [self._ahead.get(name) for name in conflicts.names]
         flips = [ahead.count(False)]
-        for one in ahead:  # who is passed behind in the next class
+        for one in ahead:  # the next class passes behind this pedestrian
             flips.append(flips[-1] + (one is not None) * (1 if one else -1))
         return flips
 
@@ -312,7 +312,8 @@ class SpeedPlanner:
             return task
         bounds = self._class_bounds(perception, task, conflicts)
         front, people = perception.ego.body.front, bounds.upper[behind]
-        # Who would have to stop for somebody with the body on a crossing stops before that crossing.
+        # An ego whose body would stand on a crossing while it waits for a pedestrian stops before that
+        # crossing.
         stops = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
         line = keep_clear_of_people(perception, *stops)
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
@@ -322,13 +323,14 @@ class SpeedPlanner:
         return task._replace(
             reference=np.minimum(task.reference, slower),
             upper=upper,
-            # People and vehicles outrank going ahead of somebody: nothing pulls the ego beyond them.
+            # Upper bounds from people and vehicles outrank going ahead of a pedestrian: nothing pulls the ego
+            # beyond them.
             lower=np.minimum(np.maximum(task.lower, bounds.lower[behind]), upper),
             stoppable=np.minimum(task.stoppable, stoppable),
         )
 
     def _priced(self, plan: SpeedPlan, short: float) -> SpeedPlan:
-        """Return a plan whose cost and slack hold by how much its class asks for too much [m]."""
+        """Return a plan whose cost and slack include ``short``, by which its class's bounds conflict [m]."""
         if short == 0.0:
             return plan
         w = self.program.weights
@@ -336,7 +338,7 @@ class SpeedPlanner:
         return plan._replace(cost=plan.cost + price, slack=max(plan.slack, short))
 
     def _class_bounds(self, perception: Perception, task: SpeedTask, conflicts: Conflicts) -> ClassBounds:
-        """Return the bounds of all classes, worked out once for the same conflicts and task."""
+        """Return the bounds of all classes, computed once for the same conflicts and task."""
         known = self._bounds
         if known is None or known[0] is not conflicts or known[1] is not task:
             body = perception.ego.body
@@ -358,7 +360,7 @@ class SpeedPlanner:
 
 
 def _reaches(bounds: ClassBounds, behind: int, plan: SpeedPlan, limits: SpeedLimits) -> bool:
-    """Return whether the bounds of a class, or the braking they ask for, come within reach of a plan."""
+    """Return whether a plan comes close to the bounds of a class, or to the braking that they require."""
     stopped = plan.position + plan.speed**2 / (2.0 * limits.emergency_braking)
     late = plan.position > bounds.upper[behind] - REACHED
     early = plan.position < bounds.lower[behind] + REACHED
@@ -366,7 +368,7 @@ def _reaches(bounds: ClassBounds, behind: int, plan: SpeedPlan, limits: SpeedLim
 
 
 def with_margins(perception: Perception, gain: float) -> Perception:
-    """Return the perception with discs that are larger by ``gain`` standard deviations of their positions."""
+    """Return the perception with pedestrians' discs enlarged by ``gain`` standard deviations of position."""
     people = perception.pedestrians
     if gain == 0.0 or not people.uncertainty.any():
         return perception

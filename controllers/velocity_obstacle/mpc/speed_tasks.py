@@ -1,4 +1,4 @@
-"""What bounds the speed plan apart from people in conflict: the road, signals, vehicles, who is beside."""
+"""Bounds on the speed plan other than people in conflict: road, signals, vehicles, people beside the way."""
 
 from __future__ import annotations
 
@@ -26,33 +26,34 @@ from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
 SIDE_CLEARANCE = 0.3
 """Distance kept beside other vehicles [m]."""
 BESIDE = 0.1
-"""The same of an ego that stands, and for those in the lane that is being left: only who is really in the way
-counts [m]."""
+"""Side clearance of a standing ego, and from vehicles in the lane being left, where only those that are truly
+in the way count [m]."""
 SIDE_CLEARANCE_FROM = 2.0
-"""From this speed on the whole distance is kept, below it in proportion [m/s]."""
+"""From this speed, the full side clearance is kept; below it, the clearance shrinks in proportion [m/s]."""
 SLOW = 1.0
-"""Slower is slow [m/s]."""
+"""Below this speed, the ego counts as slow [m/s]."""
 CAREFUL_BEFORE = 5.0
-"""Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
+"""The ego passes pedestrians who let it go first slowly from this distance before them [m]."""
 SLOWING_FOR_THE_ROAD, SLOWING_FOR_PEOPLE = 2.5, 1.5
-"""Decelerations with which bends and speed limits ahead are met, and with which people are who are passed
-slowly, or who may be hidden [m/s^2]."""
+"""Decelerations before bends and speed limits, and before people who are passed slowly or may be hidden
+[m/s^2]."""
 CEILING_SHARE, CEILING_MARGIN = 1.25, 0.3
-"""How far bends and limits may be exceeded: times the comfortable lateral acceleration, plus this [m/s]."""
+"""How far bends and limits may be exceeded: factor on the comfortable lateral acceleration in bends, and
+addition to the resulting speeds and the limits [-, m/s]."""
 LATEST_FOR_THE_ROAD, LATEST_FOR_PEOPLE = 3.3, 2.0
-"""Decelerations with which those ceilings are met [m/s^2]."""
+"""Decelerations before those ceilings, for the road and for people [m/s^2]."""
 SPEEDING_UP = 1.0
-"""How fast the wanted speed rises behind people who are passed slowly [m/s^2]."""
+"""Rate at which the wanted speed rises after people who are passed slowly [m/s^2]."""
 STOPPING, STOPPING_FOR_PEOPLE = 3.0, 2.0
-"""Decelerations with which the ego comes to where it stops: for lines and vehicles, and for people, who may
-come nearer than they seemed to [m/s^2]."""
+"""Decelerations with which the ego stops for lines and vehicles, and for people, who may come nearer than
+expected [m/s^2]."""
 SpeedLimit = tuple[FloatArray, FloatArray]
 """Positions of the rear axle, and the speed allowed there [m, m/s]."""
 
 
 @dataclass(slots=True)
 class SpeedTasks:
-    """Makes the tasks of one ego."""
+    """Makes the speed tasks of one ego."""
 
     settings: PassingSettings
     limits: SpeedLimits
@@ -65,7 +66,7 @@ class SpeedTasks:
     _wait_for_the_ego: BoolArray = field(init=False)
     _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
-    # Lateral acceleration in bends and slowing down, of the wanted speed and of the ceiling.
+    # Lateral acceleration in bends and deceleration before them, for the wanted speed and for the ceiling.
 
     def __post_init__(self) -> None:
         lateral = self.settings.bend_acceleration
@@ -79,7 +80,7 @@ class SpeedTasks:
         if perception.ego.speed < SLOW:
             self._wait_for_the_ego = self._watched.look(perception)
         else:
-            self._watched = WaitingForTheEgo()  # whoever stands next has not stood for the ego's last stop
+            self._watched = WaitingForTheEgo()  # waiting counts from the ego's present stop
         self.waiting_place = waiting_place
 
     def task(
@@ -90,9 +91,9 @@ class SpeedTasks:
         watch: Watch,
         slowly: SpeedLimit | None,
     ) -> tuple[SpeedTask, str, float]:
-        """Return the speed task without people in conflict, who bounds the position, and where to wait.
+        """Return the speed task without people in conflict, what bounds the position, and where to wait.
 
-        The front bumper of a slow ego has to wait there: for lights, for vehicles that will go on, for the
+        A slow ego has to wait with its front bumper there: for lights, for vehicles that will go on, for the
         lane's end; inf for nowhere, and for a faster ego [m].
 
         Parameters
@@ -102,7 +103,7 @@ class SpeedTasks:
         watch
             What is remembered of the pedestrians.
         slowly
-            How fast people may be passed who stay beside the way; ``None``: nobody is near.
+            How fast the ego may pass people who stay beside the way; ``None``: nobody is near.
         """
         s, ego, front = self.settings, perception.ego, perception.ego.body.front
         times, limits = self.memory.times, self.limits
@@ -150,16 +151,16 @@ class SpeedTasks:
         return task, stop or ahead.name, waits_at
 
     def _vehicles(self, perception: Perception, lane: Lane | None, leaving_for: float) -> Blockade:
-        """Return who is ahead in the lane driven to and, for as long as it matters, in the one being left."""
+        """Return who is ahead in the target lane and, for as long as it matters, in the lane being left."""
         ego, times = perception.ego, self.memory.times
-        # Where two vehicles beside each other wait for each other, one has to pass closely and slowly.
+        # If two vehicles beside each other wait for each other, one has to pass closely and slowly.
         kept = BESIDE + (SIDE_CLEARANCE - BESIDE) * min(ego.speed / SIDE_CLEARANCE_FROM, 1.0)
         reach = 0.5 * ego.body.width + kept
         offset = lane.offset if lane is not None else 0.0
         then = blockade(perception, (offset - reach, offset + reach), times)
         if abs(offset - ego.across) < 0.3:
             return then
-        # The front bumper is what would touch somebody ahead; the rear follows it out of the lane.
+        # The front bumper is what would touch a vehicle ahead; the rear follows it out of the lane.
         body, at = 0.5 * ego.body.width + BESIDE, front_across(perception)
         now = blockade(perception, (at - body, at + body), times)
         left = times > leaving_for
@@ -171,10 +172,10 @@ class SpeedTasks:
         )
 
     def _waits_at(self, perception: Perception, lane: Lane | None) -> float:
-        """Return the line, or the vehicle of its own lane, where the ego has to wait; inf for nowhere.
+        """Return the line, or the place behind a vehicle, where the ego has to wait; inf for nowhere [m].
 
-        A vehicle that stands across its way, or beside it with nothing ahead, waits for the ego: no waiting
-        helps.
+        A vehicle that stands across the ego's way, or beside it with nothing ahead, is itself waiting for the
+        ego, so waiting for it does not help.
         """
         vehicles = perception.vehicles
         stand = {vehicles.names[i] for i in np.flatnonzero(standing(vehicles))}
@@ -190,7 +191,7 @@ class SpeedTasks:
     def _line(
         self, perception: Perception, lane: Lane | None, rest: FloatArray, stops: Sequence[StopPlace]
     ) -> tuple[float, str]:
-        """Return the place the front bumper must not pass now, and why; inf for none."""
+        """Return the place that the front bumper must not pass now, and why; inf for none [m]."""
         places = [(stop.along, stop.name) for stop in stops]
         gap = self.settings.standstill_gap
         places.append(keep_clear_line(perception, self.memory.times, rest, gap))
@@ -207,15 +208,15 @@ def stopping_within(
 ) -> FloatArray:
     """Return the speeds from which the ego stops comfortably, ``sqrt(then^2 + 2 b room)``, shape (N,) [m/s].
 
-    On the way to a place that is not to be passed, it is cheapest to use all the time that the horizon has.
-    Planned anew at every step, the ego slows down far away and creeps; and one that stands sets out late, to
-    be fast at the end of the horizon, and never does.
+    Without these speeds, it is cheapest to use all of the horizon's time on the way to a place that must not
+    be passed. As every step plans anew, the ego would slow down far away and creep. An ego that stands would
+    plan to set out late, to be fast at the end of the horizon, and never set out.
 
     Parameters
     ----------
-    room : from the expected positions to where the ego stops, shape (N,) [m]
-    then : speed there, of somebody who drives on [m/s]
-    braking : b [m/s^2]
+    room : distance from the expected positions to where the ego stops, shape (N,) [m]
+    then : speed at that place, if a vehicle there drives on [m/s]
+    braking : deceleration b [m/s^2]
     """
     return np.asarray(np.sqrt(np.square(then) + 2.0 * braking * np.maximum(room, 0.0)))
 
@@ -223,9 +224,9 @@ def stopping_within(
 def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:
     """Return wanted speeds that rise gently over the horizon, shape (N,) [m/s].
 
-    A jump of the wanted speed at the end of a slow stretch makes it cheaper to dawdle before it and to be
-    accelerating already when it comes. Planned anew, the stretch still ends as far ahead, and the ego
-    dawdles on, to a standstill.
+    If the wanted speed jumps at the end of a slow stretch, it is cheaper to dawdle before the jump and to be
+    accelerating already when it comes. As every step plans anew, the stretch still ends as far ahead, and the
+    ego dawdles on until it stands.
 
     >>> _without_a_run_up(np.array([9.0, 1.0, 1.0, 9.0]), np.array([1.0, 2.0, 3.0, 4.0])).tolist()
     [9.0, 1.0, 1.0, 2.0]
@@ -241,7 +242,7 @@ def front_across(perception: Perception) -> float:
 
 
 def swept(perception: Perception, lane: Lane | None) -> tuple[float, float]:
-    """Return right and left end of what the body sweeps on its way into a lane."""
+    """Return the right and left edge of the area that the body sweeps on its way into a lane [m]."""
     half = 0.5 * perception.ego.body.width
     offset = lane.offset if lane is not None else 0.0
     across = perception.ego.across

@@ -8,7 +8,7 @@ from controllers.velocity_obstacle.mpc.longitudinal import SpeedLimits
 from controllers.velocity_obstacle.mpc.plan_memory import PlanMemory
 
 FRESH = 0.5
-"""A plan is followed on for this long when no new one is found [s]."""
+"""The ego goes on with a plan up to this age when no new one is found [s]."""
 
 
 def fallback(memory: PlanMemory, ego: EgoState, conflicts: Conflicts, limits: SpeedLimits) -> Plan:

@@ -1,1 +1,1 @@
-"""Arithmetic on arrays that fills the programs: functions of numbers and arrays, nothing else."""
+"""Arithmetic that fills the programs: functions of numbers and arrays only."""

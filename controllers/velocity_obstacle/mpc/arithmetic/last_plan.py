@@ -10,13 +10,13 @@ from controllers.arrays import FloatArray
 def moved(
     times: FloatArray, position: FloatArray, speed: FloatArray, age: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return positions from now and speeds of a plan made ``age`` ago, shape (N,) each [m, m/s].
+    """Return positions from now, and speeds, of a plan made ``age`` seconds ago, shape (N,) each [m, m/s].
 
     Parameters
     ----------
     times : horizon, shape (N,) [s]
-    position, speed : planned for them when it was made, shape (N,)
-    age : [s]
+    position, speed : planned for ``times`` when the plan was made, shape (N,)
+    age : time since the plan was made [s]
     """
     at = times + age
     travelled = np.interp(np.array([age]), _after(0.0, times), _after(0.0, position))
@@ -33,14 +33,14 @@ def sampled(
     spacing: float,
     duration: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return instants from now on, and in the middle after each two profiles that are linear in between.
+    """Return instants from now on, and two profiles sampled in the middle of the interval after each.
 
     Parameters
     ----------
     times : horizon, shape (N,) [s]
-    acceleration_now, steering_now : of the profiles at 0
-    acceleration, steering : of the profiles at ``times``, shape (N,)
-    spacing, duration : of the instants [s]
+    acceleration_now, steering_now : values of the profiles now
+    acceleration, steering : values of the profiles at ``times``, linear in between, shape (N,)
+    spacing, duration : spacing of the instants, and the time that they span [s]
     """
     starts = np.arange(0.0, duration, spacing)
     middle = starts + 0.5 * spacing
@@ -57,8 +57,8 @@ def in_intervals(
     Parameters
     ----------
     position, speed : at the end of each interval, shape (N,) [m, m/s]
-    speed_now : at the beginning of the first
-    curvature, curvature_step : as in ``RoadAhead``; without any the road is straight
+    speed_now : speed at the beginning of the first interval [m/s]
+    curvature, curvature_step : as in ``RoadAhead``; the road is straight if ``curvature`` is empty
     """
     middle = 0.5 * (position + _after(0.0, position[:-1]))
     mean = 0.5 * (speed + _after(speed_now, speed[:-1]))
@@ -68,7 +68,7 @@ def in_intervals(
 
 
 def _after(first: float, others: FloatArray) -> FloatArray:
-    # Several times as fast for a few numbers as np.concatenate, which has to make an array of the first.
+    # For few numbers, this is several times as fast as np.concatenate, which has to make ``first`` an array.
     both = np.empty(len(others) + 1)
     both[0], both[1:] = first, others
     return both

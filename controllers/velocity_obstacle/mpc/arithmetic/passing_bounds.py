@@ -1,4 +1,4 @@
-"""What passing classes ask of the position, and by how much one is out of reach; see ``passing_classes``."""
+"""Bounds of passing classes on the position, and how far out of reach a class is; see ``passing_classes``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from controllers.arrays import FloatArray
 def straight_on(
     along: FloatArray, speed: FloatArray, reach: FloatArray, times: FloatArray, until: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return where people are who keep their speed until then, and how far to keep away, shape (n, N)."""
+    """Return where people are who keep their speed until a time, and how far to keep away, shape (n, N)."""
     kept = np.empty((len(along), len(times)))
     kept[:] = reach.reshape(-1, 1)
     return along.reshape(-1, 1) + speed.reshape(-1, 1) * np.minimum(times, until), kept
@@ -34,7 +34,7 @@ def class_bounds(
     enter, leave, stop_line
         As in ``Conflicts``, shape (n,).
     x, reach
-        Where each pedestrian is along the road, and how far to keep from there, shape (n, N) [m].
+        Position of each pedestrian along the road, and how far to keep away from it, shape (n, N) [m].
     times, speed
         Horizon and expected speed, shape (N,).
     front, rear
@@ -47,7 +47,7 @@ def class_bounds(
     previous = np.append(0.0, times[:-1])
     following = np.append(times[1:], np.inf)
     enters, leaves, line = enter.reshape(-1, 1), leave.reshape(-1, 1), stop_line.reshape(-1, 1)
-    # Once the bumper is past the stop line only the pedestrian counts.
+    # Once the bumper is past the stop line, only the pedestrian counts.
     before = x - reach
     limit = np.where(front <= line + 0.3, np.minimum(before, np.maximum(line, front)), before)
     active = previous < leaves
@@ -91,16 +91,16 @@ def shortfalls(
     acceleration: float,
     braking: float,
 ) -> FloatArray:
-    """Return by how far each class cannot be reached, shape (n + 1,) [m].
+    """Return how far each class is out of reach, shape (n + 1,) [m].
 
     Parameters
     ----------
-    lower, upper : of the classes, shape (n + 1, N) [m]
-    largest : position that anything else allows, shape (N,) [m]
+    lower, upper : bounds of the classes, shape (n + 1, N) [m]
+    largest : largest position that everything else allows, shape (N,) [m]
     times : horizon, shape (N,) [s]
-    speed : now [m/s]
+    speed : present speed [m/s]
     reference : wanted speeds, shape (N,) [m/s]
-    acceleration, braking : comfortable ones [m/s^2]
+    acceleration, braking : comfortable values [m/s^2]
     """
     top = max(reference.max(), speed)
     t = np.minimum(times, (top - speed) / acceleration)

@@ -1,4 +1,4 @@
-"""What changes in a speed program from task to task; see ``mpc.longitudinal``."""
+"""The parts of a speed program that change from task to task; see ``mpc.longitudinal``."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from controllers.arrays import FloatArray
 
 BLOCKS = 9
 UPPER, LOWER, STOPPABLE, HEADWAY, FAST, SLOW, BRAKE, JERK_UP, JERK_DOWN = range(BLOCKS)
-"""Blocks of N rows, in their order; the bounds of the last two do not change."""
+"""Blocks of N rows, in order; the bounds of the last two do not change."""
 POSITION, SPEED, ACCELERATION, COMMAND = range(4)
 """Rows of the longitudinal states."""
 NEAR = 0.3
-"""The braking distance holds well enough this near to the speed it is linearised about [m/s]."""
+"""The linearised braking distance is accurate enough this near to the speed of linearisation [m/s]."""
 
 
 class Layout(NamedTuple):
-    """What does not change with the task; N intervals."""
+    """Constants that do not change with the task, for N intervals."""
 
     start: FloatArray
-    """States by those at the start, shape (4 N, 4)."""
+    """Map from the states at the start to all states, shape (4 N, 4)."""
     speed_gain: FloatArray
-    """Speeds by inputs, shape (N, N)."""
+    """Map from inputs to speeds, shape (N, N)."""
     stoppable_position: FloatArray
-    """Scaled rows of the braking distance, shape (N, N): of the position, and per second of the speed."""
+    """Scaled rows of the braking distance, shape (N, N): for the position, and per second for the speed."""
     stoppable_speed: FloatArray
     speed_cost: FloatArray
-    """Gradient by speed errors, shape (N, N), and by accelerations."""
+    """Map from speed errors, or from accelerations, to the gradient of the cost, shape (N, N) each."""
     acceleration_cost: FloatArray
     row_scale: FloatArray
-    """Of the rows of each block, shape (7, N)."""
+    """Scales of the rows of each block, shape (7, N)."""
     half_jerk: FloatArray
-    """How far half the jerk changes the command until each instant, shape (N,) [m/s^2]."""
+    """Change of the command until each instant at half the largest jerk, shape (N,) [m/s^2]."""
     acceleration: float
     comfortable_braking: float
     emergency_braking: float
@@ -42,16 +42,16 @@ class Layout(NamedTuple):
 
 
 class Program(NamedTuple):
-    """Where it is written to: views of the program's arrays."""
+    """The arrays that tasks are written to: views of the program's arrays."""
 
     q: FloatArray
-    """Of the inputs, shape (N,)."""
+    """Linear costs of the inputs, shape (N,)."""
     stoppable: FloatArray
     """Rows of the braking distance, shape (N, N)."""
     bounds: FloatArray
-    """Of the rows of each block, shape (7, N)."""
+    """Bounds of the rows of each block, shape (7, N)."""
     upper: FloatArray
-    """Of the inputs, shape (N,)."""
+    """Upper bounds of the inputs, shape (N,)."""
 
 
 def write(
@@ -68,7 +68,7 @@ def write(
     headway: FloatArray,
     ceiling: FloatArray,
 ) -> FloatArray:
-    """Write a task into the program; arguments as in ``SpeedTask``, the ceiling inf where there is none.
+    """Write a task into the program; arguments as in ``SpeedTask``, with ceiling inf if there is none.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def write(
     program.stoppable[:] = layout.stoppable_position + slope.reshape(-1, 1) * layout.stoppable_speed
     h[STOPPABLE] = stoppable + 0.5 * slope * expected - position - slope * speed
     h[HEADWAY] = headway - position - layout.headway * speed
-    # Bounds that the state may already violate are moved to what is still reachable: the program
+    # Bounds that the state may already violate are moved to what is still reachable, because the program
     # must have a solution from any state.
     present = speed_now + 0.5 * max(acceleration_now, 0.0)
     fastest = np.minimum(max(reference.max(), present) + 0.3, ceiling)
@@ -93,7 +93,7 @@ def write(
     h[FAST] = np.maximum(fastest - speed, slowed + 0.05)
     recovered = v @ towards(layout.acceleration, command_now, layout.half_jerk)
     h[SLOW] = np.maximum(speed, 0.05 - recovered)
-    # The last check may have braked harder than a plan may: that is eased within half the jerk.
+    # The last check may have braked harder than a plan may: such braking is eased at half the largest jerk.
     beyond = layout.emergency_braking - layout.comfortable_braking
     h[BRAKE] = np.maximum(layout.comfortable_braking + free[COMMAND], -beyond - layout.half_jerk)
     h *= layout.row_scale
@@ -102,7 +102,7 @@ def write(
 
 
 def towards(command: float, present: float, half_jerk: FloatArray) -> FloatArray:
-    """Return the inputs that lead half way to a command at half the jerk: there is room left to drive."""
+    """Return the inputs that reach half of a command at half the largest jerk, so some freedom is left."""
     step = 0.5 * command - present
     return np.minimum(half_jerk, step) if step > 0.0 else np.maximum(-half_jerk, step)
 
@@ -115,15 +115,15 @@ def states(
     dt: FloatArray,
     weights: FloatArray,
 ) -> tuple[FloatArray, float]:
-    """Return the states that the inputs at the head of ``z`` lead to, and the cost of having none.
+    """Return the states that the inputs at the head of ``z`` lead to, and the cost without any inputs.
 
     Parameters
     ----------
-    free : shape (4, N)
-    gain : shape (4 N, N)
+    free : states without input, shape (4, N)
+    gain : map from inputs to states, shape (4 N, N)
     z : inputs and slacks
-    reference, dt : shape (N,)
-    weights : of the squares of speed error and acceleration, shape (2,)
+    reference, dt : wanted speeds and interval lengths, shape (N,) [m/s, s]
+    weights : weights of the squares of speed error and acceleration, shape (2,)
     """
     n = len(dt)
     reached = free + (gain @ z[:n]).reshape(4, n)
@@ -133,5 +133,5 @@ def states(
 
 
 def departs(expected: FloatArray, speed: FloatArray, stoppable: FloatArray) -> bool:
-    """Return whether speeds are not near the expected ones where the ego must be able to stop."""
+    """Return whether speeds are far from the expected ones wherever the ego must be able to stop."""
     return bool(((np.abs(speed - expected) > NEAR) & np.isfinite(stoppable)).any())

@@ -1,4 +1,4 @@
-"""What changes in a steering program from task to task; see ``mpc.lateral``."""
+"""The parts of a steering program that change from task to task; see ``mpc.lateral``."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ ACROSS, HEADING, STEERING, STEERING_COMMAND = range(4)
 
 
 class Bicycle(NamedTuple):
-    """How steering moves the ego, whatever the speed; N intervals."""
+    """How steering moves the ego over N intervals, independent of the speed."""
 
     dt: FloatArray
     """Interval lengths, shape (N,) [s]."""
     turned: FloatArray
-    """What an interval adds to the heading per ``v / wheelbase``, by inputs and start, shape (N, N + 2)."""
+    """Heading that an interval adds per ``v / wheelbase``, by inputs and start, shape (N, N + 2)."""
     moved: FloatArray
-    """What it adds to the offset per ``v^2 / wheelbase``, shape (N, N + 2)."""
+    """Offset that it adds per ``v^2 / wheelbase``, by inputs and start, shape (N, N + 2)."""
     steering_start: FloatArray
-    """Steering angle and its command by both at the start, shape (N, 2) each."""
+    """Maps from both at the start to the steering angle and to its command, shape (N, 2) each."""
     command_start: FloatArray
     wheelbase: float
 
 
 class Limits(NamedTuple):
-    """What else does not change with the task; weights are per second."""
+    """Other constants that do not change with the task; weights are per second."""
 
     front: float
     """From the rear axle to the front bumper [m]."""
@@ -39,35 +39,35 @@ class Limits(NamedTuple):
     steering: float
     lateral_acceleration: float
     rate_cost: FloatArray
-    """Of the inputs' squares, shape (N,)."""
+    """Twice the weight of each input's square, shape (N,)."""
 
 
 class Program(NamedTuple):
-    """Where it is written to: views of the program's arrays, and the maps from inputs to states."""
+    """The arrays that tasks are written to: views of the program's, and the map from inputs to states."""
 
     P: FloatArray
-    """Of the inputs, shape (N, N)."""
+    """Quadratic costs of the inputs, shape (N, N)."""
     diagonal: FloatArray
-    """Of that, shape (N,)."""
+    """Diagonal of ``P``, shape (N,)."""
     q: FloatArray
-    """Of the inputs, shape (N,)."""
+    """Linear costs of the inputs, shape (N,)."""
     rows: FloatArray
-    """Of offset and front, left and right, by inputs, shape (4 N, N)."""
+    """Rows of the corridor: rear axle and front, each left and right, by inputs, shape (4 N, N)."""
     bounds: FloatArray
-    """Of all rows, shape (6, N)."""
+    """Bounds of all rows, shape (6, N)."""
     gain: FloatArray
-    """Of the states by inputs, shape (4 N, N)."""
+    """Map from inputs to states, shape (4 N, N)."""
 
 
 def maps(
     bicycle: Bicycle, gain: FloatArray, start: FloatArray, speed: FloatArray, curvature: FloatArray
 ) -> FloatArray:
-    """Write the gains of offset and heading, and return the states without input, shape (4, N).
+    """Write the maps from inputs to offset and heading, and return the states without input, shape (4, N).
 
     Parameters
     ----------
-    bicycle : see there
-    gain : states by inputs, shape (4 N, N)
+    bicycle : see :class:`Bicycle`
+    gain : map from inputs to states, shape (4 N, N)
     start : offset, heading error, steering angle and its command now, shape (4,)
     speed, curvature : mean values in each interval, shape (N,) [m/s, 1/m]
     """
@@ -76,7 +76,7 @@ def maps(
     travelled = speed * bicycle.dt
     heading, across = accumulated(bicycle.turned, bicycle.moved, per_wheelbase, speed, travelled)
     gain[:n], gain[n : 2 * n] = across[:, :n], heading[:, :n]
-    # Without input: what the wheels do at the beginning, less what the lane turns away.
+    # Without input: the effect of the wheels' initial angle, less the turning of the lane.
     wheels = start[STEERING:]
     turns = curvature * travelled
     lane_heading = start[HEADING] - np.cumsum(turns)
@@ -103,13 +103,13 @@ def write(
 
     Returns
     -------
-    The states without input, shape (4, N), and the objective there.
+    The states without input, shape (4, N), and the objective for them.
     """
     n, gain = len(speed), program.gain[: 3 * len(speed)]
     free = maps(bicycle, program.gain, start, speed, curvature)
     weights, errors = np.empty((3, n)), np.empty((3, n))
     weights[0], weights[1] = limits.across * bicycle.dt, limits.heading * bicycle.dt
-    # Lateral acceleration beyond the lane's own, as a weight on the steering angle.
+    # Lateral acceleration beyond that of following the lane, as a weight on the steering angle.
     bend = (speed**2 / bicycle.wheelbase) ** 2
     weights[2] = (limits.steering + limits.lateral_acceleration * bend) * bicycle.dt
     errors[0], errors[1] = free[ACROSS] - target, free[HEADING]
@@ -132,7 +132,7 @@ def write(
 def accumulated(
     turned: FloatArray, moved: FloatArray, per_wheelbase: FloatArray, speed: FloatArray, travelled: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return heading and offset at the end of each interval by inputs and start, shape (N, N + 2) each."""
+    """Return the maps from inputs and start to heading and offset after each interval, shape (N, N + 2)."""
     heading = np.add.accumulate(per_wheelbase[:, None] * turned, axis=0)
     steps = (speed * per_wheelbase)[:, None] * moved
     steps[1:] += travelled[1:, None] * heading[:-1]
