@@ -19,7 +19,7 @@ from controllers.velocity_obstacle.cones import Cone
 from controllers.velocity_obstacle.paper.euler_bicycle import ACROSS, ALONG, HEADING, SPEED
 
 TOUCHING = 1e-3
-"""Distance to the disc below which the tangent's turning is not followed any further [m]."""
+"""Below this distance to the disc, the turning of the tangent is not tracked any further [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,21 +27,21 @@ class People:
     """Predicted pedestrians, arrays of shape (m, n) over the steps."""
 
     along: FloatArray
-    """After each step [m]."""
+    """Positions after each step [m]."""
     across: FloatArray
     along_speed: FloatArray
-    """Before each step [m/s]."""
+    """Speeds before each step [m/s]."""
     across_speed: FloatArray
     side: FloatArray
     """+1: passed on the left of the line of sight; −1: right of it; 0: either, step by step; shape (m,)."""
     radius: FloatArray
-    """Of vehicle and pedestrian together, plus the uncertainty of the place, shape (m, n) [m]."""
+    """Radius of vehicle and pedestrian together, plus the uncertainty of the position, shape (m, n) [m]."""
 
     def __len__(self) -> int:
         return len(self.side)
 
     def only(self, chosen: NDArray[np.int64]) -> People:
-        """Return some of them, by index."""
+        """Return the pedestrians with the given indices."""
         return People(
             self.along[chosen],
             self.across[chosen],
@@ -60,7 +60,7 @@ def nobody(steps: int) -> People:
 
 @dataclass(frozen=True, slots=True)
 class ConeGradients:
-    """Derivatives of the margins by the state after a step and that before it, shape (m, n) each."""
+    """Derivatives of the margins by the states after and before a step, shape (m, n) each."""
 
     along: FloatArray
     across: FloatArray
@@ -71,7 +71,7 @@ class ConeGradients:
 
 
 def cone_margins(kind: Cone, people: People, states: FloatArray, reference_point: float = 0.0) -> FloatArray:
-    """Return the margins after each step, shape (..., m n) [m/s, within a disc m].
+    """Return the margins after each step, shape (..., m n) [m/s, or m within a disc].
 
     Parameters
     ----------
@@ -80,17 +80,17 @@ def cone_margins(kind: Cone, people: People, states: FloatArray, reference_point
     people
         See :class:`People`.
     states
-        Of motions, shape (..., 5, n + 1).
+        States of motions, shape (..., 5, n + 1).
     reference_point
-        From the rear axle forward to what the cones are about [m].
+        Distance from the rear axle forward to the point that the cones are about [m].
 
     Notes
     -----
     Eqs. (16) to (21) of [VOMPC2019]_: positions and the vehicle's velocity after the step, the
     pedestrian's velocity before it, and for the interactive cone the vehicle's velocity before it as well.
-    (16) is printed one-sided, (17) with misplaced parentheses, (19) without its root. The hybrid's old
-    direction is that of the velocity before the step, which is what the text says of it; (20) mixes the
-    new speed with the old heading.
+    (16) is printed one-sided, (17) with misplaced parentheses, (19) without its root. The old direction of
+    the hybrid cone is that of the velocity before the step, as the paper's text says; (20) mixes the new
+    speed with the old heading.
     """
     if len(people) == 0:
         return np.zeros((*states.shape[:-2], 0))
@@ -119,7 +119,7 @@ def cone_gradients(
     """Return the derivatives of one motion's margins; every ``side`` must be +1 or −1.
 
     Parameters are as for ``cone_margins``, states of shape (5, n + 1). At the switch of the hybrid cone
-    and on the disc, where the margin has a kink, they are those of one side of it.
+    and on the disc, where the margin has a kink, the derivatives of one side are returned.
     """
     px, py = _sight(people, states, reference_point)
     new_x, new_y, old_x, old_y = _velocities(states)
@@ -158,16 +158,16 @@ def cone_gradients(
 def clearances(people: People, states: FloatArray, step: float, reference_point: float = 0.0) -> FloatArray:
     """Return the least distance from each disc's edge over one motion, shape (m,) [m]; negative within.
 
-    Between the ends of the steps everybody goes straight on, as the vehicle does in Euler steps.
+    Within a step, everybody goes straight on, as the vehicle does in Euler steps.
 
     Parameters
     ----------
     people, reference_point
         As for ``cone_margins``; the discs are those after each step.
     states
-        Shape (5, n + 1).
+        States of one motion, shape (5, n + 1).
     step
-        [s].
+        Length of a step [s].
     """
     if len(people) == 0:
         return np.zeros(0)
@@ -186,7 +186,7 @@ def clearances(people: People, states: FloatArray, step: float, reference_point:
 
 
 def _sight(people: People, states: FloatArray, reference_point: float) -> tuple[FloatArray, FloatArray]:
-    """Return the pedestrians' places relative to the vehicle, shape (..., m, n) each."""
+    """Return the pedestrians' positions relative to the vehicle, shape (..., m, n) each."""
     heading = states[..., None, HEADING, 1:]
     x = states[..., None, ALONG, 1:] + reference_point * np.cos(heading)
     y = states[..., None, ACROSS, 1:] + reference_point * np.sin(heading)
@@ -206,7 +206,7 @@ def _bearing(px: FloatArray, py: FloatArray, radius: FloatArray, side: FloatArra
 
 
 def _fast(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return speeds, those of standing vehicles as a little more than nothing [m/s]."""
+    """Return speeds, with those near zero raised to a small positive value [m/s]."""
     return np.maximum(np.hypot(x, y), TOUCHING)
 
 

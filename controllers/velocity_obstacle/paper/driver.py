@@ -1,9 +1,10 @@
-"""One ego that drives as traffic asks, and by an avoidance plan while pedestrians are in conflict with it.
+"""One ego that drives as traffic requires, and by an avoidance plan while in conflict with pedestrians.
 
-Plans are made of a few long steps and followed in between: the speed along the planned profile, a change of
-lane along the planned path. A plan is made anew when its time is up, and before that when somebody new is
-in conflict or the ego has strayed from it. Signals, right of way, bends, leaders, lane keeping and changes
-of lane that traffic or route ask for are the traffic driver's; what it allows is never exceeded.
+Plans consist of a few long steps. In between, the ego follows the planned speed profile and, in a lane
+change, the planned path. A new plan is made when the time of the last one is up, or earlier when another
+pedestrian comes into conflict or the ego has strayed from the plan. The traffic driver handles signals, right
+of way, bends, leaders, lane keeping and lane changes for traffic or route; the ego never exceeds what it
+allows.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from controllers.velocity_obstacle.paper.scene import SceneReader, SceneSettings
 from controllers.velocity_obstacle.paper.unsolved_problem import fallback
 
 STRAYED = 1.0
-"""An ego whose speed differs by more from the plan needs a new one [m/s]."""
+"""An ego whose speed differs from the plan by more than this needs a new plan [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +45,18 @@ class DriverSettings:
     Parameters
     ----------
     scene
-        What its problems look like.
+        Settings of its problems.
     replan
         A plan is followed for this long [s].
     change_steps
-        Steps that a change of lane takes; ``None``: lanes are changed for traffic and route only.
+        Steps that a lane change takes; ``None``: lanes are changed for traffic and route only.
     """
 
     scene: SceneSettings
     replan: float
     change_steps: int | None
     reading: Reading = Reading.ADAPTED
-    """Of the decision rules."""
+    """How the conditions of the decision rules are read."""
 
 
 class AvoidanceDriver:
@@ -64,13 +65,13 @@ class AvoidanceDriver:
     Parameters
     ----------
     settings
-        How.
+        Settings of the driver.
     optimiser
         Solves the problems.
     predictor
-        Where pedestrians will be; ``None``: they keep their velocities.
+        Predicts where pedestrians will be; ``None``: they keep their velocities.
     brake
-        An emergency brake that has the last word along; ``None`` for none.
+        Emergency brake that has the last word on the acceleration; ``None`` for none.
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class AvoidanceDriver:
         self._rule = Rule.STRAIGHT
 
     def decide(self, perception: Perception) -> Decision:
-        """Choose the lane by the decision rules while somebody is in conflict, as traffic asks otherwise."""
+        """Choose the lane by the decision rules while a pedestrian is in conflict, otherwise for traffic."""
         self._odometer.look(perception.ego)
         threat = self._brake.watch(perception) if self._brake is not None else ""
         decision = self._traffic.decide(perception, threat)
@@ -110,7 +111,7 @@ class AvoidanceDriver:
         return replace(decision, rule=self._rule, because=decision.because or conflicts.names[0])
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Follow the plan, slower where traffic asks for it."""
+        """Follow the plan, more slowly where traffic requires it."""
         ego, kept, drive = perception.ego, self._kept, perception.ego.drive
         times = lane_keeping.instants(ego)
         if kept is None:
@@ -134,7 +135,7 @@ class AvoidanceDriver:
     def _own(
         self, perception: Perception, decision: Decision, wanted: FloatArray, commanded: FloatArray
     ) -> OwnPart:
-        """Return what the plan, and neither its fallback nor the brake, does about pedestrians."""
+        """Return what the plan itself does about pedestrians, without its fallback or the brake."""
         kept, braked = self._kept, differ(wanted, commanded)
         if kept is None:
             return OwnPart(False, False, braked, braked)
@@ -143,7 +144,7 @@ class AvoidanceDriver:
         return OwnPart(True, kept.avoids and not braked, deviates, braked or not kept.avoids)
 
     def _due(self, perception: Perception, lane: Lane, conflicts: Conflicts) -> bool:
-        """Say whether a new plan is needed."""
+        """Return whether a new plan is needed."""
         kept, ego = self._kept, perception.ego
         if kept is None or kept.option.lane.number != lane.number:
             return True
@@ -156,7 +157,7 @@ class AvoidanceDriver:
     def _plan_anew(
         self, perception: Perception, decision: Decision, lane: Lane, conflicts: Conflicts
     ) -> Decision:
-        """Plan for the lane, and for those beside it to which the rules allow a change; keep the best."""
+        """Plan for the lane and for adjacent lanes that the rules allow a change to; keep the best plan."""
         ego, reader = perception.ego, self._reader
         if self._change is not None:
             return self._go_on(perception, decision, self._change, lane, conflicts)
@@ -191,7 +192,7 @@ class AvoidanceDriver:
         lane: Lane,
         conflicts: Conflicts,
     ) -> Decision:
-        """Plan the rest of a change, or go back where the old lane is still there and avoids better."""
+        """Plan the rest of a change, or go back if the old lane is still there and its plan is better."""
         ego, road, kept = perception.ego, perception.road, self._kept
         turned = kept.turned_at(ego.time) if kept is not None and kept.path is not None else None
         arrival = change.arrival(ego.time, self.settings.scene)
@@ -212,13 +213,13 @@ class AvoidanceDriver:
         return Decision(Manoeuvre.ABORT_CHANGE, here.number, because=conflicts.names[0])
 
     def _option(self, lane: Lane, problem: AvoidanceProblem, conflicts: Conflicts, time: float) -> Option:
-        """Solve a problem, from the last plan where that was one of the same kind."""
+        """Solve a problem, starting from the last plan if that was for a problem of the same kind."""
         kept = self._kept
         start = None
         if kept is not None and kept.option.problem.steers == problem.steers and kept.avoids:
             start = kept.moved_on(time)
         plan = self._optimiser.solve(problem, start)
-        # Of a plan that no solver stands for nobody can say whom it avoids.
+        # It is unknown whom a plan avoids that no solver vouches for: it counts as avoiding nobody.
         met = not_avoided(problem, plan.states) if plan.solved else np.ones(len(conflicts), dtype=bool)
         return Option(lane, problem, conflicts, plan, tuple(conflicts.names[i] for i in np.flatnonzero(met)))
 
@@ -242,7 +243,7 @@ class AvoidanceDriver:
         return self._traffic.steering(perception, decision, acceleration)
 
     def _told(self, perception: Perception, kept: Kept, command: Command) -> Plan:
-        """Return the plan as it lies before the ego now."""
+        """Return the plan relative to where the ego is now."""
         option, ego = kept.option, perception.ego
         states, conflicts = option.plan.states, option.conflicts
         times = kept.made - ego.time + kept.step * np.arange(float(states.shape[1]))

@@ -21,20 +21,20 @@ SPEED_CHANGE, STEERING_CHANGE = range(2)
 
 @dataclass(frozen=True, slots=True)
 class EulerBicycle:
-    """A bicycle of one wheelbase in steps of one length.
+    """A bicycle with a fixed wheelbase and a fixed step length.
 
     Parameters
     ----------
     wheelbase
         [m].
     step
-        T [s].
+        Step length T [s].
 
     Notes
     -----
-    Eqs. (7) to (11) of [VOMPC2019]_. Its Eq. (5) divides by the tangent, which (4) and (9) contradict;
-    (7) and (8) multiply rates by T, here the inputs are the changes themselves. Its heading is counted from
-    the x-axis, here from the lane.
+    Eqs. (7) to (11) of [VOMPC2019]_. Its Eq. (5) divides by the tangent, which (4) and (9) contradict. In
+    (7) and (8), rates are multiplied by T; here, the inputs are the changes themselves. The paper counts the
+    heading from the x-axis; here, it is counted from the lane.
     """
 
     wheelbase: float

@@ -1,7 +1,7 @@
 """A genetic algorithm for the avoidance problem: the velocity-obstacle paper's own kind of solver.
 
-Individuals are the inputs themselves (real-coded). Of two, the one that violates less wins, then the one
-that costs less. No passing side is given: at each step the better one counts.
+Individuals are the inputs themselves (real-coded). Of two individuals, the one with less violation wins, then
+the one with less cost. No passing side is given: at each step, the better side counts.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, margin
 from controllers.velocity_obstacle.paper.sequential_programs import FOLLOWER_PRICE, AvoidancePlan, valued
 
 MISSED_PRICE = 10.0
-"""Of missing the end state by one, in units of the objective: a random search does not meet equations."""
+"""Price of missing the end state by one, in units of the objective: random search does not meet equations."""
 CROWD, ROUNDS = 12, 3
-"""Pedestrians that one search minds at first and that each further one adds, and searches at most."""
+"""Number of pedestrians that each search adds at most, and largest number of searches."""
 CROWDING = 2.0
-"""Individuals of the first generation are drawn from the bounds times u^CROWDING, u uniform: with 0 they
-fill the bounds evenly, with more they crowd about doing nothing."""
+"""The first generation is the wanted inputs plus draws from the bounds times u^CROWDING, with u uniform: 0
+fills the bounds evenly, and larger values crowd the individuals about the wanted inputs."""
 
 
 @dataclass(frozen=True, slots=True)
 class GeneticBudget:
-    """What one solve costs: generations times population plans are valued."""
+    """Effort of one solve, which evaluates generations times population plans."""
 
     generations: int
     population: int
@@ -36,21 +36,21 @@ class GeneticBudget:
 
 @dataclass(slots=True)
 class GeneticOptimiser:
-    """Solves one problem after the other with random numbers of its own.
+    """Solves one problem after another with random numbers of its own.
 
     Parameters
     ----------
     budget
-        Per problem.
+        Effort per problem.
     seed
-        Of all random numbers.
+        Seed of all random numbers.
     """
 
     budget: GeneticBudget
     seed: int
     solver: SolverSettings | None = None
     tally: Tally = field(default_factory=Tally)
-    """It solves no programs."""
+    """Stays empty, as no programs are solved."""
     _drawn: np.random.Generator = field(init=False)
 
     def __post_init__(self) -> None:
@@ -59,8 +59,8 @@ class GeneticOptimiser:
     def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
         """Return the best plan found; see ``passing_classes.Optimiser``.
 
-        Of a crowd, those are minded first whose cones doing what is wanted enters deepest; whose cones the
-        plan then enters are added, and it is searched again, at most ``ROUNDS`` times in all.
+        In a crowd, the first search considers the pedestrians whose cones the wanted inputs enter deepest.
+        Each further search, up to ``ROUNDS`` in all, adds those whose cones the last plan enters.
         """
         everybody = problem.passed(np.zeros(len(problem.people)))
         inputs = np.clip(problem.wanted_inputs(), *problem.bounds())
@@ -91,15 +91,15 @@ def solve_genetically(
     problem
         What to solve; the pedestrians' sides are not used.
     budget
-        It stops after so many generations; the clock does not matter.
+        The search stops after its number of generations, however long they take.
     seed
-        Of all random numbers.
+        Seed of all random numbers.
     start
-        A plan for the first generation, shape (2, n), beside doing what is wanted.
+        A plan for the first generation, in addition to the wanted inputs, shape (2, n).
 
     Notes
     -----
-    [VOMPC2019]_ says no more than that it uses a genetic algorithm.
+    [VOMPC2019]_ says only that it uses a genetic algorithm.
     """
     either = problem.passed(np.zeros(len(problem.people)))
     low, high = problem.bounds()
@@ -127,16 +127,16 @@ def solve_genetically(
 
 
 def _margin(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:
-    """Return the least margin of one plan for each pedestrian, shape (m,) [m/s]."""
+    """Return one plan's least margin for each pedestrian, shape (m,) [m/s]."""
     people = margins(problem, problem.states(inputs)).people
     return np.asarray(people.reshape(len(problem.people), problem.steps).min(axis=1))
 
 
 def valued_for_search(problem: AvoidanceProblem, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return what plans cost and the sum of what they violate; inputs of shape (..., 2, n).
+    """Return the cost of plans and the sum of their violations; inputs of shape (..., 2, n).
 
-    The end and the follower's gap are priced in the cost; cones, the gap ahead and the road are not for
-    sale.
+    The cost includes prices for missing the end state and the follower's gap. Cones, the gap ahead and the
+    road have no price: only they count as violations.
     """
     found = margins(problem, problem.states(inputs))
     short = sum(

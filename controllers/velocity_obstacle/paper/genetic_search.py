@@ -1,7 +1,7 @@
 """pymoo's genetic algorithm for real numbers, on whole arrays.
 
-pymoo's own loop keeps an object for each individual, which takes longer than valuing the plans; here its
-crossover and mutation are called directly, with its defaults, and choose the same.
+pymoo's own loop keeps an object for each individual, which takes longer than evaluating the plans. Here, its
+crossover and mutation are called directly with its defaults, and make the same choices.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ import numpy as np
 from controllers.arrays import FloatArray, IntArray
 
 CROSSED, EACH_CROSSED, EXCHANGED, NEAR_PARENTS = 0.9, 0.5, 0.5, 15.0
-"""Simulated binary crossover: share of the pairs, of their genes, of those exchanged, and its index."""
+"""Simulated binary crossover: shares of pairs crossed, of their genes crossed, and of these exchanged, and
+distribution index."""
 MUTATED, OFTEN, NEAR_ITSELF = 0.9, 0.5, 20.0
-"""Polynomial mutation: share of the children, of their genes at most (else one on average), and its index."""
+"""Polynomial mutation: share of children mutated, largest share of their genes (otherwise one gene on
+average), and distribution index."""
 
 
 Value = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""Genes, shape (n, g) -> what each costs, and what it violates constraints by: that counts first; (n,)."""
+"""Function from genes, shape (n, g), to costs and to violations, which count first, shape (n,) each."""
 
 
 def search(
@@ -28,20 +30,20 @@ def search(
 ) -> FloatArray:
     """Return the last generation, the best one first, shape (n, g).
 
-    The better half of parents and children lives on.
+    The better half of parents and children survives.
 
     Parameters
     ----------
     first
         The first generation, shape (n, g).
     value
-        What is minimised.
+        Function to minimise.
     low, high
         Bounds of the genes, shape (g,).
     generations
-        How many, the first one included.
+        Number of generations, including the first.
     seed
-        Of all random numbers.
+        Seed of all random numbers.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def search(
 
 
 class _Breeding:
-    """Makes children of a population; bounds as above."""
+    """Makes children of a population; bounds as for :func:`search`."""
 
     def __init__(self, low: FloatArray, high: FloatArray, drawn: np.random.Generator) -> None:
         # pymoo takes a second to load, and only this solver needs it.
@@ -80,7 +82,7 @@ class _Breeding:
         return self._mutated(self._crossed(genes[chosen.T]))[:count]
 
     def _better(self, two: IntArray, cost: FloatArray, short: FloatArray) -> IntArray:
-        """Return the better one of each two, shape (n,); of equal ones either, at random."""
+        """Return the better one of each pair, shape (n,); of equal ones, a random one."""
         counts = np.where((short[two] > 0.0).any(axis=1, keepdims=True), short[two], cost[two])
         better = two[np.arange(len(two)), np.argmin(counts, axis=1)]
         for tie in np.flatnonzero(counts[:, 0] == counts[:, 1]):
@@ -88,7 +90,7 @@ class _Breeding:
         return np.asarray(better)
 
     def _crossed(self, parents: FloatArray) -> FloatArray:
-        """Return the children of pairs of parents, shape (2, p, g) to (2 p, g)."""
+        """Return the children of pairs of parents, from shape (2, p, g) to (2 p, g)."""
         each = (parents.shape[1], 1)
         crossed = self._drawn.random(each) < CROSSED
         self._drawn.random(each)  # pymoo draws here which pairs exchange genes: all of them

@@ -1,4 +1,4 @@
-"""An avoidance plan that is being followed: its speeds and angles, and the commands that track them."""
+"""The avoidance plan that is being followed: its speeds and angles, and the commands that track them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 
 SURPRISE = 0.5
-"""An ego that meets pedestrians farther from where they were expected, across the road, plans anew [m]."""
+"""The ego plans anew if pedestrians are farther across the road from the expected place than this [m]."""
 SPEED_TIME = 0.4
 """Time constant with which a deviation from the planned speed is corrected [s]."""
 
@@ -31,7 +31,7 @@ class Option:
     conflicts: Conflicts
     plan: AvoidancePlan
     threats: tuple[str, ...]
-    """Who is not avoided by it."""
+    """Names of the pedestrians that the plan does not avoid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,26 +40,26 @@ class Kept:
 
     option: Option
     made: float
-    """When [s]."""
+    """When the plan was made [s]."""
     travelled: float
-    """Where, by the odometer [m]."""
+    """Odometer reading when the plan was made [m]."""
     path: LanePath | None
-    """Of a change of lane."""
+    """Path of a lane change."""
     other: Option | None
-    """The best of those that were not taken."""
+    """Best of the options that were not taken."""
 
     @property
     def avoids(self) -> bool:
-        """Whether everybody is."""
+        """Whether the plan avoids everybody."""
         return not self.option.threats
 
     @property
     def step(self) -> float:
-        """Length of its steps [s]."""
+        """Length of the plan's steps [s]."""
         return self.option.problem.bicycle.step
 
     def speed_at(self, times: FloatArray) -> FloatArray:
-        """Return the planned speeds at simulated times [m/s]; between the steps they change evenly."""
+        """Return the planned speeds at simulated times, linear between the steps [m/s]."""
         speeds = self.option.plan.states[SPEED]
         return np.asarray(np.interp(times - self.made, self.step * np.arange(len(speeds)), speeds))
 
@@ -71,7 +71,7 @@ class Kept:
         return float(np.interp(at, grid, states[HEADING])), float(np.interp(at, grid, states[STEERING]))
 
     def surprised(self, perception: Perception) -> bool:
-        """Say whether pedestrians are not where they were expected to be by now."""
+        """Return whether pedestrians are not where they were expected to be by now."""
         people, conflicts = perception.pedestrians, self.option.conflicts
         expected = self.option.problem.people
         age = perception.ego.time - self.made
@@ -86,14 +86,14 @@ class Kept:
         return False
 
     def moved_on(self, time: float) -> FloatArray:
-        """Return the inputs that are left, with none after them, shape (2, n) [m/s, rad]."""
+        """Return the remaining inputs, with zeros after them, shape (2, n) [m/s, rad]."""
         inputs = self.option.plan.inputs
         gone = min(round((time - self.made) / self.step), inputs.shape[1])
         return np.concatenate((inputs[:, gone:], np.zeros((2, gone))), axis=1)
 
 
 def tracked(ego: EgoState, kept: Kept, times: FloatArray) -> FloatArray:
-    """Return the accelerations that follow the planned speeds behind the drive's lag [m/s^2]."""
+    """Return the accelerations that follow the planned speeds, given the drive's lag [m/s^2]."""
     step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
     share = -math.expm1(-step / ego.drive.drive_lag) if ego.drive.drive_lag > 0.0 else 1.0
     at = ego.time + np.append(times, times[-1] + step)

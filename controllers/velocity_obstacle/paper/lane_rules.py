@@ -1,4 +1,4 @@
-"""Which lanes ``vo_paper`` and ``vo_ga`` may use to avoid somebody, and the change under way."""
+"""Lanes that ``vo_paper`` and ``vo_ga`` may use to avoid pedestrians, and the change under way."""
 
 from __future__ import annotations
 
@@ -14,38 +14,38 @@ from controllers.velocity_obstacle.paper.scene import SceneSettings
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 
 LEAST_SPEED = 2.0
-"""A slower ego does not change lanes to avoid somebody [m/s]."""
+"""An ego slower than this does not change lanes to avoid pedestrians [m/s]."""
 BEYOND = 50.0
 """How much farther than the change itself the other lane must lead along the route [m]."""
 BENT = 0.02
-"""Lanes are not changed in a sharper bend [1/m]."""
+"""Lanes are not changed in bends sharper than this [1/m]."""
 LAST_STEPS = 5
-"""A change is planned for that many steps to come at least: an Euler bicycle needs three to move sideways
-and as many again to be straight."""
+"""A change is planned for at least this many steps ahead: an Euler bicycle needs three to move sideways and
+as many again to be straight."""
 KEPT = 0.05
-"""A plan that violates nothing by more is one that works, in units of the margins."""
+"""A plan works if it violates no margin by more than this, in units of the margins."""
 SAVING = 0.01
-"""A change has to cost less by this share: solvers are no more exact."""
+"""Share by which a change has to be cheaper, because solvers are no more exact than this."""
 ARRIVED, STRAIGHT = 0.3, 0.03
-"""Offset [m] and heading [rad] with which a change has arrived."""
+"""A change has arrived when offset and heading are below these [m, rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of lane that the ego has begun in order to avoid somebody."""
+    """A lane change that the ego has begun in order to avoid pedestrians."""
 
     lane: int
     begun: float
-    """[s]"""
+    """When it began [s]."""
     steps: int
 
     def arrival(self, time: float, scene: SceneSettings) -> int:
-        """Return after how many steps from now it is to arrive."""
+        """Return the number of steps from now after which the change is to arrive."""
         gone = round((time - self.begun) / scene.step)
         return min(max(self.steps - gone, LAST_STEPS), scene.steps)
 
     def over(self, perception: Perception, decision: Decision) -> bool:
-        """Say whether it has arrived or was given up."""
+        """Return whether the change has arrived or was given up."""
         lane, ego = perception.road.lane(self.lane), perception.ego
         if lane is None or decision.target_lane != self.lane:
             return True
@@ -62,9 +62,9 @@ class LaneRules:
     scene
         For ``G_min = standstill_gap + headway v`` and the length of a step.
     change_steps
-        Steps that a change takes; ``None`` where there are to be none.
+        Steps that a change takes; ``None`` for no changes.
     reading
-        Which conditions the rules have.
+        How the conditions of the rules are read.
     """
 
     scene: SceneSettings
@@ -72,7 +72,7 @@ class LaneRules:
     reading: Reading = Reading.ADAPTED
 
     def open_lanes(self, perception: Perception) -> tuple[Rule, list[Lane]]:
-        """Return the rule that holds, and the lanes that may be changed to by it, the left one first."""
+        """Return the rule that holds and the lanes that it allows a change to, the left one first."""
         if self.change_steps is None:
             return Rule.STRAIGHT, []
         road, ego = perception.road, perception.ego
@@ -91,18 +91,18 @@ class LaneRules:
         return Rule.STRAIGHT, []
 
     def better(self, straight: AvoidancePlan, change: AvoidancePlan, rule: Rule) -> bool:
-        """Say whether to change lanes: the plan works, and it is the cheaper one or the only one allowed.
+        """Return whether to change lanes: the change works, and it is cheaper or the only option allowed.
 
         Notes
         -----
-        LANE CHANGE says that the own lane has no room, so the change needs not be cheaper.
+        LANE CHANGE says that the ego's lane has no room, so the change need not be cheaper.
         """
         if change.violation > KEPT:
             return False
         return rule is Rule.LANE_CHANGE or change.merit < (1.0 - SAVING) * straight.merit
 
     def _usable(self, perception: Perception, lane: Lane | None) -> bool:
-        """Say whether there is such a lane, straight and long enough to change to it now."""
+        """Return whether there is such a lane, straight and long enough to change to now."""
         road, ego = perception.road, perception.ego
         if lane is None or self.change_steps is None or ego.speed < LEAST_SPEED:
             return False

@@ -1,8 +1,8 @@
-"""Passing classes of the avoidance problem: who is let pass, and the cheapest of them.
+"""Passing classes of the avoidance problem: whom the vehicle lets go first, and which class is cheapest.
 
-Sorted by when they enter the vehicle's path, the first j pedestrians are passed behind and the others ahead:
-n + 1 classes instead of 2^n. Each is a problem with one side per pedestrian; plans that go over to one
-speed at once tell which of them are worth solving, and where to begin.
+With pedestrians sorted by when they enter the vehicle's path, the vehicle passes behind the first j and ahead
+of the others: n + 1 classes instead of 2^n. Each class is a problem with one side per pedestrian. Plans that
+change to one speed at once tell which classes are worth solving, and where to begin.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from controllers.velocity_obstacle.paper.sequential_programs import (
 )
 
 JUMPS = 41
-"""Speeds that a plan may go over to, of those that are tried."""
+"""Number of speeds that are tried in plans that change to one speed at once."""
 INTO_CONE = 0.1
-"""A relative velocity farther inside a cone is one that does not avoid [m/s]."""
+"""A relative velocity farther inside a cone than this does not avoid the pedestrian [m/s]."""
 INTO_DISC = 0.25
-"""Share of a disc's radius by which it may be entered: plans graze discs, and vehicles do not follow plans
-exactly."""
+"""Share of a disc's radius by which a motion may enter the disc: plans graze discs, and vehicles do not
+follow plans exactly."""
 FEWEST_PLACES = 4
-"""Pedestrians that the smallest program has room for; each larger one has twice as many."""
+"""Number of pedestrians that the smallest program has room for; each larger one has twice as many."""
 
 
 class Optimiser(Protocol):
-    """Solves avoidance problems; it may remember, so: one per ego."""
+    """Solves avoidance problems. It may keep a memory, so each ego needs its own."""
 
     @property
     def solver(self) -> SolverSettings | None:
@@ -47,7 +47,7 @@ class Optimiser(Protocol):
 
     @property
     def tally(self) -> Tally:
-        """Where those are counted."""
+        """Count of its quadratic programs."""
         ...
 
     def solve(self, problem: AvoidanceProblem, start: FloatArray | None) -> AvoidancePlan:
@@ -56,25 +56,25 @@ class Optimiser(Protocol):
         Parameters
         ----------
         problem
-            Pedestrians by time of entry; ``side`` is that of passing ahead of each.
+            Problem with pedestrians by time of entry; ``side`` is the one for passing ahead of each.
         start
-            The last plan, moved on to now, shape (2, n); ``None`` without one.
+            The last plan, moved to the present, shape (2, n); ``None`` without one.
         """
         ...
 
 
 @dataclass(slots=True)
 class QuadraticOptimiser:
-    """Sequential quadratic programs for the passing classes that promise most.
+    """Sequential quadratic programs for the most promising passing classes.
 
     Parameters
     ----------
     passes
-        Programs per class at most.
+        Largest number of programs per class.
     classes
-        Classes solved at most.
+        Largest number of classes solved.
     solver
-        Which solver.
+        Settings of the solver.
     """
 
     passes: int = 5
@@ -91,16 +91,16 @@ class QuadraticOptimiser:
             plan = self.solve_class(problem, int(behind), jumps[behind], start)
             if best is None or _rank(plan) < _rank(best):
                 best = plan
-        assert best is not None  # there is always the class of nobody
+        assert best is not None  # there is always the class that lets nobody go first
         return best
 
     def solve_class(
         self, problem: AvoidanceProblem, behind: int, *starts: FloatArray | None
     ) -> AvoidancePlan:
-        """Return the plan of one class, begun from the best of some plans.
+        """Return the plan of one class, starting from the best of some plans.
 
-        With steering two are begun from, what is wanted as well: a vehicle that stands cannot be steered, so
-        nothing leads away from a plan that stops.
+        With steering, the wanted inputs are a second start: a vehicle that stands cannot be steered, so no
+        step leads away from a plan that stops.
         """
         one = of_class(problem, behind)
         wanted = np.clip(one.wanted_inputs(), *one.bounds())
@@ -114,7 +114,7 @@ class QuadraticOptimiser:
         return best
 
     def program(self, problem: AvoidanceProblem) -> AvoidanceProgram:
-        """Return the program that such a problem fits into; made once."""
+        """Return the program that a problem of this size fits into; each is made once."""
         places = FEWEST_PLACES
         while places < len(problem.people):
             places *= 2
@@ -126,19 +126,19 @@ class QuadraticOptimiser:
 
 
 def _rank(plan: AvoidancePlan) -> tuple[bool, float]:
-    """Return what plans are compared by: any that is solved comes before those that are not."""
+    """Return the sort key of a plan: solved plans come before unsolved ones."""
     return not plan.solved, plan.merit
 
 
 def of_class(problem: AvoidanceProblem, behind: int) -> AvoidanceProblem:
-    """Return the problem in which the first ``behind`` pedestrians are let pass."""
+    """Return the problem in which the first ``behind`` pedestrians are let go first."""
     ahead = np.arange(len(problem.people)) >= behind
     side = np.where(ahead, problem.people.side, -problem.people.side)
     return problem.passed(side)
 
 
 def passed_behind(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
-    """Return who is let pass by a motion, shape (m,): whose cone it is farther out of on that side."""
+    """Return whom a motion passes behind, shape (m,): those whose cone it is farther out of on that side."""
     ahead = cone_margins(problem.cone, problem.people, states, problem.reference_point)
     other = problem.passed(-problem.people.side).people
     behind = cone_margins(problem.cone, other, states, problem.reference_point)
@@ -148,11 +148,11 @@ def passed_behind(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
 
 
 def not_avoided(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
-    """Return whose cone or disc a motion enters by more than can be explained by rounding off, shape (m,)."""
+    """Return whose cone or disc a motion enters by more than the tolerances, shape (m,)."""
     people, point = problem.people, problem.reference_point
     either = problem.passed(np.zeros(len(people))).people
     margin = cone_margins(problem.cone, either, states, point).reshape(len(people), problem.steps)
-    # Within the disc the margin is a depth; what happens there is the clearance's business.
+    # Within the disc the margin is a depth, so the clearance decides there.
     x = people.along - states[ALONG, 1:] - point * np.cos(states[HEADING, 1:])
     y = people.across - states[ACROSS, 1:] - point * np.sin(states[HEADING, 1:])
     entered = ((margin < -INTO_CONE) & (np.hypot(x, y) > people.radius)).any(axis=1)
@@ -161,10 +161,11 @@ def not_avoided(problem: AvoidanceProblem, states: FloatArray) -> BoolArray:
 
 
 def class_jumps(problem: AvoidanceProblem) -> tuple[FloatArray, FloatArray]:
-    """Return for every class the merit of the best plan that goes over to one speed at once, and that plan.
+    """Return, for every class, the merit of the best plan that changes to one speed at once, and that plan.
 
-    With a cone at every step the least change is often just that. Shapes (m + 1,) and (m + 1, 2, n); the
-    cones' violations are added up here, and their squares are left out: it is for choosing where to begin.
+    With a cone at every step, the least change is often exactly such a plan. Shapes (m + 1,) and
+    (m + 1, 2, n). The cones' violations are summed here without their squares: the merit is only for choosing
+    where to begin.
     """
     n, people = problem.steps, problem.people
     plans = np.zeros((JUMPS, 2, n))

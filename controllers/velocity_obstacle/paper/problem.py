@@ -4,10 +4,10 @@ keeps every relative velocity out of the pedestrians' collision cones.
 ``minimise sum (dv - dv_wanted)^2 + w ddelta^2``, Eq. (6), over the inputs of an explicit-Euler bicycle,
 subject to bounds of inputs, speed and turn (22)-(25), gaps to vehicles (12)-(15), a cone for every
 pedestrian at every step (16)-(21), and an end state where one is given. On the paper's empty road the
-wanted change of speed is zero; in traffic it is what the road and its vehicles ask for.
+wanted change of speed is zero; in traffic it is what the road and its vehicles require.
 
-Here is only what the problem is. Constraints are margins that must not be negative, in blocks; a margin is
-in metres, metres per second or tenths of a radian, so that a violation of one means much in every block.
+This module only states the problem. Constraints are margins that must not be negative, in blocks. A margin is
+in metres, metres per second or tenths of a radian, so that a violation of one is large in every block.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ class InputLimits:
     steering_rate: float = np.radians(9.4)
     """[rad/s]"""
     turn_rate: float = np.radians(10.0)
-    """Of the heading [rad/s]."""
+    """Rate of change of the heading [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A state to be in after some step; ``None`` leaves it free. From then on the wheel is held."""
+    """State to reach after ``step``; ``None`` leaves a part of it free. From then on, the wheel is held."""
 
     step: int
     along: float | None = None
@@ -80,7 +80,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """Where the vehicle may be after each step; arrays of shape (n,), rear axle, infinite where free."""
+    """Where the rear axle may be after each step; arrays of shape (n,), infinite where free."""
 
     ahead: FloatArray
     """Largest along position plus headway times speed, Eqs. (12) and (14) [m]."""
@@ -93,7 +93,7 @@ class Room:
 
 
 def all_room(steps: int) -> Room:
-    """Return the room on an empty plain."""
+    """Return unlimited room."""
     free = np.full(steps, np.inf)
     return Room(free, -free, -free, free)
 
@@ -105,19 +105,20 @@ class AvoidanceProblem:
     Parameters
     ----------
     bicycle, start
-        How the vehicle moves and the state it begins in, see :class:`EulerBicycle`.
+        How the vehicle moves and its initial state; see :class:`EulerBicycle`.
     people
-        Predicted pedestrians, and on which side each is passed.
+        Predicted pedestrians, and the side on which each is passed.
     room
-        Vehicles and edges of the road.
+        Room that vehicles and edges of the road leave.
     steers
-        False where only the speed is free: straight on along the lane.
+        False if only the speed is free and the vehicle drives straight on along the lane.
     steering_weight
-        w, of a change of the wheel angle beside one of the speed [(m/s)^2/rad^2]. The paper gives none.
+        Weight w of a change of the wheel angle, relative to a change of speed [(m/s)^2/rad^2]. The paper
+        gives no value.
     wanted
-        Changes of speed that traffic and road ask for, shape (n,) [m/s].
+        Changes of speed that traffic and road require, shape (n,) [m/s].
     reference_point
-        From the rear axle forward to the point that the cones are about [m].
+        Distance from the rear axle forward to the point that the cones are about [m].
     """
 
     bicycle: EulerBicycle
@@ -143,7 +144,7 @@ class AvoidanceProblem:
         return np.array([[1.0], [self.steering_weight]])
 
     def passed(self, side: FloatArray) -> AvoidanceProblem:
-        """Return the problem with pedestrians passed on other sides, shape (m,)."""
+        """Return the problem with pedestrians passed on the given sides, shape (m,)."""
         return replace(self, people=replace(self.people, side=side))
 
     def wanted_inputs(self) -> FloatArray:
@@ -165,7 +166,7 @@ class AvoidanceProblem:
         )
 
     def top_speed(self) -> float:
-        """Return the highest speed (23); a vehicle that is faster already need not become slower [m/s]."""
+        """Return the highest speed (23); a vehicle that is already faster need not slow down [m/s]."""
         return max(self.limits.speed, float(self.start[SPEED]))
 
     def states(self, inputs: FloatArray) -> FloatArray:
@@ -179,7 +180,7 @@ class AvoidanceProblem:
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """How far every constraint is from being violated; rows in the last axis, see the module's text."""
+    """How far every constraint is from being violated, along the last axis; see the module's docstring."""
 
     people: FloatArray
     ahead: FloatArray
@@ -229,7 +230,7 @@ def margins(problem: AvoidanceProblem, states: FloatArray) -> Margins:
 
 
 def gradients(problem: AvoidanceProblem, states: FloatArray) -> Margins:
-    """Return the derivatives of one motion's margins by its inputs, shape (rows, 2 n) in every block."""
+    """Return the derivatives of one motion's margins by its inputs, shape (rows, 2 n) for every block."""
     gain = problem.bicycle.sensitivities(states)
     n = problem.steps
     turn = PER_RADIAN * np.diff(gain[HEADING], axis=0, prepend=np.zeros((1, 2 * n)))
@@ -248,7 +249,7 @@ def gradients(problem: AvoidanceProblem, states: FloatArray) -> Margins:
 
 
 def _chained(cones: ConeGradients, gain: FloatArray) -> FloatArray:
-    """Return the cones' derivatives by the inputs, one row for each pedestrian and step."""
+    """Return the derivatives of the cones by the inputs, one row for each pedestrian and step."""
     before = np.concatenate((np.zeros_like(gain[:, :1]), gain[:, :-1]), axis=1)
     rows = (
         cones.along[..., None] * gain[ALONG]

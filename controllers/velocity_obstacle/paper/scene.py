@@ -1,4 +1,4 @@
-"""Avoidance problems for what an ego sees: who is in conflict, what traffic leaves free, where to end."""
+"""Avoidance problems for what an ego sees: people in conflict, room that traffic leaves, and where to end."""
 
 from __future__ import annotations
 
@@ -21,40 +21,40 @@ from controllers.velocity_obstacle.paper.euler_bicycle import SPEED, EulerBicycl
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, End, InputLimits, Room
 
 FORECAST_SPACING = 0.1
-"""How finely a predictor is asked, and how finely traffic is followed ahead [s]."""
+"""Time step of the predictions of pedestrians and of following traffic [s]."""
 GAP_OPENS_IN = 4.0
-"""A gap that is short already is opened over some such times, not by braking hard [s]."""
+"""Time constant with which a gap that is already too short is opened, instead of by hard braking [s]."""
 FOLLOWER_KEEPS = 2.0
 """How long followers are expected to keep their speed before they react to the ego [s]."""
 MOST = 32
-"""Of a crowd in conflict the nearest so many count: a program of hundreds takes minutes."""
+"""At most this many of the nearest people in conflict count: a program with hundreds takes minutes."""
 KERB_CLEARANCE = 0.2
-"""Kept to the outer edges of the lanes that a lane change uses [m]."""
+"""Distance kept from the outer edges of the lanes that a lane change uses [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class SceneSettings:
-    """What a problem looks like; see ``problem.AvoidanceProblem``."""
+    """Settings of the problems; see ``problem.AvoidanceProblem``."""
 
     step: float
-    """T [s]."""
+    """Length T of a step [s]."""
     steps: int
     radius: float
-    """Of the disc about the body's centre that pedestrians' centres are kept out of [m]."""
+    """Radius of the disc about the body's centre that pedestrians' centres are kept out of [m]."""
     cone: Cone
     limits: InputLimits
-    """The speed limit (23) is the road's where ``top_speed`` gives none."""
+    """Input limits; the speed limit (23) is ``top_speed`` or, where that is ``None``, the road's."""
     steering_weight: float
     top_speed: float | None
     standstill_gap: float
     headway: float
     truncation: float = float("inf")
-    """Who is farther away than the ego gets in this time does not count [s]."""
+    """Pedestrians farther away than the ego gets in this time do not count [s]."""
     assume: PedestrianAssumptions = field(default_factory=PedestrianAssumptions)
 
     @property
     def horizon(self) -> float:
-        """[s]"""
+        """Length of the horizon [s]."""
         return self.steps * self.step
 
     @property
@@ -64,16 +64,16 @@ class SceneSettings:
 
 
 class SceneReader:
-    """Turns perceptions into problems; remembers the pedestrians, so: one per ego.
+    """Turns perceptions into problems. It remembers the pedestrians, so each ego needs its own.
 
     Parameters
     ----------
     settings
-        What the problems look like.
+        Settings of the problems.
     following
-        What traffic asks for.
+        Finds the accelerations that traffic requires.
     predictor
-        Where pedestrians will be; ``None``: they keep their velocities.
+        Predicts where pedestrians will be; ``None``: they keep their velocities.
     """
 
     def __init__(self, settings: SceneSettings, following: Following, predictor: Predictor | None) -> None:
@@ -84,7 +84,7 @@ class SceneReader:
         self._forecast: tuple[Perception, Forecast] | None = None
 
     def conflicts(self, perception: Perception, lane: Lane) -> Conflicts:
-        """Return who will be in the way on the way into a lane, by time of entry."""
+        """Return the pedestrians in conflict with the ego on its way into a lane, by time of entry."""
         s, people = self.settings, perception.pedestrians
         across = perception.ego.across if abs(perception.ego.across - lane.offset) > 1.0 else lane.offset
         # The band takes the disc in place of the body; ``find`` adds the pedestrian's own radius.
@@ -100,7 +100,7 @@ class SceneReader:
         return found if near.all() else found.only(np.flatnonzero(near))
 
     def straight(self, perception: Perception, lane: Lane, conflicts: Conflicts) -> AvoidanceProblem:
-        """Return the problem of driving on in a lane, which leaves the speed alone to be chosen."""
+        """Return the problem of driving on in a lane, in which only the speed is free."""
         start = np.array([0.0, lane.offset, 0.0, max(perception.ego.speed, 0.0), 0.0])
         room = self._room(perception, lane, self.settings.steps)
         return replace(self._problem(perception, lane, conflicts, start, room), steers=False)
@@ -113,17 +113,17 @@ class SceneReader:
         arrival: int,
         turned: tuple[float, float] | None = None,
     ) -> AvoidanceProblem:
-        """Return the problem of moving into a lane within so many steps.
+        """Return the problem of moving into a lane within ``arrival`` steps.
 
         Parameters
         ----------
         perception, lane, conflicts
-            What is seen, where to, and who is in conflict on the way.
+            What the ego perceives, the target lane, and who is in conflict on the way.
         arrival
-            Steps.
+            Number of steps until the ego is in the lane.
         turned
-            Heading and wheel angle to begin with where a plan is being followed, its own: the real ones are
-            about half a step ahead of those of Euler steps. ``None``: the real ones [rad].
+            Heading and wheel angle to begin with. If a plan is being followed, they are the plan's: the real
+            ones are about half a step ahead of those of Euler steps. ``None``: the real ones [rad].
         """
         ego, road = perception.ego, perception.road
         if turned is None:
@@ -164,7 +164,7 @@ class SceneReader:
         )
 
     def _wanted(self, perception: Perception, lane: Lane, speed: float) -> FloatArray:
-        """Return the changes of speed that road and vehicles ask for, shape (n,) [m/s]."""
+        """Return the changes of speed that road and vehicles require, shape (n,) [m/s]."""
         s = self.settings
         times = np.arange(0.0, s.horizon - 1e-9, FORECAST_SPACING)
         asked = self._following.follow(perception, lane.number, times).acceleration
@@ -175,10 +175,10 @@ class SceneReader:
         return np.asarray(np.diff(at, prepend=speed))
 
     def _people(self, conflicts: Conflicts) -> People:
-        """Return the predicted pedestrians; the side is that of passing ahead of them."""
+        """Return the predicted pedestrians; ``side`` is the one for passing ahead of them."""
         s, c = self.settings, conflicts
         before, after = s.grid - s.step, s.grid
-        # Whoever stands is passed ahead of on the side of the lane's middle.
+        # For people who stand, passing ahead means passing on the side of the lane's middle.
         walks = np.where(np.abs(c.across_speed) > 0.05, c.across_speed, -c.across)
         side = np.where(walks < 0.0, -1.0, 1.0)
         if c.forecast is None:
@@ -207,7 +207,7 @@ class SceneReader:
         return self._forecast[1]
 
     def _room(self, perception: Perception, lane: Lane, own_until: int) -> Room:
-        """Return the gaps: own lane up to a step, the lane driven to after it, Eqs. (12) to (15)."""
+        """Return the gaps in the ego's lane up to a step and in the target lane after it, Eqs. (12) to (15)."""
         s, gaps, ego = self.settings, perception.gaps, perception.ego
         side = lane.number - perception.road.reference
         ahead, behind = gaps.ahead, gaps.behind
@@ -244,7 +244,7 @@ class SceneReader:
         return np.where(s.grid <= FOLLOWER_KEEPS, bound, -np.inf)
 
     def _moved(self, neighbour: Neighbour) -> FloatArray:
-        """Return how far a neighbour gets; braking neighbours go on braking until they stand [m]."""
+        """Return how far a neighbour moves; braking neighbours go on braking until they stand [m]."""
         speed, braking = max(neighbour.speed, 0.0), max(-neighbour.acceleration, 0.0)
         times = self.settings.grid
         if braking > 0.1:

@@ -1,9 +1,9 @@
-"""Sequential quadratic programs for the avoidance problem, passing sides given.
+"""Sequential quadratic programs for the avoidance problem with given passing sides.
 
-Each program linearises all margins about the plan so far and lets every one of them be violated at a price,
-so that it always has a solution. The price of a cone is high enough that at a solution of the problem
-nothing is violated (an exact penalty); where nothing is a solution, a plan with little violation results.
-A step is shortened until objective and priced violations together do not grow.
+Each program linearises all margins about the plan so far and allows each of them to be violated at a price,
+so that it always has a solution. The price of a cone is high enough that nothing is violated if the problem
+has a solution (an exact penalty); otherwise, the result is a plan with little violation. A step is shortened
+until the sum of the objective and the priced violations does not grow.
 """
 
 from __future__ import annotations
@@ -20,25 +20,25 @@ from controllers.optimisation.solve import Memory, Tally, solve
 from controllers.velocity_obstacle.paper.problem import AvoidanceProblem, gradients, margins
 
 PRICE = 1e3
-"""Of a violation of one, in units of the objective; of a violation v it is ``price (v + v^2 / 2)``. The
-linear part keeps constraints that can be kept. The squares decide between violations where some must be, and
-without them the cost matrix is singular, which OSQP copes with badly."""
+"""A violation v costs ``price (v + v^2 / 2)``, in units of the objective. The linear part makes the program
+keep constraints that can be kept. The squares decide between violations where some are unavoidable; without
+them the cost matrix would be singular, which OSQP copes with badly."""
 END_PRICE = 100.0
-"""The same of the end state: late is better than into somebody."""
+"""Price of missing the end state: arriving late is better than hitting a pedestrian."""
 FOLLOWER_PRICE = 10.0
-"""The same of the gap to the vehicle behind, which has brakes of its own."""
+"""Price of violating the gap to the vehicle behind, which can brake itself."""
 UNITS = (1.0, 0.02)
-"""Of the inputs' variables: as large as each other for the solver [m/s, rad]."""
+"""Units of the input variables, which make them equally large for the solver [m/s, rad]."""
 PAPER_SOLVER = SolverSettings("osqp", tolerance=1e-3)
 SHARES = 0.5 ** np.arange(6)
 """Shares of a step that are tried."""
 SETTLED = 1e-6
-"""A step smaller than this ends the iteration [m/s, rad]."""
+"""The iteration ends with a step smaller than this [m/s, rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class AvoidancePlan:
-    """A plan, and what it is worth."""
+    """A plan and its value."""
 
     inputs: FloatArray
     """Shape (2, n) [m/s, rad]."""
@@ -53,9 +53,9 @@ class AvoidancePlan:
     violation: float
     """Largest violation of any margin but the follower's."""
     programs: int = 0
-    """Quadratic programs that it took."""
+    """Number of quadratic programs that the plan took."""
     solved: bool = True
-    """Whether the last of them was solved; if not, the plan is no better than the one it was begun from."""
+    """Whether the last of these programs was solved; if not, it has not improved the plan."""
 
 
 def prices(steps: int) -> FloatArray:
@@ -66,12 +66,12 @@ def prices(steps: int) -> FloatArray:
 
 
 def priced(violations: FloatArray, steps: int) -> FloatArray:
-    """Return what violations cost, one for each of ``Margins.violations`` in the last axis."""
+    """Return the price of violations, given as by ``Margins.violations`` along the last axis."""
     return np.asarray((violations + 0.5 * violations**2) @ prices(steps))
 
 
 def merits(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:
-    """Return objective and priced violations together, inputs of shape (..., 2, n)."""
+    """Return the sum of objective and priced violations, for inputs of shape (..., 2, n)."""
     short = margins(problem, problem.states(inputs)).violations(problem.steps)
     return np.asarray(problem.cost(inputs) + priced(short, problem.steps))
 
@@ -79,7 +79,7 @@ def merits(problem: AvoidanceProblem, inputs: FloatArray) -> FloatArray:
 def valued(
     problem: AvoidanceProblem, inputs: FloatArray, programs: int = 0, solved: bool = True
 ) -> AvoidancePlan:
-    """Return a plan from its inputs."""
+    """Return the plan that inputs lead to, with its value."""
     states, n = problem.states(inputs), problem.steps
     short = margins(problem, states).violations(n)
     cost = float(problem.cost(inputs))
@@ -101,15 +101,15 @@ class AvoidanceProgram:
     Parameters
     ----------
     steps
-        n.
+        Number of steps n.
     people
-        Pedestrians that fit in; rows of absent ones bind nothing.
+        Number of pedestrians that fit in; rows of absent ones are inactive.
     steers, ends
         Whether the problems have steering inputs, and how many states they prescribe at the end.
     solver
-        Which solver.
+        Settings of the solver.
     tally
-        Where programs are counted.
+        Counts the programs.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class AvoidanceProgram:
         self._memory = Memory(tally or Tally())
         self.inputs = (2 if steers else 1) * steps
         sizes = (steps, steps, 6 * steps, 2 * ends)
-        # One slack for each step's cones, one for each of the other blocks.
+        # One slack for the cones of each step, and one for each of the other blocks.
         slack_of = [np.tile(np.arange(steps), people)]
         slack_of += [np.full(size, steps + i) for i, size in enumerate(sizes)]
         slack = np.concatenate(slack_of)
@@ -174,7 +174,7 @@ class AvoidanceProgram:
         p.upper[:count] = high.ravel()[:count] / self._unit
 
     def step(self, problem: AvoidanceProblem, inputs: FloatArray) -> tuple[FloatArray, Solution]:
-        """Return the plan after one program linearised about another, and the program's solution."""
+        """Return the plan after one program linearised about a given plan, and the program's solution."""
         self.build(problem, inputs)
         begin = np.zeros(len(self.problem.q))
         begin[: self.inputs] = inputs.ravel()[: self.inputs] / self._unit
@@ -185,7 +185,7 @@ class AvoidanceProgram:
         found[: self.inputs] = solution.z[: self.inputs] * self._unit
         way = np.clip(found.reshape(2, -1), *problem.bounds()) - inputs
         tried = inputs + SHARES[:, None, None] * way
-        # The longest step that does not make it worse; none does only where the plan cannot be improved.
+        # Take the longest step that does not make the plan worse; if all do, it cannot be improved.
         good = np.flatnonzero(merits(problem, tried) <= merits(problem, inputs) + 1e-12)
         return (tried[good[0]] if len(good) else inputs), solution
 
@@ -199,7 +199,7 @@ class AvoidanceProgram:
         start
             Plan to begin from, shape (2, n).
         passes
-            Programs at most.
+            Largest number of programs.
         """
         inputs = np.clip(start, *problem.bounds())
         count, solved = 0, True

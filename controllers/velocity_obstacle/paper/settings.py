@@ -1,4 +1,4 @@
-"""What can be set of every controller of the avoidance problem, whoever solves it."""
+"""Settings that all controllers of the avoidance problem share, whatever their solver."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ class PaperSettings(ControllerSettings):
     """The paper's formulation: explicit Euler steps of one second, objective (6), a cone at every step."""
 
     replan_s: Positive = 1.0
-    """A plan is followed for this long, less when somebody new is in conflict."""
+    """A plan is followed for this long, or less when another pedestrian comes into conflict."""
     euler_step_s: Positive = 1.0
     """Length of a step of the horizon; the vehicle moves in explicit Euler steps."""
     euler_steps: Annotated[int, Field(ge=2)] = 11
     """Steps of the horizon."""
     disc_radius_m: Positive = 2.0
-    """Of the disc about the body's centre that pedestrians' centres are kept out of. One smaller than half
-    the body's diagonal and the pedestrian's radius together, about 2.67 m for a car, leaves corners out."""
+    """Radius of the disc about the body's centre that pedestrians' centres are kept out of. A disc smaller
+    than half the body's diagonal plus the pedestrian's radius, about 2.67 m for a car, leaves corners out."""
     cone: Literal[Cone.VO, Cone.IVO, Cone.HYBRID] = Cone.VO
     """Which collision cone relative velocities are kept out of."""
     truncation_s: PositiveOrInfinite = float("inf")
     """Pedestrians farther away than the ego gets in this time do not count; inf for the paper's cone."""
     steering_weight: Annotated[NotNegative, Unit("(m/s)²/rad²")] = 3282.8
-    """Of a change of the wheel angle in the objective, beside one of the speed; 3282.8 is one per square
-    degree."""
+    """Weight of a change of the wheel angle in the objective, relative to a change of speed; 3282.8 is one
+    per square degree."""
     top_speed_mps: Positive | None = None
     """A plan may go up to this speed; none for the speed limit."""
     standstill_gap_m: NotNegative = 2.5
-    """Of the least gap G_min = standstill_gap + headway · v."""
+    """Constant part of the least gap G_min = standstill_gap + headway · v."""
     headway_s: NotNegative = 1.0
-    """Of the least gap, and the time gap to a leader."""
+    """Headway in the least gap, and time gap to a leader."""
     lane_changes: bool = True
-    """Whether to change lanes to avoid somebody."""
+    """Whether to change lanes to avoid pedestrians."""
     rules: Reading = Reading.ADAPTED
     """Conditions of the decision rules (26)-(31): adapted, where one short gap of a lane suffices; or as
     printed, where both gaps of a lane have to be short."""
     change_steps: int = 8
-    """Steps that such a change takes."""
+    """Steps that a lane change to avoid pedestrians takes."""
     emergency_brake: bool = False
-    """Whether an emergency brake has the last word along."""
+    """Whether an emergency brake has the last word on the acceleration."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
@@ -86,5 +86,5 @@ class PaperSettings(ControllerSettings):
         )
 
     def brake(self) -> EmergencyBraking | None:
-        """Return the emergency brake, where there is one."""
+        """Return the emergency brake, if there is one."""
         return EmergencyBraking() if self.emergency_brake else None

@@ -12,15 +12,15 @@ from controllers.interface import Perception
 from controllers.velocity_obstacle.paper.kept_option import Kept, tracked
 
 COMFORTABLE = 3.0
-"""With which the fallback brakes where that is enough [m/s^2]."""
+"""Deceleration with which the fallback brakes where that is enough [m/s^2]."""
 STOPPED_BEFORE = 1.0
-"""Distance at which the fallback stops before somebody [m]."""
+"""Distance before a pedestrian at which the fallback stops [m]."""
 
 
 def fallback(perception: Perception, kept: Kept, times: FloatArray) -> FloatArray:
-    """Return accelerations that stop before whoever is not avoided, comfortably if possible [m/s^2].
+    """Return accelerations that stop before pedestrians who are not avoided, comfortably if possible [m/s^2].
 
-    Somebody beside the body whom it does not touch is not braked for.
+    The ego does not brake for people beside its body whom it does not touch.
     """
     ego, people, body = perception.ego, perception.pedestrians, perception.ego.body
     if ego.speed < STANDING:
