@@ -1,4 +1,4 @@
-"""Packages that some solvers need beside those that are always installed."""
+"""Packages that some solvers need in addition to those that are always installed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def require_pymoo() -> None:
     """
     try:
         there = importlib.util.find_spec("pymoo") is not None
-    except ValueError:  # a module without a specification stands in its place
+    except ValueError:  # a module without a specification has taken its place
         there = False
     if not there:
         raise ValueError("needs pymoo: pip install pymoo matplotlib")

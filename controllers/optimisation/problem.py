@@ -1,4 +1,4 @@
-"""A quadratic program in the words of whoever states it.
+"""A quadratic program with named variables and rows.
 
 ``minimise 1/2 z'Pz + q'z  subject to  G z <= h,  lower <= z <= upper``
 """
@@ -17,15 +17,15 @@ from controllers.arrays import FloatArray
 class Problem:
     """A convex quadratic program of n variables and m rows, which come in named blocks.
 
-    Its arrays are written in place by whoever states the problem, again and again: what is solved next looks
-    the same and has other values. A row without a bound has ``h = inf``.
+    The code that states the problem writes its arrays in place for each solve: the next problem has the same
+    layout and other values. A row without a bound has ``h = inf``.
 
     Parameters
     ----------
     objective
-        What is minimised, as a formula in the field's symbols.
+        What is minimised, as a formula in the symbols of the field.
     variables, rows
-        Name, with the unit, of each block of variables and of rows, and where it is.
+        Name, with the unit, of each block of variables and of rows, and the slice where it is.
     P, q
         Cost: symmetric and positive semidefinite, shape (n, n), and shape (n,).
     G, h
@@ -52,11 +52,11 @@ class Problem:
     upper: FloatArray
 
     def cost(self, z: FloatArray) -> float:
-        """Return the objective at ``z``, without the part that no variable changes."""
+        """Return the objective at ``z``, without its constant part."""
         return float(0.5 * z @ (self.P @ z) + self.q @ z)
 
     def violations(self, z: FloatArray) -> dict[str, float]:
-        """Return the largest violation of each block of rows, and of variables' bounds, that is violated."""
+        """Return the largest violation for each block of rows or of variables that has one."""
         rows = self.G @ z - self.h
         bounds = np.maximum(self.lower - z, z - self.upper)
         found = {name: float(rows[at].max(initial=0.0)) for name, at in self.rows.items()}
@@ -64,7 +64,7 @@ class Problem:
         return {name: value for name, value in found.items() if value > 0.0}
 
     def __str__(self) -> str:
-        """Return the problem as a text: what is minimised, over what, subject to what."""
+        """Return the problem as text: what is minimised, over which variables, subject to which rows."""
         lines = [f"minimise {self.objective}", "over"]
         for name, at in self.variables.items():
             span = f"{self.lower[at].min():g} to {self.upper[at].max():g}"
@@ -77,7 +77,7 @@ class Problem:
 
 
 def blank(objective: str, variables: Mapping[str, int], rows: Mapping[str, int]) -> Problem:
-    """Return a problem with blocks of these sizes that costs nothing and bounds nothing yet."""
+    """Return a problem with blocks of these sizes that has no costs and no bounds yet."""
     n, m = sum(variables.values()), sum(rows.values())
     return Problem(
         objective,

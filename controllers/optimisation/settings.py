@@ -1,4 +1,4 @@
-"""Which solver, and how exactly it solves."""
+"""The choice of a solver, and its tolerance."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class SolverSettings:
 
     name: str = "daqp"
     tolerance: float = 1e-4
-    """Absolute and relative tolerance that OSQP is asked for first, and more where that is not enough; the
-    other solvers keep their own. What a solution has to meet is the same for all, see
+    """Absolute and relative tolerance that OSQP tries first; where that is not enough, it tries smaller ones.
+    The other solvers keep their own. The conditions for a solution are the same for all solvers, see
     :mod:`controllers.optimisation.solution`."""
 
     def __post_init__(self) -> None:
@@ -37,6 +37,6 @@ class SolverSettings:
 
 
 def _installable() -> set[str]:
-    """Return the solvers that qpsolvers can have installed by pip, each an extra of its own."""
+    """Return the solvers that pip can install with qpsolvers, each as an extra of its own."""
     extras = metadata.metadata("qpsolvers").get_all("Provides-Extra") or []
     return set(extras) - {"open-source-solvers", "wheels-only"}

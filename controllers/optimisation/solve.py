@@ -1,6 +1,6 @@
 """Solving a quadratic program with any solver that qpsolvers knows.
 
-A solver's word is not enough: what it gives is used only when its certificate holds.
+The answer of a solver is not taken on trust: it is used only if its certificate holds.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from controllers.optimisation.warm_osqp import WARM_OSQP, Workspace
 
 OSQP = "osqp"
 REFINED = 4
-"""How many more digits OSQP is asked for, one after the other, while a certificate does not hold."""
+"""How many times OSQP is asked for one more digit while the certificate does not hold."""
 _FAILURES = (ValueError, ArithmeticError, RuntimeError, qpsolvers.QPError)
-"""What solvers raise instead of saying that they found nothing."""
+"""Errors that solvers raise instead of reporting that they found nothing."""
 
 
 @dataclass(slots=True)
 class Tally:
-    """How many programs there were, and how many of them were left without a solution."""
+    """Number of programs, and how many of them were left without a solution."""
 
     programs: int = 0
     unsolved: int = 0
 
     def take(self) -> tuple[int, int]:
-        """Return both, and begin to count anew."""
+        """Return both numbers, and start counting again."""
         counted = self.programs, self.unsolved
         self.programs = self.unsolved = 0
         return counted
@@ -44,7 +44,7 @@ class Memory:
 
     tally: Tally = field(default_factory=Tally)
     workspace: Workspace | None = None
-    """OSQP's."""
+    """Workspace of OSQP."""
 
 
 def solve(
@@ -53,30 +53,30 @@ def solve(
     memory: Memory | None = None,
     start: FloatArray | None = None,
 ) -> Solution:
-    """Solve a problem; never raises, ``solved`` says whether the result may be used.
+    """Solve a problem. This never raises; ``solved`` says whether the result may be used.
 
     Parameters
     ----------
     problem
-        As it stands.
+        The problem, with its present values.
     settings
-        Which solver.
+        Choice of solver.
     memory
-        Of an ego that solves one problem of this shape after the other; ``None`` begins anew.
+        Memory of an ego that solves one problem of this shape after another; ``None`` starts afresh.
     start
-        Where OSQP begins, shape (n,); ``None`` for where it ended.
+        Point at which OSQP starts, shape (n,); ``None`` for where it ended last.
     """
     memory = Memory() if memory is None else memory
     solution = _solve(problem, settings, memory, start)
     memory.tally.programs += 1
     if not solution.solved:
         memory.tally.unsolved += 1
-        memory.workspace = None  # what led nowhere is no place to begin from
+        memory.workspace = None  # a failed solve is no good start for the next one
     return solution
 
 
 def _solve(problem: Problem, settings: SolverSettings, memory: Memory, start: FloatArray | None) -> Solution:
-    # Whatever is no number stays in, so that the certificate meets it.
+    # Bounds that are NaN stay in, so that the certificate fails on them.
     rows = (problem.h != np.inf).nonzero()[0]
     bounded = Rows(rows, problem.G.take(rows, axis=0), problem.h.take(rows))
     if settings.name != OSQP:
@@ -85,14 +85,14 @@ def _solve(problem: Problem, settings: SolverSettings, memory: Memory, start: Fl
     for digits in range(1, REFINED + 1):
         if solution.solved:
             break
-        # OSQP stops at residuals that are small beside the largest numbers of the problem. It goes on from
-        # where it has come to.
+        # OSQP stops at residuals that are small relative to the largest numbers of the problem. It continues
+        # from the point that it has reached.
         solution = _by_warm_osqp(problem, bounded, memory, None, settings.tolerance * 0.1**digits)
     return solution
 
 
 def _by_name(problem: Problem, rows: Rows, solver: str) -> Solution:
-    """Solve it without the rows that bound nothing, matrices dense or sparse as the solver wants them."""
+    """Solve the problem without unbounded rows, with dense or sparse matrices as the solver requires."""
     dense = solver in qpsolvers.dense_solvers
     given = qpsolvers.Problem(
         problem.P if dense else csc_matrix(problem.P),
@@ -112,7 +112,7 @@ def _by_name(problem: Problem, rows: Rows, solver: str) -> Solution:
 def _by_warm_osqp(
     problem: Problem, rows: Rows, memory: Memory, start: FloatArray | None, tolerance: float
 ) -> Solution:
-    """Solve it with all rows, which keeps the sparsity pattern."""
+    """Solve the problem with all rows, which keeps the sparsity pattern."""
     if memory.workspace is None:
         memory.workspace = Workspace()
     given = qpsolvers.Problem(
@@ -130,7 +130,7 @@ def _by_warm_osqp(
 def _certified(
     problem: Problem, rows: Rows, solver: str, answer: qpsolvers.Solution, multipliers: FloatArray | None
 ) -> Solution:
-    """Check what a solver says; multipliers that it does not give count as 0."""
+    """Return the certified answer of a solver; multipliers that it does not give count as 0."""
     if not answer.found or answer.x is None:
         return unsolved(problem, f"{solver} found nothing")
     y = np.zeros(len(rows.h)) if multipliers is None else multipliers

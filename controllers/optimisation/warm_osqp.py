@@ -1,7 +1,7 @@
-"""OSQP kept warm from one problem to the next, registered with qpsolvers under a name of its own.
+"""OSQP that keeps its workspace from one problem to the next, registered with qpsolvers under its own name.
 
-New vectors cost OSQP nothing, new values of matrices one factorisation, a new sparsity pattern everything.
-The pattern is that of all problems so far: an entry that was once not zero stays in it.
+New vectors cost OSQP nothing, new values in matrices cost one factorisation, and a new sparsity pattern costs
+a complete setup. The pattern is that of all problems so far: an entry that was once non-zero stays in it.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ WARM_OSQP = "osqp_warm"
 """Name under which the workspace is registered with qpsolvers; users say ``osqp``."""
 
 MAX_ITERATIONS = 4000
-"""Beyond these OSQP has given up."""
+"""OSQP gives up after this many iterations."""
 
 _SOLVED = (osqp.SolverStatus.OSQP_SOLVED, osqp.SolverStatus.OSQP_SOLVED_INACCURATE)
-# Whether an inaccurate one is good enough is for the certificate to say.
+# The certificate decides whether an inaccurate solution is good enough.
 
 
 class _Matrix:
@@ -35,7 +35,7 @@ class _Matrix:
         self._last: FloatArray = np.empty(0)
 
     def grown_by(self, values: FloatArray) -> bool:
-        """Take in a matrix's non-zero entries; return whether any was not in the pattern."""
+        """Add a matrix's non-zero entries to the pattern; return whether any was new."""
         entries = values != 0.0
         if not (entries & ~self._pattern).any():
             return False
@@ -45,7 +45,7 @@ class _Matrix:
         return True
 
     def changed(self, values: FloatArray) -> FloatArray | None:
-        """Return the entries' values, column by column; ``None`` where they are those of the last call."""
+        """Return the values of the entries, column by column; ``None`` if they are those of the last call."""
         data = values[self._at]
         if np.array_equal(data, self._last):
             return None
@@ -53,7 +53,7 @@ class _Matrix:
         return np.asarray(data)
 
     def sparse(self, values: FloatArray) -> csc_matrix:
-        """Return a matrix with the whole pattern, entries that are 0 included."""
+        """Return a matrix with the whole pattern, including entries that are 0."""
         starts = np.append(0, np.cumsum(self._pattern.sum(axis=0)))
         self._last = values[self._at]
         return csc_matrix((self._last, self._at[0], starts), shape=self._pattern.shape)
@@ -67,7 +67,7 @@ class Workspace:
             "verbose": False,
             "max_iter": MAX_ITERATIONS,
             "check_termination": 10,
-            # The active set that ADMM ends with almost always gives the exact solution for one more solve.
+            # One more solve with the active set that ADMM ends with almost always gives the exact solution.
             "polishing": True,
             "warm_starting": True,
         }
@@ -78,9 +78,9 @@ class Workspace:
     def solve(
         self, problem: qpsolvers.Problem, start: FloatArray | None, tolerance: float
     ) -> qpsolvers.Solution:
-        """Solve a problem that has rows and bounds; those that are infinite bind nothing.
+        """Solve a problem that has rows and bounds; infinite ones have no effect.
 
-        ``tolerance`` is OSQP's absolute and relative one.
+        ``tolerance`` is both the absolute and the relative tolerance of OSQP.
         """
         cost, q, G, h, *_, lb, ub = (np.asarray(one, np.float64) for one in problem.unpack_as_dense())
         n, count = len(q), len(h)

@@ -1,1 +1,1 @@
-"""Speed plans in pieces, for what is ahead."""
+"""Speed plans, made of pieces of constant acceleration or jerk, for what is ahead."""

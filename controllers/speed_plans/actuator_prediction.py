@@ -1,8 +1,8 @@
-"""The state an ego will be in once its commands under way have taken effect.
+"""The state that an ego will be in once its commands under way have taken effect.
 
-A drive that follows its command with a dead time and a first-order lag T moves as the double integrator of
-the command does, later: with v + T a for the speed and s + T v for the position, the commands under way
-added, no delay is left to plan for.
+A drive that follows its command with a dead time and a first-order lag T moves like the double integrator of
+the command, only later. With v + T a as the speed and s + T v as the position, and with the commands under
+way added, there is no delay left to plan for.
 """
 
 from __future__ import annotations
@@ -18,37 +18,37 @@ from controllers.interface import EgoState
 
 @dataclass(frozen=True, slots=True)
 class PredictedState:
-    """Where plans begin."""
+    """State in which plans begin."""
 
     speed: float
     """[m/s]"""
     ahead: float
-    """How far ahead of the present position [m]."""
+    """How far the state is ahead of the present position [m]."""
     delay: float
-    """How much later a constant speed gets there [s]."""
+    """Time until the ego gets there, if its speed is constant [s]."""
 
     def gap(self, gap: float, speed: float) -> float:
-        """Return the gap that is left there to something at a gap and speed now [m]."""
+        """Return the gap left in that state to an obstacle with a given gap and speed now [m]."""
         return gap - self.ahead + speed * self.delay
 
 
 @dataclass(slots=True)
 class CommandHistory:
-    """The accelerations commanded lately, as pieces; one per ego."""
+    """The accelerations commanded recently, as pieces of constant acceleration; one per ego."""
 
     _begins: list[float] = field(default_factory=list)
     _values: list[float] = field(default_factory=list)
 
     def add(self, time: float, times: FloatArray, acceleration: FloatArray) -> None:
-        """Remember a command given at a time; it replaces what earlier ones said of the time since."""
+        """Remember a command given at a time; from then on, it replaces earlier commands."""
         kept = [i for i, begin in enumerate(self._begins) if begin < time - 1e-9]
-        # One piece that began long ago is enough to know what was commanded since then.
+        # One piece that began long ago is enough to know what has been commanded since then.
         first = max((i for i in kept if self._begins[i] < time - 5.0), default=0)
         self._begins = [self._begins[i] for i in kept[first:]] + (time + times).tolist()
         self._values = [self._values[i] for i in kept[first:]] + acceleration.tolist()
 
     def last(self, time: float) -> float:
-        """Return the acceleration commanded just before a time; 0 before the first [m/s^2]."""
+        """Return the acceleration commanded just before a time; 0 before the first command [m/s^2]."""
         before = int(np.searchsorted(self._begins, time - 1e-9)) - 1
         return self._values[before] if before >= 0 else 0.0
 
@@ -65,14 +65,14 @@ class CommandHistory:
 def predicted_state(ego: EgoState, delay: float, history: CommandHistory) -> PredictedState:
     """Return the state to plan from.
 
-    Speed v + T a and position s + T v, T the drive's lag; what the delay exceeds the lag by is dead time,
-    over which the commands given before now are still to come.
+    With the drive's lag T, its speed is v + T a and its position is s + T v. The part of the delay beyond the
+    lag is dead time, in which commands given before now are still to take effect.
 
     Parameters
     ----------
-    ego : as it is now
-    delay : from a command to its effect, lag included; shorter than the lag counts as the lag [s]
-    history : of the commands
+    ego : present state of the ego
+    delay : time from a command to its effect, lag included; if shorter than the lag, it counts as the lag [s]
+    history : commands so far
     """
     lag = ego.drive.drive_lag
     dead = max(delay - lag, 0.0)

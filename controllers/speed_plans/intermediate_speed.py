@@ -1,6 +1,6 @@
-"""Speed planning by an intermediate speed: arrive at an obstacle's speed exactly at the safe distance.
+"""Speed planning by an intermediate speed: reach an obstacle's speed exactly at the safe distance.
 
-The speed the ego would rise or fall to between now and then, V_m, says which of six ways to go.
+The speed V_m to which the ego would rise or fall in between decides which of six cases applies.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from controllers.speed_plans.trapezoid_profile import (
 )
 
 EQUAL = 1e-9
-"""Speeds that differ by less are one [m/s]."""
+"""Speeds that differ by less than this count as equal [m/s]."""
 
 
 def safe_distance(obstacle_speed: float, limits: PlanningLimits) -> float:
-    """Return the gap S_s = V_tar² / (2 a_d) + α V_tar + d_extra to follow an obstacle at [m].
+    """Return the gap S_s = V_tar² / (2 a_d) + α V_tar + d_extra at which to follow an obstacle [m].
 
     Notes
     -----
-    Eq. (4) of [Duan]_: room to stop should the obstacle stand still at once.
+    Eq. (4) of [Duan]_: it leaves room to stop if the obstacle stands still at once.
 
     >>> round(safe_distance(5.0, PlanningLimits(deceleration=0.5, actuator_delay=0.3, standoff=2.5)), 2)
     29.0
@@ -36,7 +36,7 @@ def safe_distance(obstacle_speed: float, limits: PlanningLimits) -> float:
 
 
 def intermediate_speed(situation: Situation, limits: PlanningLimits) -> float:
-    """Return V_m, the speed to turn round at: up to it with a_a, then down with a_d, or the other way [m/s].
+    """Return V_m, the turning point of the speed: up to it with a_a, then down with a_d, or vice versa [m/s].
 
     V_m = V_tar + √((2 D + u² / a_a) / c) with D = S − S_s, u = V_i − V_tar and c = 1 / a_a + 1 / a_d; where
     the radicand Q is negative, V_tar − √(−Q), which only selects the case.
@@ -58,16 +58,16 @@ def plan_intermediate(situation: Situation, limits: PlanningLimits) -> PlannedSp
     Parameters
     ----------
     situation : a negative obstacle speed counts as standing
-    limits : as planned with
+    limits : limits of the plan
 
     Notes
     -----
-    The cases of [Duan]_, by the number of its figure; the sixth is garbled in print and read as
-    V_m < V_i ≤ V_tar. Differences: the fifth brakes as hard as keeping half of d_extra asks for, stands and
-    waits where the obstacle is slower than it could fall behind otherwise, and takes over the first where
-    that would need more than the emergency deceleration. Above V_max (eqs. (7) and (8), where V_m cancels
-    out) the ego brakes to V_max, keeps it, and brakes again. A standing obstacle nearer than d_extra is
-    stood before, not left.
+    The cases are those of [Duan]_, by the number of its figure. The sixth is garbled in print and read as
+    V_m < V_i ≤ V_tar. There are differences. The fifth case brakes as hard as it takes to keep half of
+    d_extra; it stands and waits if the ego cannot otherwise fall behind a slow obstacle; and it replaces the
+    first case where that would need more than the emergency deceleration. Above V_max (eqs. (7) and (8),
+    where V_m cancels out), the ego brakes to V_max, keeps it, and brakes again. Before a standing obstacle
+    nearer than d_extra, the ego stands; it does not back off.
 
     >>> plan = plan_intermediate(Situation(20.0, 2.0, 5.0), PlanningLimits())
     >>> plan.case, [round(one.duration, 3) for one in plan.profile.segments]
@@ -78,7 +78,8 @@ def plan_intermediate(situation: Situation, limits: PlanningLimits) -> PlannedSp
     if other >= top - EQUAL:
         if speed <= max(other, top):
             return PlannedSpeed(free_profile(speed, limits), "0")
-        # Faster than an obstacle above the top speed: as if that were its speed, which is the safer guess.
+        # The ego is faster than an obstacle above the top speed: take the top speed as the obstacle's speed,
+        # which is the safer guess.
         situation, other = replace(situation, obstacle_speed=top), top
     surplus = situation.gap - safe_distance(other, limits)
     relative = speed - other
@@ -101,7 +102,7 @@ def plan_intermediate(situation: Situation, limits: PlanningLimits) -> PlannedSp
 
 
 def _brake(situation: Situation, surplus: float, limits: PlanningLimits) -> PlannedSpeed:
-    """Brake for an obstacle that is too near to be reached with a_d: cases 1 and 5."""
+    """Brake for an obstacle that is too near for braking with a_d: cases 1 and 5."""
     speed, other = situation.speed, situation.obstacle_speed
     relative = speed - other
     if surplus > 0.0 and relative**2 <= 2.0 * surplus * limits.emergency_deceleration:
@@ -134,7 +135,7 @@ def _fall_back(
 
 
 def _from_above(situation: Situation, surplus: float, limits: PlanningLimits) -> PlannedSpeed:
-    """Brake to the top speed, keep it, brake to the obstacle's: eqs. (7) and (8)."""
+    """Brake to the top speed, keep it, brake to the obstacle's speed: eqs. (7) and (8)."""
     speed, other, top, down = (
         situation.speed, situation.obstacle_speed, limits.top_speed, limits.deceleration,
     )  # fmt: skip
@@ -147,7 +148,7 @@ def _from_above(situation: Situation, surplus: float, limits: PlanningLimits) ->
 
 
 def _to_top(situation: Situation, surplus: float, limits: PlanningLimits) -> PlannedSpeed:
-    """Rise to the top speed, keep it, brake to the obstacle's: case 2."""
+    """Rise to the top speed, keep it, brake to the obstacle's speed: case 2."""
     speed, top, up, down = situation.speed, limits.top_speed, limits.acceleration, limits.deceleration
     highest, relative = top - situation.obstacle_speed, speed - situation.obstacle_speed
     used = (highest**2 - relative**2) / (2.0 * up) + highest**2 / (2.0 * down)
@@ -160,7 +161,7 @@ def _to_top(situation: Situation, surplus: float, limits: PlanningLimits) -> Pla
 
 
 def _keep_then_rise(situation: Situation, surplus: float, limits: PlanningLimits) -> PlannedSpeed:
-    """Keep the speed until rising to the obstacle's ends at the safe distance: case 4."""
+    """Keep the speed until rising to the obstacle's speed ends at the safe distance: case 4."""
     speed, up = situation.speed, limits.acceleration
     slower = situation.obstacle_speed - speed
     keep = max((-surplus - slower**2 / (2.0 * up)) / slower, 0.0)

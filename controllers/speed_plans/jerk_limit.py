@@ -1,8 +1,9 @@
-"""The same speed plan with a limited jerk: still to the exact gap and speed, never nearer in between.
+"""A speed plan with limited jerk: it ends at the same gap and speed and comes no nearer in between.
 
-A trapezoidal plan is made for the state in which its acceleration may be averaged over a window. The mean
-begins at the present speed and acceleration, ends at the same gap and speed as any plan, and its gap to the
-obstacle is a mean of that plan's gaps: what the plan keeps clear of, the smooth one does as well.
+A plan without a jerk limit is made for a state from which its acceleration can be averaged over a window.
+The mean begins at the present speed and acceleration and ends at the same gap and speed as any plan. Its gap
+to the obstacle is a mean of the first plan's gaps, so it also keeps clear of what the first plan keeps clear
+of.
 """
 
 from __future__ import annotations
@@ -15,39 +16,39 @@ from controllers.speed_plans.speed_profile import SpeedProfile, anticipated, smo
 from controllers.speed_plans.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation
 
 Planner = Callable[[Situation, PlanningLimits], PlannedSpeed]
-"""Makes a speed plan for one obstacle."""
+"""Function that makes a speed plan for one obstacle."""
 
 TRIES = 30
-"""How often the window is adapted to the plan it leads to."""
+"""How many times the window is adapted to the plan that it leads to."""
 SHARES = (1.0, 0.5, 0.25)
-"""Of that window, where it leads too near; the plan without a limit is what remains."""
+"""Shares of the window that are tried if it leads too near; the last resort is the plan without a limit."""
 SHORTEST_WINDOW = 0.01
-"""A shorter one smooths nothing [s]."""
+"""A window shorter than this smooths nothing [s]."""
 ROUNDING = 1e-6
-"""Share of the limit, and distance, that rounding may take [m]."""
+"""Tolerance for rounding, as a share of the limit and as a distance [m]."""
 
 
 def plan_with_jerk_limit(
     planner: Planner, situation: Situation, limits: PlanningLimits, jerk: float, before: float
 ) -> PlannedSpeed:
-    """Return the plan whose jerk is limited, as far as safety and a speed that stays positive allow.
+    """Return the plan with limited jerk, as far as safety and a positive speed allow.
 
-    With a window T the plan is made for the speed V_i + a₀ T / 2 and the gap
-    S − (V_i T / 2 + a₀ T² / 12) + V_tar T / 2; T is the largest step of its acceleration over
-    the jerk, more where two steps fall into one window.
+    With a window T, the plan is made for the speed V_i + a₀ T / 2 and the gap
+    S − (V_i T / 2 + a₀ T² / 12) + V_tar T / 2. T is the largest step of the plan's acceleration divided by
+    the jerk limit, and longer where two steps fall into one window.
 
     Parameters
     ----------
-    planner : plans without a limit
+    planner : makes plans without a jerk limit
     situation, limits : what to plan for
-    jerk : limit [m/s^3]; inf leaves the plan as it is
-    before : a₀, the present acceleration, from which the plan goes on [m/s^2]
+    jerk : jerk limit [m/s^3]; inf leaves the plan as it is
+    before : a₀, the present acceleration, from which the plan continues [m/s^2]
 
     Notes
     -----
-    What [Duan]_ leaves for later. The limit gives way where the plan would be unsafe, and in the last metres
-    of a stop: from a₀ < 0 at V_i no jerk below a₀² / (2 V_i) avoids driving backwards. The plan says so by
-    the letter ``j`` after its case where the limit holds.
+    [Duan]_ leaves this for future work. The limit gives way where the plan would be unsafe, and in the last
+    metres of a stop: from a₀ < 0 at V_i, no jerk below a₀² / (2 V_i) avoids driving backwards. Where the
+    limit holds, the letter ``j`` follows the plan's case.
     """
     plain = planner(situation, limits)
     if jerk == float("inf"):
@@ -82,7 +83,7 @@ def _least_gap(plan: PlannedSpeed, situation: Situation) -> float:
 def _planned(
     planner: Planner, situation: Situation, limits: PlanningLimits, window: float, before: float
 ) -> PlannedSpeed:
-    """Return the plan that is smooth over a window."""
+    """Return the plan that is smoothed over a window."""
     speed, ahead = anticipated(situation.speed, window, before)
     gap = situation.gap - ahead + 0.5 * situation.obstacle_speed * window
     plan = planner(replace(situation, gap=gap, speed=max(speed, 0.0)), limits)
@@ -90,6 +91,6 @@ def _planned(
 
 
 def _largest_jump(profile: SpeedProfile, before: float) -> float:
-    """Return the largest step of the acceleration, those at both ends included [m/s^2]."""
+    """Return the largest step of the acceleration, including those at both ends [m/s^2]."""
     values = [before, *(one.acceleration for one in profile.segments if one.duration > 0.0), 0.0]
     return max(abs(after - earlier) for earlier, after in itertools.pairwise(values))

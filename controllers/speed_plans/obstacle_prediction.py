@@ -1,4 +1,4 @@
-"""What an obstacle is expected to do within a speed plan: a leader's braking, a pedestrian's leaving."""
+"""Expected behaviour of obstacles during a speed plan: braking leaders and leaving pedestrians."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from controllers.speed_plans.speed_profile import Segment, SpeedProfile
 from controllers.speed_plans.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation, free_profile
 
 SPEEDING_UP_FOR = 1.0
-"""How long an obstacle that speeds up is expected to go on [s]."""
+"""How long an obstacle that speeds up is expected to go on speeding up [s]."""
 BRAKING_FOR = 2.0
-"""How long one that brakes is [s]."""
+"""How long an obstacle that brakes is expected to go on braking [s]."""
 SHORTER_BY = 1.0
-"""Steps in which a place to arrive at is moved back until the ego could still stop [m]."""
+"""Step by which the place to arrive at is moved back until the ego could still stop [m]."""
 SHORTEST = 12
-"""How many of them."""
+"""Largest number of such steps."""
 CREEPING = 1.0
-"""Rather than arrive more slowly, the ego stops [m/s]."""
+"""The ego stops rather than arrive more slowly than this [m/s]."""
 BODY_MARGIN = 0.25
-"""What a stop before somebody who stays would leave at least [m]."""
+"""Least distance that a stop before a pedestrian who stays would leave [m]."""
 
 
 def expected_obstacle(situation: Situation, acceleration: float) -> Situation:
-    """Return the obstacle of constant speed that the real one will have become.
+    """Return the situation with an obstacle of constant speed that stands for the real one.
 
-    Speed V_tar + a τ at the gap S − a τ² / 2: the line that the obstacle drives on after a time τ of
-    constant acceleration a.
+    Its speed is V_tar + a τ, and its gap is S − a τ² / 2: this is the line that the obstacle drives on after
+    a time τ of constant acceleration a.
 
     Parameters
     ----------
-    situation : now
-    acceleration : a of the obstacle [m/s^2]
+    situation : present situation
+    acceleration : acceleration a of the obstacle [m/s^2]
 
     >>> expected_obstacle(Situation(30.0, 10.0, 10.0), -2.0)
     Situation(gap=34.0, speed=10.0, obstacle_speed=6.0)
@@ -55,15 +55,15 @@ def plan_for_braking(
 
     Parameters
     ----------
-    planner : plans for a constant obstacle speed
+    planner : makes plans for a constant obstacle speed
     situation, limits : what to plan for
-    acceleration : of the obstacle [m/s^2]
+    acceleration : acceleration of the obstacle [m/s^2]
     """
     expected = expected_obstacle(situation, acceleration)
     plan = planner(expected, limits)
     if acceleration >= 0.0:
         return plan
-    # While it brakes the obstacle is nearer than the line it will drive on.
+    # While it brakes, the obstacle is nearer than the line that it will drive on.
     time = min(BRAKING_FOR, situation.obstacle_speed / -acceleration)
     for step in range(1, 11):
         moment = 0.1 * step * time
@@ -77,17 +77,17 @@ def plan_for_braking(
 def plan_until_gone(
     planner: Planner, situation: Situation, limits: PlanningLimits, gone: float, body_gap: float
 ) -> PlannedSpeed:
-    """Return the plan that arrives where the obstacle stands when it has gone, not before.
+    """Return the plan that arrives where the obstacle stands when it has gone, and not earlier.
 
-    With D the way to the place, the ego brakes with a_d for t_b and keeps that speed:
+    With the distance D to the place, the ego brakes with a_d for the time t_b and then keeps its speed:
     t_b = t_g − √(t_g² − 2 (V_i t_g − D) / a_d).
 
     Parameters
     ----------
-    planner : plans the stop where arriving later is no way out
+    planner : plans the stop if arriving later is not possible
     situation, limits : what to plan for; the standoff is kept until the obstacle has gone
-    gone : t_g, when that will be [s]
-    body_gap : to the pedestrian; should they stay, the emergency deceleration is enough to stop [m]
+    gone : t_g, time until the obstacle has gone [s]
+    body_gap : gap to the pedestrian; should they stay, the emergency deceleration is enough to stop [m]
     """
     speed, braking = situation.speed, limits.deceleration
     free = free_profile(speed, limits)
@@ -112,7 +112,7 @@ def plan_until_gone(
 
 
 def _can_still_stop(profile: SpeedProfile, gone: float, body_gap: float, limits: PlanningLimits) -> bool:
-    """Say whether, at any time up to ``gone``, an emergency stop is possible should the pedestrian stay."""
+    """Return whether, at any time up to ``gone``, an emergency stop is possible if the pedestrian stays."""
     for step in range(11):
         moved, speed, _ = profile.at(0.1 * step * gone)
         needed = speed * limits.actuator_delay + speed**2 / (2.0 * limits.emergency_deceleration)

@@ -1,4 +1,4 @@
-"""Speed plans that are kept while they fit: what makes one be made anew, and how it is made."""
+"""Speed plans that are kept while they fit: when a new one is made, and how."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from controllers.speed_plans.speed_targets import FREE, SpeedTarget
 from controllers.speed_plans.trapezoid_profile import PlannedSpeed, PlanningLimits, Situation, free_profile
 
 STEADY = 0.2
-"""An obstacle's smaller acceleration is not expected to go on [m/s^2]."""
+"""An obstacle's acceleration smaller than this is not expected to go on [m/s^2]."""
 OTHER_SPEED = 0.1
-"""A plan is not begun to be driven from a speed that differs by more [m/s]."""
+"""The ego does not start on a plan whose speed differs from its own by more than this [m/s]."""
 ENDS_AT_NO_GAP = frozenset({"0", "gone"})
-"""Cases without a gap to end at."""
+"""Cases of plans that end at no given gap."""
 
 
 class Replanning(StrEnum):
     """When to plan anew."""
 
     EVENT = "event"
-    """When the plan does not fit any more."""
+    """When the plan no longer fits."""
     PERIODIC = "periodic"
-    """By the clock."""
+    """At fixed intervals."""
 
 
 @dataclass(frozen=True, slots=True)
 class Triggers:
-    """What makes a plan not fit any more."""
+    """Deviations from which a plan no longer fits."""
 
     gap: float = 1.0
-    """The gap differs from the predicted one by more [m]."""
+    """The gap differs from the predicted gap by more than this [m]."""
     speed: float = 0.2
-    """The obstacle's speed has changed by more [m/s]."""
+    """The obstacle's speed has changed by more than this [m/s]."""
     end: float = 0.3
-    """The plan is over and the gap differs from the one it ends at by more [m]."""
+    """The plan is over, and the gap differs from its final gap by more than this [m]."""
     own_speed: float = 0.5
-    """With nothing ahead: the ego's speed differs from the planned one by more [m/s]."""
+    """With nothing ahead, the ego's speed differs from the planned speed by more than this [m/s]."""
     gone: float = 0.5
-    """When the obstacle will be gone has changed by more [s]."""
+    """The time at which the obstacle will be gone has changed by more than this [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +54,12 @@ class PlanSettings:
 
     planner: Planner
     final_gap: Callable[[float, PlanningLimits], float]
-    """The gap at which a plan ends, from the obstacle's speed and the limits."""
+    """Function from the obstacle's speed and the limits to the gap at which a plan ends [m]."""
     replanning: Replanning = Replanning.EVENT
     period: float = 0.1
-    """[s]"""
+    """Time between plans with ``PERIODIC`` [s]."""
     jerk: float = float("inf")
-    """Limit [m/s^3]."""
+    """Jerk limit [m/s^3]."""
     predict: bool = False
     """Whether obstacles are expected to go on speeding up, braking or leaving."""
     triggers: Triggers = field(default_factory=Triggers)
@@ -70,54 +70,54 @@ class Moment:
     """One instant of planning."""
 
     now: float
-    """On the plans' clock, which may be ahead of the ego's [s]."""
+    """Time on the plans' clock, which may be ahead of the ego's clock [s]."""
     state: PredictedState
-    """Where plans begin."""
+    """State in which plans begin."""
     limits: PlanningLimits
     before: float
-    """Acceleration that plans go on from [m/s^2]."""
+    """Acceleration from which plans continue [m/s^2]."""
     delay: float
     """How much later than planned the ego is known to move [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class KeptPlan:
-    """A speed plan, and what it was made for."""
+    """A speed plan and what it was made for."""
 
     target: SpeedTarget
     plan: PlannedSpeed
     since: float
     """When its clock began [s]."""
     situation: Situation
-    """At that instant; the gap is inf with nothing ahead."""
+    """Situation at that time; the gap is inf with nothing ahead."""
     limits: PlanningLimits
     final_gap: float | None
-    """At which it ends [m]; ``None`` where it ends at no given one."""
+    """Gap at which the plan ends; ``None`` if it ends at no given gap [m]."""
     gone: float
-    """When the obstacle is expected to be gone, on the same clock; inf for never [s]."""
+    """Time at which the obstacle is expected to be gone, on the same clock; inf for never [s]."""
     delay: float
 
     def expected(self, now: float) -> tuple[float, float]:
-        """Return the gap and the ego's speed that it predicts for a time [m, m/s]."""
+        """Return the gap and the ego's speed that the plan predicts for a time [m, m/s]."""
         elapsed = now - self.since
         moved, speed, _ = self.plan.profile.at(max(elapsed - self.delay, 0.0))
         moved += self.plan.profile.speed * min(elapsed, self.delay)
         return self.situation.gap + self.situation.obstacle_speed * elapsed - moved, speed
 
     def has_speed(self, now: float, speed: float) -> bool:
-        """Say whether it is a plan for this speed: one that was not driven for a while may not be."""
+        """Return whether the plan has this speed now; a plan that was not driven for a while may not."""
         return abs(self.plan.profile.at(now - self.since)[1] - speed) <= OTHER_SPEED
 
     def fits(
         self, now: float, situation: Situation, limits: PlanningLimits, gone: float, triggers: Triggers
     ) -> bool:
-        """Say whether it can be kept.
+        """Return whether the plan can be kept.
 
         Parameters
         ----------
-        now : on its clock [s]
-        situation, limits, gone : as they are now
-        triggers : how much may differ
+        now : time on its clock [s]
+        situation, limits, gone : present values
+        triggers : deviations from which it no longer fits
         """
         if limits != self.limits:
             return False
@@ -135,7 +135,7 @@ class KeptPlan:
 
 
 class PlanKeeper:
-    """The plans of one ego, one for each target that is there."""
+    """The plans of one ego, one for each present target."""
 
     def __init__(self, settings: PlanSettings) -> None:
         self.settings = settings
@@ -143,7 +143,7 @@ class PlanKeeper:
         self._planned_at = -np.inf
 
     def due(self, time: float) -> bool:
-        """Say whether the clock asks for new plans, and begin a new period if so."""
+        """Return whether the clock calls for new plans, and begin a new period if so."""
         settings = self.settings
         if settings.replanning is Replanning.EVENT or time < self._planned_at + settings.period - 1e-9:
             return False
@@ -151,17 +151,17 @@ class PlanKeeper:
         return True
 
     def forget_others(self, keys: set[str]) -> None:
-        """Keep the plans for these targets only."""
+        """Keep only the plans for these targets."""
         self._kept = {key: kept for key, kept in self._kept.items() if key in keys}
 
     def plan_for(self, target: SpeedTarget, moment: Moment, *, renew: bool) -> tuple[KeptPlan, Situation]:
-        """Return the plan for a target, the one there is while it fits, and the situation now.
+        """Return the plan for a target, which is the last one while that fits, and the present situation.
 
         Parameters
         ----------
         target : what to plan for
-        moment : now
-        renew : whether to plan anew in any case
+        moment : the present instant
+        renew : whether to make a new plan in any case
         """
         settings, state = self.settings, moment.state
         limits = replace(moment.limits, standoff=target.standoff)

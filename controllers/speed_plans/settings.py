@@ -1,4 +1,4 @@
-"""What can be set of every controller that plans its speed."""
+"""Settings that all controllers with speed plans share."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from controllers.speed_plans.trapezoid_profile import PlanningLimits
 
 LIMITS = PlanningLimits()
 BRISK = 1.8
-"""Traffic is followed with at least this acceleration, however gentle the plans are [m/s^2]."""
+"""The ego follows traffic with at least this acceleration, however gentle the plans are [m/s^2]."""
 
 
 class SpeedPlanSettings(ControllerSettings):
-    """Limits of the plans, and how pedestrians are let pass."""
+    """Limits of the plans, and how the ego lets pedestrians go first."""
 
     acceleration_mps2: Positive = LIMITS.acceleration
-    """Of a normal plan."""
+    """Acceleration of a normal plan."""
     deceleration_mps2: Positive = 2.0
-    """Of a normal plan."""
+    """Deceleration of a normal plan."""
     emergency_deceleration_mps2: Positive = LIMITS.emergency_deceleration
-    """The most that an emergency may use."""
+    """Largest deceleration in an emergency."""
     max_speed_mps: PositiveOrInfinite = float("inf")
-    """Driven where the road allows it."""
+    """Top speed, driven where the road allows it."""
     actuator_delay_s: NotNegative = LIMITS.actuator_delay
-    """α, from a command to its effect, the drive's lag included; what exceeds that is taken as dead time."""
+    """α, time from a command to its effect, drive lag included; what exceeds the lag counts as dead time."""
     standoff_m: NotNegative = LIMITS.standoff
-    """d_extra, left to an obstacle after a stop."""
+    """d_extra, distance left to an obstacle after a stop."""
     period_s: PositiveOrInfinite = 0.1
-    """Time between two plans; shorter than that between two perceptions means at each of them."""
+    """Time between two plans; if it is shorter than the time between perceptions, each gets a plan."""
     time_margin_s: NotNegative = 1.0
-    """The ego goes ahead of a pedestrian who comes into its way this long after it is past."""
+    """The ego goes ahead of a pedestrian who comes into its way at least this long after it is past."""
     side_margin_m: NotNegative = 0.6
-    """What a pedestrian's disc is grown by across the way."""
+    """Distance by which a pedestrian's disc is enlarged across the ego's way."""
     emergency_brake: bool = True
-    """Whether automatic emergency braking, as of aeb, is there for whoever no plan is made for."""
+    """Whether automatic emergency braking, as in aeb, acts for road users without a plan."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
     """How pedestrians are expected to walk."""
 
@@ -53,7 +53,7 @@ class SpeedPlanSettings(ControllerSettings):
         return self
 
     def limits(self) -> PlanningLimits:
-        """Return what a plan may use."""
+        """Return the limits of a plan."""
         return PlanningLimits(
             self.acceleration_mps2,
             self.deceleration_mps2,
@@ -72,5 +72,5 @@ class SpeedPlanSettings(ControllerSettings):
         return CrossingRule(self.standoff_m, side_margin=self.side_margin_m, time_margin=self.time_margin_s)
 
     def brake(self) -> EmergencyBraking | None:
-        """Return the emergency brake, where there is one."""
+        """Return the emergency brake, if there is one."""
         return EmergencyBraking() if self.emergency_brake else None

@@ -1,6 +1,6 @@
-"""One ego whose speed follows plans made for what is ahead; the road's rules and the steering are others'.
+"""One ego whose speed follows plans for what is ahead; another driver handles road rules and steering.
 
-For every obstacle there is a plan of its own; the most restrictive one is driven.
+Every obstacle has a plan of its own, and the ego drives the most restrictive one.
 """
 
 from __future__ import annotations
@@ -36,35 +36,35 @@ from controllers.speed_plans.speed_targets import (
 from controllers.speed_plans.trapezoid_profile import PlanningLimits, Situation
 
 SPEED_GAIN, GAP_GAIN = 1.0, 0.25
-"""How deviations of the speed and of the gap are corrected [1/s, 1/s^2]."""
+"""Gains with which deviations of the speed and of the gap are corrected [1/s, 1/s^2]."""
 STAYS_FOR = 0.5
 """An ego stays where it is if its plan has not begun to move within this time [s]."""
 ALIKE = 0.05
-"""Accelerations that differ by less do not make another plan the most restrictive one [m/s^2]."""
+"""Another plan counts as more restrictive only if its acceleration is lower by more than this [m/s^2]."""
 LOOK_AHEAD = 3.0
-"""How far ahead plans are compared [s]."""
+"""Time ahead at which plans are compared [s]."""
 STOPPING = -1.0
-"""Where the road asks for less than this, not for a bend or limit, it is taken to be for a stop [m/s^2]."""
+"""If the road allows less than this, and not for a bend or limit, it counts as requiring a stop [m/s^2]."""
 SLOWING_FOR = 1.0
-"""How long anything else that it asks for is taken to last [s]."""
+"""How long any other deceleration that the road requires is taken to last [s]."""
 SHORTEST_PIECE = 1e-4
-"""Times nearer to each other are one [s]."""
+"""Times nearer to each other than this count as one [s]."""
 SLOWEST_TOP_SPEED, FASTEST = 0.1, 70.0
-"""No top speed is planned with that is lower or higher [m/s]."""
+"""Lowest and highest top speed that plans use [m/s]."""
 PREVIEW = np.arange(0.25, 6.01, 0.25)
-"""Times for which the plan is told [s]."""
+"""Times at which the plan is reported [s]."""
 
 
 class PlanFrom(StrEnum):
-    """In which state a plan begins."""
+    """State in which a plan begins."""
 
     PREDICTED = "predicted"
-    """The one when all commands under way have taken effect; deviations from the plan are corrected."""
+    """The state when all commands under way have taken effect; deviations from the plan are corrected."""
     COMMANDED = "commanded"
-    """The commanded speed at the present gap; the plan's accelerations are commanded as they are. A plan that
-    begins while the ego closes in ends too near by the actuators' delay times the closing speed."""
+    """The commanded speed at the present gap; the plan's accelerations are commanded unchanged. A plan that
+    begins while the ego closes in ends too near, by the actuators' delay times the closing speed."""
     MEASURED = "measured"
-    """The present speed and gap; likewise."""
+    """The present speed and gap; otherwise as ``COMMANDED``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,27 +73,27 @@ class Made:
 
     perception: Perception
     kept: KeptPlan
-    """The most restrictive one."""
+    """The most restrictive plan."""
     moment: Moment
     times: FloatArray
     acceleration: FloatArray
-    """Commanded from each of the times on [m/s^2]."""
+    """Acceleration commanded from each of the times on [m/s^2]."""
     yielding: Yielding
     obstacles: tuple[SpeedTarget, ...]
     threat: str
-    """Who the emergency brake acts for; empty for nobody."""
+    """Name of the road user that the emergency brake acts for; empty for nobody."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What plans ask for until the next one."""
+    """Accelerations that plans ask for until the next planning."""
 
     times: FloatArray
     """Beginnings of pieces of constant acceleration [s]."""
     accelerations: Mapping[str, FloatArray]
-    """By the targets' keys [m/s^2]."""
+    """Accelerations of each piece, by the keys of the targets [m/s^2]."""
     means: Mapping[str, float]
-    """Over all pieces [m/s^2]."""
+    """Mean accelerations over all pieces, by the keys of the targets [m/s^2]."""
 
 
 class SpeedPlanDriver:
@@ -101,13 +101,13 @@ class SpeedPlanDriver:
 
     Parameters
     ----------
-    plans : how they are made
-    limits : the top speed is the driver's own, driven where the road allows it
-    plan_from : in which state they begin
-    style : of the traffic driver that steers, and drives for signals, right of way and bends
+    plans : how plans are made
+    limits : limits of the plans; the top speed is the driver's own, driven where the road allows it
+    plan_from : state in which plans begin
+    style : driving style of the traffic driver, which steers and handles signals, right of way and bends
     rule : when to go ahead of pedestrians
-    predictor : of pedestrians; ``None``: they keep their velocities
-    brake : for whoever the plans do not know of; ``None`` for no such brake
+    predictor : predicts where pedestrians will be; ``None``: they keep their velocities
+    brake : emergency brake for road users without a plan; ``None`` for no such brake
     """
 
     def __init__(
@@ -132,14 +132,14 @@ class SpeedPlanDriver:
         self._made: Made | None = None
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in, and which obstacle governs the speed."""
+        """Return which lane to be in, and which obstacle governs the speed."""
         decision = self._traffic.decide(perception)
         self._made = self._make(perception, decision)
         made = self._made
         return replace(decision, because=made.threat or made.kept.target.name or decision.because)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Drive the most restrictive plan, or what the road asks for where that is less."""
+        """Drive the most restrictive plan, or what the road requires where that is less."""
         made = self._made
         if made is None or made.perception is not perception:
             made = self._make(perception, decision)
@@ -149,7 +149,7 @@ class SpeedPlanDriver:
         return _told(made, command, _lane_offset(perception, decision))
 
     def _make(self, perception: Perception, decision: Decision) -> Made:
-        """Plan for everything that is ahead and combine the plans."""
+        """Plan for everything ahead and combine the plans."""
         ego, steps = perception.ego, lane_keeping.instants(perception.ego)
         ahead, passed = leaders(perception, decision.target_lane, self._style, self._traffic.waiting)
         alone = replace(perception, gaps=_only(perception.gaps, passed))
@@ -193,7 +193,7 @@ class SpeedPlanDriver:
         return Made(perception, kept, moment, asked.times, acceleration, yielding, obstacles, threat)
 
     def _moment(self, perception: Perception) -> Moment:
-        """Return where and when plans begin."""
+        """Return the state and the time at which plans begin."""
         ego, limits = perception.ego, self._limits_here(perception)
         predicted = predicted_state(ego, limits.actuator_delay, self._history)
         before = self._history.last(ego.time) if predicted.speed > STANDING else 0.0
@@ -225,7 +225,7 @@ class SpeedPlanDriver:
         )
 
     def _asked(self, found: Mapping[str, tuple[KeptPlan, Situation]], moment: Moment, ego: EgoState) -> Asked:
-        """Return what each plan asks for until the next one, with deviations from it corrected."""
+        """Return what each plan asks for until the next planning, with deviations from it corrected."""
         limits, steps = moment.limits, lane_keeping.instants(ego)
         end = max(ego.plan_interval, float(steps[-1]) + SHORTEST_PIECE)
         breaks = [
@@ -245,7 +245,7 @@ class SpeedPlanDriver:
         return Asked(times, accelerations, means)
 
     def _first(self, asked: Asked) -> str:
-        """Return whose plan is the most restrictive; the one so far unless another is clearly so."""
+        """Return whose plan is the most restrictive: the present one unless another clearly is."""
         first = min(asked.means, key=lambda key: asked.means[key])
         before = asked.means.get(self._governing, np.inf)
         return first if asked.means[first] < before - ALIKE else self._governing
@@ -257,7 +257,7 @@ def _lane_offset(perception: Perception, decision: Decision) -> float:
 
 
 def _only(gaps: NeighbourGaps, names: frozenset[str]) -> NeighbourGaps:
-    """Return the neighbours with those names; all others have plans of their own."""
+    """Return only the neighbours ahead with those names; all others have plans of their own."""
 
     def kept(one: Neighbour | None) -> Neighbour | None:
         return one if one is not None and one.name in names else None
@@ -268,7 +268,7 @@ def _only(gaps: NeighbourGaps, names: frozenset[str]) -> NeighbourGaps:
 
 
 def _present(plans: Sequence[KeptPlan], now: float, road: float, to_stop: bool) -> SpeedProfile:
-    """Return how the ego would go on without pedestrians, slower where the road asks for it."""
+    """Return how the ego would go on without pedestrians, more slowly where the road requires it."""
     rests = [kept.plan.profile.rest(now - kept.since) for kept in plans]
     slowest = min(rests, key=lambda rest: rest.at(LOOK_AHEAD)[0])
     if road >= slowest.at(0.0)[2] - ALIKE:
@@ -283,12 +283,12 @@ def _stays(kept: KeptPlan, now: float) -> bool:
 
 
 def _entry(begins: FloatArray, times: FloatArray) -> IntArray:
-    """Return the index of the piece, of those that begin at some times, that each time falls into."""
+    """Return, for each time, the index of the piece that it falls into; ``begins`` are the pieces' starts."""
     return np.maximum(np.searchsorted(begins, times + 1e-9, side="right") - 1, 0)
 
 
 def _merged(steps: FloatArray, breaks: Sequence[float]) -> FloatArray:
-    """Return all of them in order, without those that leave pieces too short to be driven."""
+    """Return steps and breaks in order, without breaks that leave pieces too short to be driven."""
     times = steps.tolist()
     for at in breaks:
         if min(abs(at - time) for time in times) > SHORTEST_PIECE:
@@ -301,7 +301,7 @@ def _told(made: Made, command: Command, offset: float) -> Plan:
     ego, kept, moment = made.perception.ego, made.kept, made.moment
     ahead = kept.plan.profile.sampled(moment.now - kept.since + np.append(0.0, PREVIEW))
     speed = ahead[1, 1:]
-    # The ego is a lag behind the plan, so a lag times its speed.
+    # The ego is behind the plan by the delay, so by the delay times its speed.
     along = ahead[0, 1:] - ahead[0, 0] + moment.state.delay * (moment.state.speed - speed)
     emergency = ego.speed > STANDING and (not kept.plan.safe or made.threat != "")
     places = [(ego.body.front + one.gap, ego.across) for one in made.obstacles]

@@ -1,7 +1,7 @@
-"""Speed over time in pieces of constant acceleration, or of constant jerk where comfort asks for it.
+"""Speed over time in pieces of constant acceleration, or of constant jerk for comfort.
 
-All is plain floating-point arithmetic on closed forms: position and speed are exact at any time, and a
-profile is made in microseconds.
+Everything is plain floating-point arithmetic on closed forms: position and speed are exact at any time, and
+a profile is made in microseconds.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ class Segment:
     duration: float
     """[s]"""
     acceleration: float
-    """At its beginning [m/s^2]."""
+    """Acceleration at its beginning [m/s^2]."""
     jerk: float = 0.0
     """[m/s^3]"""
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedProfile:
-    """A speed plan from now on; after its last piece the speed stays as it is."""
+    """A speed plan from now on; after its last piece, the speed stays constant."""
 
     speed: float
-    """At the beginning [m/s]."""
+    """Speed at the beginning [m/s]."""
     segments: tuple[Segment, ...] = ()
 
     @property
     def duration(self) -> float:
-        """Return the length of all pieces [s]."""
+        """Return the duration of all pieces together [s]."""
         return math.fsum(one.duration for one in self.segments)
 
     @property
@@ -57,9 +57,9 @@ class SpeedProfile:
         return found
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Return distance, speed and acceleration at a time; before the beginning those of the beginning.
+        """Return distance, speed and acceleration at a time; before the beginning, those at the beginning.
 
-        Between two pieces the acceleration is that of the second.
+        Between two pieces, the acceleration is that of the second.
 
         >>> SpeedProfile(2.0, (Segment(4.0, -0.5),)).at(2.0)
         (3.0, 1.0, -0.5)
@@ -84,23 +84,23 @@ class SpeedProfile:
         return np.array([self.at(float(time)) for time in times], dtype=np.float64).reshape(-1, 3).T
 
     def breaks(self, begin: float) -> list[float]:
-        """Return when pieces end, from a time on [s]."""
+        """Return when pieces end after ``begin``, relative to it [s]."""
         return [time - begin for time, _, _ in self.knots() if time > begin]
 
     def mean_accelerations(self, begin: float, times: FloatArray, end: float) -> FloatArray:
-        """Return the mean acceleration from each time to the next, so that speeds at those times are exact.
+        """Return the mean acceleration from each time to the next, which gives exact speeds at those times.
 
         Parameters
         ----------
-        begin : when the first interval begins, on the profile's own clock [s]
-        times : beginnings of the intervals after that, ascending from 0 [s]
-        end : of the last interval [s]
+        begin : time at which the first interval begins, on the profile's own clock [s]
+        times : beginnings of the intervals relative to ``begin``, ascending from 0 [s]
+        end : end of the last interval, relative to ``begin`` [s]
         """
         edges = np.append(times, end)
         return np.asarray(np.diff(self.sampled(begin + edges)[1]) / np.diff(edges))
 
     def time_at(self, distance: float) -> float:
-        """Return when that distance has been covered; inf when it never is [s].
+        """Return the time at which a distance has been covered; inf for never [s].
 
         >>> SpeedProfile(0.0, (Segment(2.0, 1.0),)).time_at(6.0)
         4.0
@@ -118,7 +118,7 @@ class SpeedProfile:
         return time + (distance - covered) / speed if speed > 1e-9 else math.inf
 
     def rest(self, begin: float) -> SpeedProfile:
-        """Return what is left of it from a time on."""
+        """Return the rest of the profile from a time on."""
         left = []
         passed = max(begin, 0.0)
         for one in self.segments:
@@ -134,8 +134,8 @@ class SpeedProfile:
 
         Parameters
         ----------
-        gap : now [m]
-        speed : of what is ahead [m/s]
+        gap : present gap [m]
+        speed : speed of what is ahead [m/s]
         """
         least, time, distance, mine = gap, 0.0, 0.0, self.speed
         for one in self.segments:
@@ -150,16 +150,16 @@ class SpeedProfile:
 
 
 def smoothed(profile: SpeedProfile, window: float, before: float = 0.0) -> SpeedProfile:
-    """Return the profile whose acceleration is the mean of the given one's over the window just past.
+    """Return the profile whose acceleration is the mean of the given profile's over the window just past.
 
     a'(t) = (1 / T) ∫ a(τ) dτ from t − T to t, with a constant acceleration before the beginning. Its jerk is
-    at most the range of a over T. Accelerations and speeds stay within the range of the given profile's.
+    at most the range of a divided by T. Accelerations and speeds stay within the ranges of the given profile.
 
     Parameters
     ----------
-    profile : pieces without jerk, from the state that :func:`anticipated` gives
+    profile : profile of pieces without jerk, beginning in the state that :func:`anticipated` gives
     window : T [s]
-    before : acceleration before the beginning, and the result's first one [m/s^2]
+    before : acceleration before the beginning, with which the result begins [m/s^2]
     """
     if window <= 0.0:
         return profile
@@ -187,10 +187,10 @@ def smoothed(profile: SpeedProfile, window: float, before: float = 0.0) -> Speed
 
 
 def anticipated(speed: float, window: float, before: float) -> tuple[float, float]:
-    """Return where a profile has to begin so that its smoothed form begins at the present state.
+    """Return where a profile has to begin so that its smoothed form begins in the present state.
 
-    Speed v + a T / 2, ahead by v T / 2 + a T² / 12: the mean over the window of a motion with constant
-    acceleration a that ends there is the present state.
+    Its speed is v + a T / 2, and it is ahead by v T / 2 + a T² / 12: the mean over the window of a motion
+    with constant acceleration a that ends there is the present state.
 
     Parameters
     ----------
@@ -215,12 +215,12 @@ def _speed(speed: float, one: Segment, time: float) -> float:
 
 
 def _distance(speed: float, one: Segment, time: float) -> float:
-    # No speed is negative; rounding at a standstill is not to drive backwards.
+    # No speed is negative; rounding at a standstill must not lead backwards.
     return max((speed + (0.5 * one.acceleration + one.jerk * time / 6.0) * time) * time, 0.0)
 
 
 def _equal_speed(speed: float, one: Segment, other: float) -> list[float]:
-    """Return the times within a piece at which its speed is that of the other [s]."""
+    """Return the times within a piece at which its speed equals ``other`` [s]."""
     missing = other - speed
     if one.jerk == 0.0:
         roots = [missing / one.acceleration] if one.acceleration != 0.0 else []
@@ -234,7 +234,7 @@ def _equal_speed(speed: float, one: Segment, other: float) -> list[float]:
 
 
 def _when(speed: float, one: Segment, distance: float) -> float:
-    """Return the time within a piece after which a distance is covered [s]; speeds are not negative."""
+    """Return the time within a piece after which a distance is covered; speeds are not negative [s]."""
     if one.jerk == 0.0:
         end = math.sqrt(max(speed**2 + 2.0 * one.acceleration * distance, 0.0))
         return 2.0 * distance / max(speed + end, 1e-12)

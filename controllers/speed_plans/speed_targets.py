@@ -1,8 +1,8 @@
-"""Which obstacles a speed plan is made for: leaders, and where to stop for pedestrians.
+"""Obstacles that speed plans are made for: leaders, and places to stop for pedestrians.
 
-A pedestrian whose path crosses the ego's is an obstacle that stands at the stop line, or at the pedestrian
-where there is none, until they have left the ego's path. Pedestrians who enter it only after the ego has
-passed are no obstacles.
+A pedestrian whose path crosses the ego's counts as an obstacle that stands at the stop line, or at the
+pedestrian if there is no line, until they have left the ego's path. Pedestrians who enter it only after the
+ego has passed are not obstacles.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from controllers.perception import Many, only
 from controllers.prediction.forecast import Forecast, Predictor
 
 FORECAST_SPACING = 0.25
-"""How finely a predictor is asked [s]."""
+"""Time step of the predictions [s]."""
 PAST_THE_LINE = 0.3
-"""A stop line overrun by no more still is the place to stop at [m]."""
+"""A stop line overrun by no more than this is still the place to stop at [m]."""
 COMMITTED, RESUMED = 0.3, 2.0
-"""Share of the time margin that is enough to go on ahead of somebody, and to go ahead after all of somebody
-who was yielded to."""
+"""Shares of the time margin that are enough to continue ahead of a pedestrian, and to go ahead after all of a
+pedestrian to whom the ego was yielding."""
 CAREFUL_BEFORE = 5.0
-"""Pedestrians who let the ego go first are passed slowly from this distance before them on [m]."""
+"""The ego passes pedestrians who let it go first slowly from this distance before them [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +38,11 @@ class SpeedTarget:
     """Something ahead that the ego must not reach, or must follow."""
 
     key: str
-    """Who or what it is, for as long as it is there; empty for nothing."""
+    """Identifies the target for as long as it is there; empty for nothing."""
     name: str
-    """Of the vehicle or pedestrian; of several, the one who leaves last."""
+    """Name of the vehicle or pedestrian; of several, the one who leaves last."""
     gap: float
-    """From the ego's front bumper [m]."""
+    """Distance from the ego's front bumper [m]."""
     speed: float = 0.0
     """[m/s]"""
     acceleration: float = 0.0
@@ -50,9 +50,9 @@ class SpeedTarget:
     standoff: float = 0.0
     """Distance to keep to it at standstill [m]."""
     leaves: float = float("inf")
-    """When it will be gone [s]."""
+    """Time until it will be gone [s]."""
     body_gap: float = float("inf")
-    """From the front bumper to whom the stop is for, where that is not the place itself [m]."""
+    """Distance from the front bumper to the pedestrian for whom the stop is; inf for a vehicle [m]."""
 
 
 FREE = SpeedTarget("", "", float("inf"))
@@ -66,40 +66,40 @@ class CrossingRule:
     standoff: float
     """Distance to a pedestrian away from a crossing [m]."""
     side_margin: float
-    """What a pedestrian's disc is grown by across the way [m]."""
+    """Distance by which a pedestrian's disc is enlarged across the ego's way [m]."""
     time_margin: float
     """Time between the ego being past and a pedestrian coming into its way [s]."""
     clearance: float = 1.0
     """Distance behind the ego at which a pedestrian may cross [m]."""
     horizon: float = 8.0
-    """Pedestrians who come into the way later do not matter yet [s]."""
+    """Pedestrians who come into the way later than this do not matter yet [s]."""
     assume: PedestrianAssumptions = field(default_factory=PedestrianAssumptions)
 
 
 @dataclass(frozen=True, slots=True)
 class Yielding:
-    """Whom the ego lets pass, and whom it passes ahead of."""
+    """Whom the ego lets go first, and whom it passes ahead of."""
 
     targets: tuple[SpeedTarget, ...]
     names: frozenset[str]
-    """Of all whom the targets are for."""
+    """Names of all pedestrians whom the targets are for."""
     passing: str
-    """``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
+    """Passing order, ``behind=p1|p2 ahead=p3``; empty with nobody in conflict."""
     along: FloatArray
-    """Of all in conflict [m]; so the next."""
+    """Positions of all pedestrians in conflict, ``across`` likewise [m]."""
     across: FloatArray
 
 
 def leaders(
     perception: Perception, target_lane: int, style: DrivingStyle, leaving: bool
 ) -> tuple[list[SpeedTarget], frozenset[str]]:
-    """Return the vehicles ahead as targets, and the names of standing ones that are driven past.
+    """Return the vehicles ahead as targets, and the names of standing vehicles that the ego drives past.
 
     Parameters
     ----------
     perception : what the ego knows
-    target_lane : ``Lane.number`` to end in; its leader counts as well as the own one
-    style : distances kept to standing vehicles
+    target_lane : ``Lane.number`` to end in; its leader counts as well as the leader in the ego's lane
+    style : driving style, for the distances kept to standing vehicles
     leaving : whether the ego waits for a chance to leave its lane
     """
     ahead, passed = neighbours_ahead(perception, target_lane, style, leaving)
@@ -111,7 +111,7 @@ def leaders(
 
 
 class PedestrianTargets:
-    """Decides whom to let pass; one per ego, because it remembers whom it has decided about."""
+    """Decides whom to let go first; it remembers its decisions, so each ego needs its own."""
 
     def __init__(self, rule: CrossingRule, predictor: Predictor | None = None) -> None:
         self.rule = rule
@@ -125,8 +125,8 @@ class PedestrianTargets:
         Parameters
         ----------
         perception : what the ego knows
-        offset : across coordinate of the lane driven to [m]
-        time_past : when the ego will have driven a distance, by its present plan [s]
+        offset : across coordinate of the target lane [m]
+        time_past : time at which the ego will have driven a distance, by its present plan [s]
         """
         ego, rule = perception.ego, self.rule
         half = 0.5 * ego.body.width
@@ -154,7 +154,7 @@ class PedestrianTargets:
         )
 
     def careful_speed(self, perception: Perception, deceleration: float) -> float:
-        """Return how fast to drive past those who let the ego go first; inf where there is nobody [m/s]."""
+        """Return how fast to drive past people who let the ego go first; inf if there are none [m/s]."""
         assume, front = self.rule.assume, perception.ego.body.front
         places = self._watch.carefully_past(perception, assume)
         room = np.maximum(places[places > 0.0] - CAREFUL_BEFORE - front, 0.0)
@@ -174,7 +174,7 @@ class PedestrianTargets:
         i: int,
         time_past: Callable[[float], float],
     ) -> bool:
-        """Say whether the ego is past before a pedestrian comes into its way."""
+        """Return whether the ego is past before a pedestrian comes into its way."""
         rule, body = self.rule, perception.ego.body
         enter = float(conflicts.enter[i])
         there = float(conflicts.along_at(np.array([enter]))[i, 0])
@@ -185,7 +185,7 @@ class PedestrianTargets:
 
 
 def without(perception: Perception, names: frozenset[str]) -> Perception:
-    """Return a perception in which pedestrians and vehicles of these names do not exist."""
+    """Return the perception without the pedestrians and vehicles of these names."""
     return replace(
         perception,
         pedestrians=_others(perception.pedestrians, names),
@@ -199,7 +199,7 @@ def _others(many: Many, names: frozenset[str]) -> Many:
 
 
 def _beside(perception: Perception, conflicts: Conflicts, i: int) -> bool:
-    """Say whether somebody is beside the body, behind its front: stopping would not help."""
+    """Return whether a pedestrian is beside the body and behind its front, where stopping would not help."""
     ego = perception.ego
     off = abs(float(conflicts.across[i]) - ego.across) - 0.5 * ego.body.width
     radius = float(conflicts.radius[i])
@@ -215,7 +215,7 @@ def _target(perception: Perception, conflicts: Conflicts, i: int, rule: Crossing
     there = conflicts.along_at(np.array([enter, min(leave, enter + STRAIGHT_ON)]))[i]
     face = float(there.min() - conflicts.radius[i])
     body_gap = max(face - front, 0.0)
-    # Who has not begun to cross, or stands, leaves at no time that could be relied on.
+    # The time at which people leave who have not begun to cross, or who stand, cannot be relied on.
     walks = abs(float(people.across_speed[index])) > rule.assume.standing_below
     leaves = leave if walks and not people.waiting[index] else np.inf
     if front <= line + PAST_THE_LINE and line <= face:
@@ -225,7 +225,7 @@ def _target(perception: Perception, conflicts: Conflicts, i: int, rule: Crossing
 
 
 def _by_place(targets: list[SpeedTarget]) -> list[SpeedTarget]:
-    """Return one target for each place: who leaves last counts, and who is nearest."""
+    """Return one target for each place, for the pedestrian who leaves last, with the smallest gaps."""
     found: dict[str, SpeedTarget] = {}
     for one in targets:
         other = found.get(one.key)

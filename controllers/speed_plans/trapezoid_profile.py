@@ -1,6 +1,6 @@
-"""Speed up, keep the highest speed, slow down and stand before an obstacle: classic trapezoidal planning.
+"""Classic trapezoidal planning: speed up, keep the highest speed, slow down and stand before an obstacle.
 
-The obstacle is taken as standing, whatever it does; that is what the intermediate speed mends.
+The obstacle is taken as standing, whatever it does; planning with an intermediate speed removes this flaw.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from controllers.speed_plans.speed_profile import Segment, SpeedProfile
 
 @dataclass(frozen=True, slots=True)
 class PlanningLimits:
-    """What a speed plan may use; all greater than zero but the last two, which may be zero."""
+    """Limits of a speed plan; all are greater than zero except the last two, which may be zero."""
 
     acceleration: float = 1.723
     """a_a [m/s^2]."""
     deceleration: float = 0.6944
-    """a_d of a normal slowing down [m/s^2]."""
+    """a_d, normal deceleration [m/s^2]."""
     emergency_deceleration: float = 8.0
-    """The most that an emergency may use [m/s^2]."""
+    """Largest deceleration in an emergency [m/s^2]."""
     top_speed: float = 11.111
     """V_max [m/s]."""
     actuator_delay: float = 0.3
-    """α, from the command to its effect [s]."""
+    """α, time from the command to its effect [s]."""
     standoff: float = 2.5
     """d_extra, the distance left to the obstacle after a stop: half a car's length in the paper [m]."""
 
@@ -34,11 +34,11 @@ class Situation:
     """The ego and one obstacle ahead of it."""
 
     gap: float
-    """S, from the ego's front bumper to the obstacle [m]."""
+    """S, gap from the ego's front bumper to the obstacle [m]."""
     speed: float
-    """V_i of the ego [m/s]."""
+    """V_i, speed of the ego [m/s]."""
     obstacle_speed: float = 0.0
-    """V_tar [m/s]."""
+    """V_tar, speed of the obstacle [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +47,13 @@ class PlannedSpeed:
 
     profile: SpeedProfile
     case: str
-    """Which of the method's cases it is."""
+    """Case of the method that applies."""
     safe: bool = True
-    """False where no braking within the limits keeps half the standoff."""
+    """False if no braking within the limits keeps half the standoff."""
 
 
 def free_profile(speed: float, limits: PlanningLimits) -> SpeedProfile:
-    """Return the way to the top speed with nothing ahead."""
+    """Return the profile that leads to the top speed with nothing ahead."""
     change = limits.top_speed - speed
     if change == 0.0:
         return SpeedProfile(speed)
@@ -62,23 +62,23 @@ def free_profile(speed: float, limits: PlanningLimits) -> SpeedProfile:
 
 
 def plan_trapezoid(situation: Situation, limits: PlanningLimits) -> PlannedSpeed:
-    """Return the speed plan that stands before where the obstacle is now.
+    """Return the speed plan that ends standing before where the obstacle is now.
 
-    S_a = (V_max² − V_i²) / (2 a_a), zero above V_max; S_d = V_max² / (2 a_d) + α V_i + d_extra;
-    S_m = S − S_a − S_d is driven at V_max. Where S_m < 0 the highest speed is V_p with
-    V_p² = (2 a_a a_d D' + a_d V_i²) / (a_a + a_d), D' = S − α V_i − d_extra, and where D' is shorter than
-    V_i² / (2 a_d) the ego brakes at once with V_i² / (2 D').
+    S_a = (V_max² − V_i²) / (2 a_a), zero above V_max; S_d = V_max² / (2 a_d) + α V_i + d_extra. The ego
+    drives S_m = S − S_a − S_d at V_max. If S_m < 0, the highest speed is V_p with
+    V_p² = (2 a_a a_d D' + a_d V_i²) / (a_a + a_d), D' = S − α V_i − d_extra. If D' is shorter than
+    V_i² / (2 a_d), the ego brakes at once with V_i² / (2 D').
 
     Parameters
     ----------
     situation : the obstacle's speed is not used
-    limits : as planned with
+    limits : limits of the plan
 
     Notes
     -----
     Eqs. (1)-(3) of [Duan]_; the first two are lost in the copy at hand and reconstructed from the text.
-    The distance α V_i is driven before braking begins, so with ideal actuators the plan of one instant ends
-    that much short; replanned while driving it shrinks with the speed, and the ego stands at d_extra.
+    The distance α V_i is driven before braking begins, so with ideal actuators a single plan ends that much
+    short. With replanning while driving, this distance shrinks with the speed, and the ego stands at d_extra.
 
     >>> plan = plan_trapezoid(Situation(200.0, 0.0), PlanningLimits())
     >>> plan.case, [round(one.duration, 2) for one in plan.profile.segments]
@@ -105,12 +105,12 @@ def plan_trapezoid(situation: Situation, limits: PlanningLimits) -> PlannedSpeed
 
 
 def stopping_gap(obstacle_speed: float, limits: PlanningLimits) -> float:
-    """Return the gap at which a plan ends, whatever the obstacle does [m]."""
+    """Return the gap at which a plan ends, whatever the obstacle's speed [m]."""
     return limits.standoff
 
 
 def _emergency(situation: Situation, speed: float, room: float, limits: PlanningLimits) -> PlannedSpeed:
-    """Return the stop within the room, or within all there is."""
+    """Return the stop within the room, or with the hardest braking if the room is too short."""
     hardest = limits.emergency_deceleration
     needed = speed**2 / (2.0 * room) if room > 0.0 else math.inf
     braking = min(needed, hardest)
@@ -119,9 +119,9 @@ def _emergency(situation: Situation, speed: float, room: float, limits: Planning
 
 
 def stands_clear(situation: Situation, speed: float, limits: PlanningLimits) -> bool:
-    """Say whether braking as hard as possible keeps half the standoff to what keeps its speed.
+    """Return whether the hardest braking keeps half the standoff to an obstacle that keeps its speed.
 
-    Where nothing closes in, there is nothing to brake for.
+    If the gap is not closing, there is nothing to brake for.
     """
     closing = speed - max(situation.obstacle_speed, 0.0)
     if closing <= 0.0:

@@ -1,9 +1,9 @@
 """A driver blind to pedestrians, with automatic emergency braking: the baseline of the drivable-area paper.
 
 Along: car-following that obeys leaders, signals, right of way, speed limits and bends, but yields to no
-pedestrian, not at a zebra either; emergency braking for pedestrians and vehicles that would be met should
-they keep their velocities, or should people walk as another predictor says. Across: lane keeping, and lane
-changes that the route asks for or that lead around slow and standing vehicles, into gaps that stay safe.
+pedestrian, not even at a zebra; emergency braking for pedestrians and vehicles that the ego would meet if
+they kept their velocities, or if people walked as another predictor says. Across: lane keeping, and lane
+changes that the route requires or that lead around slow and standing vehicles, into gaps that stay safe.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ class EmergencyBrakingDriver:
         self._threat = ""
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in, and who is braked or waited for."""
+        """Return which lane to be in, and for whom the ego brakes or waits."""
         self._threat = self._brake.watch(perception)
         return self._traffic.decide(perception, self._threat)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Drive towards the target lane; the emergency brake has the last word along."""
+        """Drive towards the target lane; the emergency brake has the last word on the acceleration."""
         times = lane_keeping.instants(perception.ego)
         allowed = self._traffic.accelerations(perception, decision)
         acceleration = np.minimum(allowed, self._brake.accelerations(perception.ego, times))
@@ -49,18 +49,18 @@ RULE = BrakingRule()
 
 
 class Settings(ControllerSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     friction: Positive = RULE.friction
     """Full braking is friction · g, or what the drive can do if that is less."""
     dead_time_s: NotNegative = RULE.dead_time
-    """From the trigger until the brake begins to act."""
+    """Time from the trigger until the brake begins to act."""
     ramp_s: NotNegative = RULE.ramp
-    """From then until it brakes fully; the deceleration grows linearly."""
+    """Time from then until full braking; the deceleration grows linearly."""
     stop_margin_m: NotNegative = RULE.stop_margin
-    """Distance that is to be left after a stop; larger means earlier."""
+    """Distance to be left after a stop; a larger one makes the brake act earlier."""
     side_margin_m: NotNegative = RULE.side_margin
-    """What a pedestrian's disc is grown by in the prediction."""
+    """Distance by which a pedestrian's disc is enlarged in the prediction."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY

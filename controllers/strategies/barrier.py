@@ -1,7 +1,7 @@
 """A control barrier function: the acceleration nearest to a driver's from which the ego can always stop.
 
 A filter of a driver blind to pedestrians. Along: a quadratic program keeps the braking distance below the
-distance to everybody who would be met. Across: lane keeping, and lane changes for the route.
+distance to everybody whom the ego would meet. Across: lane keeping, and lane changes for the route.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from controllers.yielding.filtered_driver import BlindDriver, FilteredDriver
 
 
 class Settings(ControllerSettings):
-    """What can be set.
+    """The parameters of the controller.
 
     Notes
     -----
-    ``braking_g`` is that of the cruise control of [Ames2014]_, as public code quotes its Table 1; the
-    others are our assumptions. ``rate_per_s`` is a choice: public code takes 1 or 5.
+    ``braking_g`` is the value for the cruise control of [Ames2014]_, as public code quotes its Table 1; the
+    other values are our assumptions. ``rate_per_s`` is a choice: public code uses 1 or 5.
     """
 
     braking_g: Positive = 0.3
     """c_d, the braking with which the ego can always stop."""
     rate_per_s: Positive = 1.0
-    """γ, how fast the ego may come to the barrier; larger means later."""
+    """γ, rate at which the ego may approach the barrier; with a larger one it brakes later."""
     time_margin_s: NotNegative = 1.0
-    """Pedestrians who come, or have left, this much after or before the ego passes are met as well."""
+    """Pedestrians count if they come less than this after the ego passes, or leave less than this before."""
     side_margin_m: NotNegative = 0.6
-    """What a pedestrian's disc is grown by across the way."""
+    """Distance by which a pedestrian's disc is enlarged across the ego's way."""
     standoff_m: NotNegative = 1.0
-    """Distance to a pedestrian away from a crossing that is left after a stop."""
+    """Distance left to a pedestrian after a stop away from a crossing."""
     slack_weight: Positive = 100.0
-    """Price of a barrier that is not kept, where braking is not enough."""
+    """Price of violating the barrier where braking is not enough."""
     solver: str = "daqp"
-    """Of the program, by its name in qpsolvers."""
+    """Solver of the program, by its name in qpsolvers."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

@@ -1,8 +1,8 @@
 """The competent and careful driver of UN R157 as a reference: sees the risk, reacts with a delay, brakes.
 
-Along: car-following that obeys leaders, signals, right of way, speed limits and bends; for a pedestrian
-whose path leads in front of the ego the driver brakes with 0.774 g, which builds up within 0.6 s and begins
-0.75 s after the risk could be perceived. Across: as the road and its vehicles ask.
+Along: car-following that obeys leaders, signals, right of way, speed limits and bends. For a pedestrian
+whose path leads in front of the ego, the driver brakes with 0.774 g, which builds up within 0.6 s and begins
+0.75 s after the risk could be perceived. Across: as the road and its vehicles require.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from controllers.safety.emergency_braking import GRAVITY
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
 START_SPEED = 2.0
-"""A standing driver does not start where driving at this speed would meet somebody [m/s]."""
+"""A standing driver does not start if they would meet a pedestrian at this speed [m/s]."""
 WALKING = 0.5
-"""Pedestrians who move faster across the road when they come into view are crossing it [m/s]."""
+"""Pedestrians who move across the road faster than this when they come into view are crossing it [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +33,15 @@ class Reaction:
     """What the driver perceives, and how they brake."""
 
     delay: float
-    """From the perception of the risk to the beginning of braking [s]."""
+    """Time from the perception of the risk to the beginning of braking [s]."""
     deceleration: float
     """[m/s^2]"""
     ramp: float
-    """From the beginning of braking to its full value [s]."""
+    """Time from the beginning of braking to its full value [s]."""
     wander: float
-    """Pedestrians who have moved less across the road are not perceived as a risk yet [m]."""
+    """Pedestrians who have moved less than this across the road are not perceived as a risk yet [m]."""
     horizon: float
-    """Contacts later than this are no risk yet [s]."""
+    """Contacts later than this are not a risk yet [s]."""
 
 
 class CarefulDriver:
@@ -57,7 +57,7 @@ class CarefulDriver:
         self._speed = 0.0
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in, and who is braked or waited for."""
+        """Return which lane to be in, and for whom the ego brakes or waits."""
         risk = self._risk(perception)
         ego = perception.ego
         if not risk:
@@ -67,7 +67,7 @@ class CarefulDriver:
         return self._traffic.decide(perception, risk)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Drive towards the target lane; the reaction has the last word along."""
+        """Drive towards the target lane; the reaction has the last word on the acceleration."""
         times = instants(perception.ego)
         allowed = self._traffic.accelerations(perception, decision)
         acceleration = np.minimum(allowed, self._braking(perception.ego, times))
@@ -76,18 +76,18 @@ class CarefulDriver:
         return Plan(command, own=OwnPart(risk, risk, risk and differ(acceleration, allowed)))
 
     def _risk(self, perception: Perception) -> str:
-        """Return the pedestrian who would be met first, among those who are perceived as a risk."""
+        """Return the pedestrian whom the ego would meet first, among those perceived as a risk."""
         ego, them = perception.ego, perception.pedestrians
         speeds = [START_SPEED] if ego.speed < STANDING else [ego.speed]
         if self._since is not None:
-            speeds.append(self._speed)  # a risk is over when going on as before would meet nobody
+            speeds.append(self._speed)  # a risk is over when the ego, going on as before, would meet nobody
         perceived = self._perceived(perception)
         met = np.min([self._met(perception, speed) for speed in speeds], axis=0)
         met = np.where(perceived & (met <= self._reaction.horizon), met, np.inf)
         return them.names[int(np.argmin(met))] if np.isfinite(met).any() else ""
 
     def _met(self, perception: Perception, speed: float) -> FloatArray:
-        """Return when each pedestrian would be met at constant velocities [s]; inf for never, or abeam."""
+        """Return when the ego would meet each of them at constant velocities; inf for never or abeam [s]."""
         ego, them = perception.ego, perception.pedestrians
         body, across = ego.body, them.across - ego.across
         x_speed = them.along_speed - speed
@@ -98,7 +98,7 @@ class CarefulDriver:
         return np.where(them.along > body.front, times, np.inf)
 
     def _perceived(self, perception: Perception) -> BoolArray:
-        """Say who is in the ego's path, or has moved across the road further than people wander."""
+        """Return who is in the ego's path, or has moved farther across the road than people wander."""
         ego, them = perception.ego, perception.pedestrians
         elapsed = 0.0 if self._time is None else ego.time - self._time
         self._time = ego.time
@@ -111,18 +111,18 @@ class CarefulDriver:
         return np.asarray(inside | (np.array(ways) >= self._reaction.wander))
 
     def _came(self, across_speed: float) -> float:
-        """Return how far somebody has moved who was not in view before: who comes walking is no wanderer."""
+        """Return the distance credited to a pedestrian who comes into view: one who walks does not wander."""
         return self._reaction.wander if abs(across_speed) > WALKING else 0.0
 
     def _braking(self, ego: EgoState, times: FloatArray) -> FloatArray:
-        """Return what the reaction allows at most over the steps that begin at those times [m/s^2]."""
+        """Return the largest accelerations that the reaction allows in steps from ``times`` on [m/s^2]."""
         if self._since is None:
             return np.full(len(times), np.inf)
         if ego.speed < STANDING:
             return np.full(len(times), HOLDING)
         rule, drive = self._reaction, ego.drive
         step = float(times[1] - times[0]) if len(times) > 1 else ego.plan_interval
-        # The model's braking is what the car does: the command is what makes its brake, which lags, do it.
+        # The model gives the braking of the car itself: the command is what makes its lagging brake do it.
         lags = 1.0 - math.exp(-step / drive.drive_lag) if drive.drive_lag > 0.0 else 1.0
         elapsed = ego.time - self._since + times + step - rule.delay
         wanted = np.clip(elapsed / max(rule.ramp, 1e-9), 0.0, 1.0) * rule.deceleration
@@ -136,27 +136,27 @@ class CarefulDriver:
 
 
 class Settings(ControllerSettings):
-    """What can be set.
+    """The parameters of the controller.
 
     Notes
     -----
     Delay, deceleration, ramp and wander are those of the performance model of [R157]_, after a
-    transcription. That model is of a vehicle that cuts in. Our own assumptions are that pedestrians who have
-    moved as far are perceived like such a vehicle, and at once if they come into view walking; the condition
-    of a contact at constant velocities; and the horizon. The 0.4 s in which the model's driver evaluates the
-    risk are left out, as in the metric preventable_r157; ``delay_s=1.15`` includes them.
+    transcription. That model is for a vehicle that cuts in. Our own assumptions are that the driver perceives
+    pedestrians who have moved as far like such a vehicle, and at once if they come into view walking; the
+    condition of a contact at constant velocities; and the horizon. The 0.4 s in which the model's driver
+    evaluates the risk are left out, as in the metric preventable_r157; ``delay_s=1.15`` includes them.
     """
 
     delay_s: NotNegative = 0.75
-    """From the perception of the risk until braking begins."""
+    """Time from the perception of the risk until braking begins."""
     deceleration_g: Positive = 0.774
-    """Full braking, or what the drive can do if that is less."""
+    """Full braking, in g, or what the drive can do if that is less."""
     ramp_s: NotNegative = 0.6
-    """From then until the braking is full; the deceleration grows linearly."""
+    """Time from then until full braking; the deceleration grows linearly."""
     wander_m: NotNegative = 0.375
-    """Pedestrians beside the ego's path are a risk once they have moved so far across the road."""
+    """Pedestrians beside the ego's path are a risk once they have moved this far across the road."""
     horizon_s: Positive = 4.0
-    """A contact later than this, should everybody go on, is no risk yet."""
+    """A contact later than this, if everybody goes on, is not a risk yet."""
 
 
 def build(settings: Settings) -> Controller:

@@ -1,8 +1,8 @@
 """Model predictive control with chance constraints: a bound on the probability of a contact within a plan.
 
-Along: a quadratic program over 5 s for each way to pass pedestrians ahead or behind; their places are normal
-variables whose deviation grows with time, and the margin follows from the accepted risk. Across: lane
-keeping, and lane changes for the route. Vehicles and road are those of a car-following driver.
+Along: a quadratic program over 5 s for each way to pass ahead of or behind pedestrians. Their positions are
+normally distributed with a deviation that grows with time, and the margin follows from the accepted risk.
+Across: lane keeping, and lane changes for the route. A car-following driver handles vehicles and road.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ WEIGHTS = ChanceWeights()
 
 
 class Settings(ControllerSettings):
-    """What can be set.
+    """The parameters of the controller.
 
     Notes
     -----
-    The form of the constraint is that of [Blackmore2011]_. That the risk of a plan is spread evenly over its
-    times, and the deviation of the place, are from the code of [Lew2023]_ for a car and a pedestrian, which
-    tries risks of 0.01 to 0.1. The scatter of the pace is about that of walking speeds in
+    The form of the constraint is that of [Blackmore2011]_. Spreading the risk of a plan evenly over its
+    times, and the deviation of the position, are taken from the code of [Lew2023]_ for a car and a
+    pedestrian, which tries risks of 0.01 to 0.1. The scatter of the pace is about that of walking speeds in
     [Knoblauch1996]_. The margins and weights are our choices.
     """
 
@@ -41,21 +41,21 @@ class Settings(ControllerSettings):
     pace_deviation_mps: NotNegative = 0.3
     """Standard deviation of pedestrians' velocity along either axis."""
     place_deviation_m: NotNegative = 0.1
-    """Standard deviation of their place now, beside what the sensors tell."""
+    """Standard deviation of their present position, in addition to what the sensors report."""
     side_margin_m: NotNegative = 0.3
-    """What a pedestrian's disc is grown by across the way."""
+    """Distance by which a pedestrian's disc is enlarged across the ego's way."""
     standoff_m: NotNegative = 1.0
-    """Distance to a pedestrian away from a crossing that is left after a stop."""
+    """Distance left to a pedestrian after a stop away from a crossing."""
     hardest_braking_mps2: Positive = 8.0
-    """The most that a plan may brake."""
+    """Hardest braking that a plan may use."""
     speed_weight: Positive = WEIGHTS.speed
-    """Of the deviation from the driver's speed."""
+    """Weight of the deviation from the driver's speed."""
     acceleration_weight: Positive = WEIGHTS.acceleration
-    """Of the acceleration."""
+    """Weight of the acceleration."""
     change_weight: NotNegative = WEIGHTS.change
-    """Of its change."""
+    """Weight of the change of acceleration."""
     solver: str = "daqp"
-    """Of the programs, by its name in qpsolvers."""
+    """Solver of the programs, by its name in qpsolvers."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

@@ -1,6 +1,6 @@
 """Keeps its speed and its lane whatever happens: the scripted car of test protocols.
 
-Along: the given speed, or the one it had at its first step. Across: lane keeping in the lane it began in;
+Along: the given speed, or the speed at the first step. Across: lane keeping in the lane where the ego began;
 it follows bends but brakes for nothing and nobody, not even for a bend that is too tight.
 """
 
@@ -13,7 +13,7 @@ from controllers.interface import Command, Controller, Decision, EgoState, Manoe
 from controllers.settings import ControllerSettings, NotNegative
 
 RESPONSE_TIME = 0.5
-"""Time constant with which a wrong speed is corrected, beside the plan interval [s]."""
+"""Time constant with which a wrong speed is corrected, in addition to the plan interval [s]."""
 
 
 class ConstantSpeed:
@@ -21,7 +21,7 @@ class ConstantSpeed:
 
     Parameters
     ----------
-    speed : what to hold; ``None`` for that of the first step [m/s]
+    speed : speed to hold; ``None`` for the speed at the first step [m/s]
     """
 
     def __init__(self, speed: float | None) -> None:
@@ -37,7 +37,7 @@ class ConstantSpeed:
         return Decision(Manoeuvre.KEEP, target_lane=self._lane)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Correct speed and place in the lane."""
+        """Correct the speed and the position in the lane."""
         ego = perception.ego
         lane = perception.road.lane(decision.target_lane)
         acceleration = np.full(len(lane_keeping.instants(ego)), self._acceleration(ego))
@@ -51,10 +51,10 @@ class ConstantSpeed:
 
 
 class Settings(ControllerSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     speed_mps: NotNegative | None = None
-    """Speed to hold; none keeps the speed that it had when it was taken over."""
+    """Speed to hold; none keeps the speed at which the ego was taken over."""
 
 
 def build(settings: Settings) -> Controller:

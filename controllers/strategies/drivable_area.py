@@ -1,10 +1,10 @@
 """Looks for the best way past pedestrians within what the car can reach, by NSGA-II over path and speed.
 
-Both axes while a pedestrian is in the way: a quintic path across the road to a final offset and a cubic
-speed to a final speed, found once every ``replan_s`` and followed in between. Otherwise car-following that
-obeys leaders, signals, right of way, speed limits and bends, lane keeping, and lane changes for the route;
-what these allow along is never exceeded during an avoidance either, and emergency braking for vehicles is
-added. Where no candidate is possible the car brakes fully in its way.
+Both axes while a pedestrian is in the way: a quintic path across the road to a final offset and a cubic speed
+to a final speed, found once every ``replan_s`` and followed in between. Otherwise car-following that obeys
+leaders, signals, right of way, speed limits and bends, lane keeping, and lane changes for the route. An
+avoidance never exceeds the accelerations that these allow either, and emergency braking for vehicles is
+added. If no candidate is possible, the car brakes fully and goes straight on.
 """
 
 from __future__ import annotations
@@ -42,32 +42,32 @@ from controllers.settings import AtLeastOne, ControllerSettings, NotNegative
 
 NO_CANDIDATE = "no_feasible_candidate"
 OUTLOOK_STEP = 0.2
-"""Of the motion that is looked at for conflicts [s]."""
+"""Time step of the motion that is checked for conflicts [s]."""
 AGAIN_AFTER = 0.3
-"""A course that has become impossible, or was not found, is looked for again after this [s]."""
+"""If a course has become impossible, or none was found, the search is repeated after this time [s]."""
 DRAWN = 8
-"""Candidates that a replay may draw."""
+"""Number of candidates that a replay may draw."""
 STANDOFF = 1.0
 """Distance kept to a pedestrian's path where there is no stop line [m]."""
 RELEASE = 0.3
-"""So much more room than at the beginning of an avoidance ends it [m]."""
+"""An avoidance ends with this much more room than where it begins [m]."""
 
 
 LASTING = 1.3
-"""While the method acts, the reaction space reaches so many times as far."""
+"""Factor by which the reaction space reaches farther while the method acts."""
 
 
 class Activation(StrEnum):
-    """Whom the method acts for."""
+    """For whom the method acts."""
 
     REACTION_SPACE = "reaction_space"
-    """Whoever will be on the road in the reaction space, and who is on a collision course."""
+    """Everybody who will be on the road in the reaction space, or is on a collision course."""
     COLLISION_COURSE = "collision_course"
-    """Who would come nearer than the margin if both went on as expected."""
+    """Everybody who would come nearer than the margin if both went on as expected."""
 
 
 class DrivableAreaDriver:
-    """Drives as traffic asks, and along a chosen candidate while a pedestrian is in the way."""
+    """Drives as traffic requires, and along a chosen candidate while a pedestrian is in the way."""
 
     def __init__(
         self,
@@ -95,7 +95,7 @@ class DrivableAreaDriver:
         self._threat = ""
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in, and who is in the way."""
+        """Return which lane to be in, and who is in the way."""
         decision = self._traffic.decide(perception)
         self._follow_up(perception)
         times = np.arange(0.0, self._settings.rules.horizon + 1e-9, OUTLOOK_STEP)
@@ -109,7 +109,7 @@ class DrivableAreaDriver:
         return replace(decision, because=threat) if threat else decision
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Drive the road, or past whoever is in the way."""
+        """Drive along the road, or past pedestrians who are in the way."""
         ego = perception.ego
         times = lane_keeping.instants(ego)
         allowed = self._traffic.accelerations(perception, decision)
@@ -141,7 +141,7 @@ class DrivableAreaDriver:
         )
 
     def _in_conflict(self, perception: Perception, expected: Outlook, people: Conflicts) -> Conflict | None:
-        """Return whom the method acts for: who would be met, else who will be in the reaction space."""
+        """Return whom the method acts for: whom the car would meet, else anybody in the reaction space."""
         shape = Shape(perception.ego.body)
         met = first_conflict(expected, people, shape, self._margins(people), STANDOFF)
         if met is not None or self._activation is Activation.COLLISION_COURSE:
@@ -160,8 +160,8 @@ class DrivableAreaDriver:
     def _margins(self, people: Conflicts) -> FloatArray:
         """Return the distances below which people are in conflict [m].
 
-        An avoidance that has begun ends where there is more room, except beside somebody who has stood for
-        long while the car did too: nothing would ever end it.
+        An avoidance that has begun ends only with more room, except beside a pedestrian who has stood for
+        long while the car stood too: nothing would ever end it.
         """
         avoiding = self._course is not None or self._failed
         extra = [
@@ -171,7 +171,7 @@ class DrivableAreaDriver:
         return np.array(extra) + self._settings.rules.margin
 
     def _due(self, time: float) -> bool:
-        """Say whether to look for candidates now."""
+        """Return whether to search for candidates now."""
         age = time - self._planned_at
         if age > self._replan - 1e-6:
             return True
@@ -180,7 +180,7 @@ class DrivableAreaDriver:
         return age > AGAIN_AFTER - 1e-6 or (self._course is None and not self._failed)
 
     def _possible(self, course: Course) -> bool:
-        """Say whether a course still leads past everybody, with at least half the margin."""
+        """Return whether a course still leads past everybody, with at least half the margin."""
         people, before = self._people, self._before
         if people is None or before is None or len(people) == 0:
             return True
@@ -193,7 +193,7 @@ class DrivableAreaDriver:
         return not bool(((clearance < needed) & (speed > STANDING)).any())
 
     def _search(self, perception: Perception, people: Conflicts, conflict: Conflict) -> None:
-        """Look for candidates and take the chosen one."""
+        """Search for candidates and take the chosen one."""
         self._planned_at = perception.ego.time
         seed = int(self._seeds.integers(2**31))
         self._found = plan(perception, people, conflict, self._settings, self._course, seed)
@@ -231,14 +231,14 @@ BUDGET = Budget()
 
 
 class Settings(ControllerSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     entropy: EntropyMode = EntropyMode.SHANNON
-    """What the probability of meetings costs: Shannon's entropy, the paper's sum of logarithms, or the risk
+    """Cost of the probability of meetings: Shannon's entropy, the paper's sum of logarithms, or the risk
     −ln(1 − P) of a collision."""
     entropy_at: EntropyAt = RULES.entropy_at
-    """At which instant of a candidate: the paper's, when the car is level with the first pedestrian in
-    conflict, or the one with the largest entropy."""
+    """Instant of a candidate at which the entropy counts: the paper's, when the car is level with the first
+    pedestrian in conflict, or the one with the largest entropy."""
     speed_risk: SpeedRisk = SpeedRisk.METRES_PER_SECOND
     """How the paper's safety coefficient of the final speed is read."""
     curvature_weight: NotNegative = WEIGHTS.curvature
@@ -248,7 +248,7 @@ class Settings(ControllerSettings):
     entropy_weight: NotNegative = WEIGHTS.entropy
     """Weight of the entropy, J_s."""
     progress_weight: NotNegative = 0.1
-    """Weight of the share of the speed that is lost. The paper has none, so that to it standing still costs
+    """Weight of the share of the speed that is lost. The paper has no such weight: standing still then costs
     nothing, and a car that can stop always does."""
     within_friction: bool = RULES.within_friction
     """Whether candidates stay within friction · g, braking and turning together, and within the rate of the
@@ -256,20 +256,20 @@ class Settings(ControllerSettings):
     friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.8
     """Full braking is friction · g, or what the drive can do if that is less."""
     margin_m: NotNegative = 0.7
-    """Distance to pedestrians' discs."""
+    """Distance kept to pedestrians' discs."""
     horizon_s: Annotated[float, Field(ge=1.0, allow_inf_nan=False)] = RULES.horizon
-    """How far ahead conflicts and candidates are looked at."""
+    """How far ahead conflicts and candidates are considered."""
     activation: Activation = Activation.REACTION_SPACE
     """For whom the method acts: everybody who will be on the road in the reaction space, where the paper's
     entropy is more than 0; or only those on a collision course."""
     replan_s: NotNegative = 1.0
-    """A new candidate is chosen once in this time while somebody is in the way."""
+    """Interval at which a new candidate is chosen while a pedestrian is in the way."""
     population: Annotated[int, Field(ge=4)] = BUDGET.population
-    """Of the search; times the generations it is the number of candidates looked at."""
+    """Population of the search; times the generations, it is the number of candidates considered."""
     generations: AtLeastOne = BUDGET.generations
-    """Of the search."""
+    """Generations of the search."""
     walks: AtLeastOne = RULES.walks
-    """Random walks of each pedestrian."""
+    """Number of random walks of each pedestrian."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

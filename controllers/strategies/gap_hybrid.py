@@ -1,8 +1,8 @@
 """A hybrid controller of four modes: drives on, yields, brakes hard or gets past whoever steps out.
 
-A filter of a driver blind to pedestrians. Along: pedestrians who step out are stopped for, comfortably where
-that is enough and hard where it is not; where nothing would stop it in time, the ego gets past before they
-are there. Across: lane keeping, and lane changes for the route.
+A filter of a driver blind to pedestrians. Along: the ego stops for pedestrians who step out, comfortably if
+that is enough and hard if it is not; if it cannot stop in time, it gets past before they are there. Across:
+lane keeping, and lane changes for the route.
 """
 
 from __future__ import annotations
@@ -20,34 +20,34 @@ NO_GAP = "pedestrians who wait are left to accept their gap; the ego minds those
 
 
 class Settings(ControllerSettings):
-    """What can be set.
+    """The parameters of the controller.
 
     Notes
     -----
-    After the hybrid controller of [Kapania2019]_, with the values of the code that its authors published;
-    margins and time gap are ours.
+    This follows the hybrid controller of [Kapania2019]_, with the values of the code that its authors
+    published; margins and time gap are ours.
     """
 
     moved: ClassVar = {"start_up_s": NO_GAP, "attention_m": NO_GAP}
 
     comfortable_braking_mps2: Positive = 3.0
-    """With which yielding is planned; keeping to the plan may brake harder."""
+    """Braking with which yielding is planned; keeping to the plan may take harder braking."""
     hardest_braking_mps2: Positive = 9.0
-    """The most in mode hard brake."""
+    """Hardest braking in mode hard brake."""
     jerk_mps3: Positive = 1.5
-    """Of yielding: how fast its braking grows and ends."""
+    """Jerk with which braking grows and ends while yielding."""
     pass_acceleration_mps2: NotNegative = 3.0
-    """The most in mode pass."""
+    """Largest acceleration in mode pass."""
     gain_per_s: Positive = 2.0
-    """With which planned speeds are tracked."""
+    """Gain with which planned speeds are tracked."""
     walking_speed_mps: Positive = 1.5
-    """Pedestrians on their way are taken to be as fast at least."""
+    """Least speed that pedestrians on their way are assumed to have."""
     time_advantage_s: NotNegative = 4.0
-    """An ego that arrives so much earlier than the pedestrian drives on."""
+    """The ego drives on if it arrives this much earlier than the pedestrian."""
     side_margin_m: NotNegative = 0.6
-    """What a pedestrian's disc is grown by across the way."""
+    """Distance by which a pedestrian's disc is enlarged across the ego's way."""
     standoff_m: NotNegative = 1.5
-    """Distance to a pedestrian away from a crossing that is left after a stop."""
+    """Distance left to a pedestrian after a stop away from a crossing."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

@@ -1,10 +1,10 @@
 """Plans its speed by an intermediate speed, so that it reaches an obstacle's speed at the safe distance.
 
 Along: a plan of constant accelerations for the leader and for every place to stop at for pedestrians, of
-which the most restrictive one is driven; signals, right of way, bends and lower limits ahead are those of a
-car-following driver; automatic emergency braking is there for whoever no plan is made for. Across: lane
-keeping, and lane changes that the route asks for or that lead around slow and standing vehicles, into gaps
-that stay safe.
+which the ego drives the most restrictive one. A car-following driver handles signals, right of way, bends and
+lower limits ahead, and automatic emergency braking acts for road users without a plan. Across: lane keeping,
+and lane changes that the route requires or that lead around slow and standing vehicles, into gaps that stay
+safe.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ from controllers.speed_plans.speed_plan_driver import PlanFrom, SpeedPlanDriver
 
 
 class Settings(SpeedPlanSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     replanning: Replanning = Replanning.EVENT
-    """event: when the gap, the obstacle's speed or the governing obstacle is not as planned; periodic: every
-    period_s."""
+    """When to plan anew. event: when the gap, the obstacle's speed or the governing obstacle is not as
+    planned; periodic: every period_s."""
     plan_from: PlanFrom = PlanFrom.PREDICTED
-    """predicted: from the state in which all commands under way have taken effect; commanded: from the
-    commanded speed and the present gap, as the paper's cascade does; measured: from the present speed."""
+    """State from which plans begin. predicted: the state in which all commands under way have taken effect;
+    commanded: the commanded speed and the present gap, as in the paper's cascade; measured: the present speed
+    and gap."""
     jerk_mps3: PositiveOrInfinite = float("inf")
-    """Limit of the plans; inf for the paper's."""
+    """Jerk limit of the plans; inf for the paper's plans, which have none."""
     predict: bool = False
     """Whether leaders are expected to go on braking or speeding up for a while, and pedestrians to leave."""
 

@@ -1,12 +1,12 @@
 """Steers round pedestrians down an artificial potential field whose ellipses follow the shift that is needed.
 
-Across: the field of the road, with pedestrians where the ego will be level with them and vehicles beside
-it; away from pedestrians, in tight bends and where no way past is free, lane keeping, and lane changes that
-the route asks for. Along: car-following that obeys leaders, signals, right of way, speed limits and bends.
-It yields to no pedestrian that it can steer round. The paper's method has no brake, and at its constant
-speed it cannot let anybody pass. Where no way past is free at the speed that traffic allows, steady braking
-is combined with the steering, the way down the field being looked for at each deceleration; where none is
-free then, the ego stops, with emergency braking behind it.
+Across: the field of the road, with pedestrians where the ego will be level with them and vehicles beside it;
+away from pedestrians, in tight bends and where no way past is free, lane keeping, and lane changes that the
+route requires. Along: car-following that obeys leaders, signals, right of way, speed limits and bends. The
+ego yields to no pedestrian that it can steer round. The paper's method has no brake, and at its constant
+speed it cannot let anybody go first. Here, where no way past is free at the speed that traffic allows, steady
+braking is combined with the steering, and the way down the field is searched for at each deceleration. If no
+way is free then either, the ego stops, with emergency braking as a fallback.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from controllers.settings import ControllerSettings, NotNegative, Positive, Unit
 
 NO_FREE_PATH = "no free path"
 WAITING_ENDS = 2.0
-"""Deceleration at which an ego without a free way begins to brake [m/s^2]."""
+"""An ego without a free way begins to brake once this deceleration is needed [m/s^2]."""
 CREEPING = 2.0
-"""A slower ego also stops for pedestrians who would walk into its side [m/s]."""
+"""An ego slower than this also stops for pedestrians who would walk into its side [m/s]."""
 SHARES = (0.25, 0.5, 0.75, 1.0)
-"""Of the largest steady deceleration that are tried, one after the other."""
+"""Shares of the largest steady deceleration that are tried, one after another."""
 FREE_FOR = 0.3
 """A way past must have been free for this time before it is trusted more than the brake [s]."""
 
@@ -55,7 +55,7 @@ class PotentialFieldDriver:
         self._allowed: FloatArray = np.zeros(1)
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in, and whom the ego brakes for or goes round."""
+        """Return which lane to be in, and whom the ego brakes for or goes round."""
         decision = self._traffic.decide(perception)
         self._allowed = self._traffic.accelerations(perception, decision)
         course = self._finder.find(perception, decision, float(self._allowed.mean()))
@@ -65,7 +65,7 @@ class PotentialFieldDriver:
         return replace(decision, because=because)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Steer down the field where it leads past somebody, else along the lane."""
+        """Steer down the field where it leads past pedestrians, otherwise along the lane."""
         times, course = lane_keeping.instants(perception.ego), self._course
         acceleration = self._allowed
         if course is not None and course.free and course.braking > 0.0:
@@ -111,9 +111,9 @@ class PotentialFieldDriver:
         perception: Perception,
         decision: Decision,
     ) -> OwnPart:
-        """Return what the field, and not the brakes behind it, does about pedestrians.
+        """Return what the field itself does about pedestrians, without the brakes.
 
-        ``steady`` is what is left of the acceleration by traffic and by the way past, without those brakes.
+        ``steady`` is the acceleration that traffic and the way past allow, without those brakes.
         """
         braked = differ(acceleration, steady)
         if course is None:
@@ -124,12 +124,12 @@ class PotentialFieldDriver:
 
 
 class Brakes:
-    """Braking for pedestrians, left to the steering while that has a free way past them.
+    """Brakes for pedestrians, unless the steering has a free way past them.
 
-    Where it has none, an ego that would meet pedestrians brakes so as to stop before them, once that takes
-    ``WAITING_ENDS``; emergency braking stands behind that. When that would act, it is the last moment for
-    it. So a way must have been free for some time before it is trusted, and braking for pedestrians goes on
-    until they are out of danger.
+    Without a free way, an ego that would meet pedestrians brakes so as to stop before them, once that takes
+    ``WAITING_ENDS``, with emergency braking as a fallback. The moment at which emergency braking would act is
+    the last one for it. So a way must have been free for some time before it is trusted, and braking for
+    pedestrians goes on until they are out of danger.
     """
 
     def __init__(self) -> None:
@@ -141,7 +141,7 @@ class Brakes:
         self._most = math.inf
 
     def watch(self, perception: Perception, course: Course | None) -> str:
-        """Trigger or release; return because of whom it brakes, empty if it does not."""
+        """Trigger or release the brakes; return for whom they act, empty for nobody."""
         ego = perception.ego
         threat = self._for_all.watch(perception)
         other = self._for_vehicles.watch(replace(perception, pedestrians=NOBODY))
@@ -158,13 +158,13 @@ class Brakes:
         return threat or (course.because if course is not None and math.isfinite(self._most) else "")
 
     def accelerations(self, ego: EgoState, times: FloatArray) -> FloatArray:
-        """Return what the brakes allow at most over the steps that begin at those times [m/s^2]."""
+        """Return the largest accelerations that the brakes allow in steps from ``times`` on [m/s^2]."""
         if self._steers:
             return self._for_vehicles.accelerations(ego, times)
         return np.minimum(self._for_all.accelerations(ego, times), self._most)
 
     def _allowed(self, ego: EgoState, course: Course | None) -> float:
-        """Return the acceleration that stops the ego before whom it would meet, inf while that can wait."""
+        """Return the acceleration that stops the ego before people it would meet, inf while that can wait."""
         if course is None or course.free or course.stop_within is None:
             return math.inf
         if ego.speed < STANDING:
@@ -181,13 +181,13 @@ GAINS = Gains()
 
 
 class Settings(ControllerSettings):
-    """What can be set; gains are relative to the pull onwards."""
+    """The parameters of the controller; gains are relative to the pull onwards."""
 
     axis: Literal["variable", "fixed"] = "variable"
     """Whether the long half-axis of a pedestrian's ellipse follows from the shift that is needed to get past
     them, or is the same for everybody, the comparison of the paper."""
     fixed_axis_m: Positive = 15.0
-    """The half-axis that is the same for everybody."""
+    """Long half-axis of all ellipses with ``axis = fixed``."""
     side_margin_m: NotNegative = FIELD.margin
     """Distance wanted beside a pedestrian, S_m."""
     shift_acceleration_mps2: Positive = FIELD.lateral_acceleration
@@ -201,12 +201,12 @@ class Settings(ControllerSettings):
     line_gain: NotNegative = float(GAINS.line)
     """Weight of the lines between lanes."""
     line_width_m: Positive = float(GAINS.line_width)
-    """How far the field of a line between lanes reaches."""
+    """Reach of the field of a line between lanes."""
     clearance_m: NotNegative = 0.3
-    """What has to be left beside a pedestrian for a way past to count as free."""
+    """Distance that must be left beside a pedestrian for a way past to count as free."""
     braking: Literal["aeb", "none"] = "aeb"
-    """Braking where no way past is free; or none for pedestrians, as in the paper: the field is followed then
-    as long as it leaves neither the road nor other vehicles alone, whoever is met."""
+    """Braking where no way past is free; or none for pedestrians, as in the paper: the field is then followed
+    as long as it stays on the road and clear of other vehicles, even if it meets pedestrians."""
     steady_braking_mps2: NotNegative = 3.0
     """Largest steady deceleration that is combined with steering where the field has no free way at the speed
     that traffic allows; a quarter, half and three quarters of it are tried before. 0: none, as in the paper.

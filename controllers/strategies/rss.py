@@ -1,8 +1,8 @@
 """Responsibility-sensitive safety: keeps distances that are safe whatever a pedestrian may reasonably do.
 
-A filter of a driver blind to pedestrians. Along: where neither the distance along nor the one across is
-safe, it brakes with the least braking of the rules, and it never speeds up into such a state. Across: lane
-keeping, and lane changes for the route.
+A filter of a driver blind to pedestrians. Along: where neither the distance along the road nor the one across
+it is safe, the ego brakes with the least braking that the rules demand, and it never speeds up into such a
+state. Across: lane keeping, and lane changes for the route.
 """
 
 from __future__ import annotations
@@ -16,32 +16,33 @@ from controllers.yielding.responsibility import ResponsibilityFilter, Responsibi
 
 
 class Settings(ControllerSettings):
-    """What can be set.
+    """The parameters of the controller.
 
     Notes
     -----
-    The ego's values are the example values of Intel's library [AdRss]_, except for the response time, which
-    there is 1 s for the ego of a driver: a controller that plans every 0.1 s behind a lag of 0.3 s needs
-    less. The library moves pedestrians on arcs; walking to the side has its values for vehicles here, and
-    the response time of pedestrians is that with which CARLA calls it.
+    The ego's values are the example values of Intel's library [AdRss]_, except for the acceleration and the
+    response time. The latter is 1 s there, for an ego with a driver: a controller that plans every 0.1 s
+    behind a lag of 0.3 s needs less. The library moves pedestrians on arcs; here, walking to the side has the
+    library's values for vehicles. The response time of pedestrians is the one with which CARLA calls the
+    library.
     """
 
     response_time_s: Positive = 0.5
-    """ρ, until the ego brakes; it may speed up meanwhile."""
+    """ρ, time until the ego brakes; it may speed up meanwhile."""
     acceleration_mps2: NotNegative = 1.8
-    """a_max, the most within that time; the library's example is 3.5, this is what the driver does."""
+    """a_max, largest acceleration within that time; the library's example is 3.5, this is the driver's."""
     braking_mps2: Positive = 4.0
-    """b_min, with which the ego brakes at least in a dangerous situation."""
+    """b_min, least braking of the ego in a dangerous situation."""
     pedestrian_response_s: NotNegative = 0.5
-    """ρ of pedestrians."""
+    """Response time ρ of pedestrians."""
     pedestrian_acceleration_mps2: NotNegative = 0.2
-    """How much faster they may come within that time, across the road."""
+    """Largest acceleration of pedestrians across the road within that time."""
     pedestrian_braking_mps2: Positive = 0.8
-    """With which they stop at least, across the road."""
+    """Least deceleration of pedestrians across the road after that time."""
     side_margin_m: NotNegative = 0.1
-    """μ, movements to the side that mean nothing."""
+    """μ, sideways movements up to this size mean nothing."""
     standoff_m: NotNegative = 1.0
-    """Distance to a pedestrian away from a crossing that is left after a stop."""
+    """Distance left to a pedestrian after a stop away from a crossing."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

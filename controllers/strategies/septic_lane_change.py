@@ -1,8 +1,8 @@
 """Changes lanes along a polynomial of degree seven and does not react to pedestrians at all: the reference.
 
-Across: lane keeping; changes of lane that route and traffic ask for, or one at the start, follow a septic
-path in place of the lane keeping's own. Along: what leaders, signals, right of way, bends and limits ask
-for. It yields to no pedestrian, not at a zebra either, and has no emergency brake: the comparison without
+Across: lane keeping; lane changes that route and traffic require, or one at the start, follow a septic path
+instead of the one of the lane keeping. Along: what leaders, signals, right of way, bends and limits require.
+It yields to no pedestrian, not even at a zebra, and has no emergency brake: it is the comparison without
 avoidance of the velocity-obstacle paper.
 """
 
@@ -31,14 +31,14 @@ from controllers.interface import (
 from controllers.settings import ControllerSettings, NotNegative, Positive
 
 SHORTEST = 8.0
-"""No change is shorter, however slow the ego is [m]."""
+"""Least length of a lane change, however slow the ego is [m]."""
 SHOWN = 40
-"""Points of the path in a plan."""
+"""Number of points of the path in a plan."""
 AT_THE_START = "start"
 
 
 class StartChange(StrEnum):
-    """A change of lane to begin with."""
+    """A lane change to begin with."""
 
     NONE = "none"
     LEFT = "left"
@@ -47,17 +47,17 @@ class StartChange(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """A septic path as offset from the lane it leads to."""
+    """A septic path as an offset from the lane that it leads to."""
 
     path: SepticPath
 
     @property
     def length(self) -> float:
-        """[m]"""
+        """Length of the path [m]."""
         return self.path.length
 
     def at(self, along: float) -> lane_keeping.Place:
-        """Return the place ``along`` after the beginning."""
+        """Return the place ``along`` metres after the beginning."""
         place = self.path.at(along)
         return lane_keeping.Place(place.across - self.path.width, place.slope, place.bend)
 
@@ -67,9 +67,9 @@ class SepticLaneChange:
 
     Parameters
     ----------
-    style : of the traffic driver
-    duration : of a change at the speed that it begins with [s]
-    length : of a change, whatever the speed [m]; ``None``: duration times speed
+    style : driving style of the traffic driver
+    duration : duration of a change at the speed at which it begins [s]
+    length : length of a change, whatever the speed [m]; ``None``: duration times speed
     start : whether and where to change lanes as soon as there is room
     after : distance to drive before that [m]
     """
@@ -90,7 +90,7 @@ class SepticLaneChange:
         self._target: int | None = None
 
     def decide(self, perception: Perception) -> Decision:
-        """Say which lane to be in; begin a path where that is another one."""
+        """Return which lane to be in; begin a path if that is another one."""
         travelled = self._odometer.look(perception.ego)
         decision = self._traffic.decide(perception)
         if self._start is not StartChange.NONE and travelled >= self._after:
@@ -99,14 +99,14 @@ class SepticLaneChange:
         if self._target is None:
             self._target = perception.road.reference
         if lane is not None and decision.target_lane != self._target:
-            # A change that is given up leads back by lane keeping: nobody has time for another curve.
+            # A change that is given up leads back by lane keeping: there is no time for another curve.
             given_up = decision.manoeuvre is Manoeuvre.ABORT_CHANGE
             self._path = None if given_up else self._begun(perception, lane, travelled)
         self._target = decision.target_lane
         return decision
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
-        """Drive as traffic asks, along the path while there is one."""
+        """Drive as traffic requires, along the path while there is one."""
         times = lane_keeping.instants(perception.ego)
         acceleration = self._traffic.accelerations(perception, decision)
         travelled = self._odometer.travelled
@@ -129,7 +129,7 @@ class SepticLaneChange:
         )
 
     def _at_the_start(self, perception: Perception, decision: Decision) -> Decision:
-        """Begin the change asked for at the start, once, as soon as nobody is in the way."""
+        """Begin the change requested for the start, once, as soon as nobody is in the way."""
         road = perception.road
         if decision.manoeuvre is not Manoeuvre.KEEP or decision.target_lane != road.reference:
             return decision
@@ -149,12 +149,12 @@ class SepticLaneChange:
 
 
 class Settings(ControllerSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     duration_s: Positive = 4.0
-    """Of a change of lane, at the speed that it begins with."""
+    """Duration of a lane change, at the speed at which it begins."""
     length_m: Positive | None = None
-    """Of a change of lane, whatever the speed; none: duration times speed."""
+    """Length of a lane change, whatever the speed; none: duration times speed."""
     start_change: StartChange = StartChange.NONE
     """Change to the lane on that side once, as soon as there is room."""
     start_after_m: NotNegative = 0.0

@@ -13,7 +13,7 @@ class SumoDriver:
     """Hands every step back to SUMO."""
 
     def decide(self, perception: Perception) -> Decision:
-        """Hand back; the target lane is the one the ego is in."""
+        """Hand the step back to SUMO; the target lane is the one the ego is in."""
         return Decision(Manoeuvre.HAND_BACK, target_lane=perception.road.reference)
 
     def plan(self, perception: Perception, decision: Decision) -> Plan:
@@ -22,7 +22,7 @@ class SumoDriver:
 
 
 class Settings(ControllerSettings):
-    """There is nothing to set: what SUMO's driver is like follows from its vehicle type."""
+    """No parameters: SUMO's driver follows from its vehicle type."""
 
 
 def build(settings: Settings) -> Controller:

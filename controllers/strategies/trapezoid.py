@@ -1,10 +1,10 @@
 """Plans its speed as a trapezoid that ends standing before where an obstacle is now: the classic planning.
 
-Along: a plan of constant accelerations for the leader, whose motion it does not know of, and for every place
-to stop at for pedestrians, made anew every period; the most restrictive one is driven. Signals, right of
-way, bends and lower limits ahead are those of a car-following driver; automatic emergency braking is there
-for whoever no plan is made for. Across: lane keeping, and lane changes that the route asks for or that lead
-around slow and standing vehicles, into gaps that stay safe.
+Along: a plan of constant accelerations for the leader, whose motion it ignores, and for every place to stop
+at for pedestrians, made anew every period; the ego drives the most restrictive one. A car-following driver
+handles signals, right of way, bends and lower limits ahead, and automatic emergency braking acts for road
+users without a plan. Across: lane keeping, and lane changes that the route requires or that lead around slow
+and standing vehicles, into gaps that stay safe.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from controllers.speed_plans.trapezoid_profile import plan_trapezoid, stopping_g
 
 
 class Settings(SpeedPlanSettings):
-    """What can be set: what all controllers have that plan their speed."""
+    """The parameters that all controllers with speed plans share."""
 
 
 def build(settings: Settings) -> Controller:

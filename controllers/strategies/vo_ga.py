@@ -1,10 +1,11 @@
 """The velocity-obstacle paper with its own solver: least change of inputs, by a genetic algorithm.
 
 Along: while pedestrians are in conflict, the plan that changes the speed least and keeps out of everybody's
-collision cone, made by a genetic algorithm every ``replan_s`` and followed in between; else, and never
-exceeded, what leaders, signals, right of way, bends and limits allow. Across: lane keeping; where the
-decision rules leave the choice, a change of lane that is the cheaper way to avoid somebody, and those that
-route and traffic ask for. The sequential quadratic programs for the same problem are ``vo_paper``.
+collision cone, made by a genetic algorithm every ``replan_s`` and followed in between; otherwise what
+leaders, signals, right of way, bends and limits allow, which the plan never exceeds either. Across: lane
+keeping; lane changes that route and traffic require and, where the decision rules leave the choice, those
+that are the cheaper way to avoid pedestrians. ``vo_paper`` solves the same problem by sequential quadratic
+programs.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ from controllers.velocity_obstacle.paper.settings import PaperSettings
 
 
 class Settings(PaperSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     generations: AtLeastOne = 50
-    """Of one solve: so many generations of so many plans are valued."""
+    """Number of generations in one solve."""
     population: Annotated[int, Field(ge=4)] = 50
-    """Plans of a generation."""
+    """Number of plans in a generation."""
 
 
 def build(settings: Settings) -> Controller:

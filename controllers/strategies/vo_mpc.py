@@ -1,7 +1,7 @@
 """Velocity-obstacle model predictive control: passing classes, decision rules, sequential QPs.
 
-What its parameters mean; what it does with them is in ``controllers/velocity_obstacle/mpc/driver.py`` and
-``docs/control.md``. The formulation of the paper is ``vo_paper``.
+This module explains the parameters; ``controllers/velocity_obstacle/mpc/driver.py`` and ``docs/control.md``
+explain what the controller does with them. The formulation of the paper is ``vo_paper``.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from controllers.velocity_obstacle.mpc.passing_settings import PassingSettings
 HIDDEN = HiddenPedestrian(speed=1.5)
 LIMITS = SpeedLimits()
 SLOWEST_CHANGE = 2.0
-"""No lane is changed at less [m/s]."""
+"""Lanes are not changed below this speed [m/s]."""
 ROOM_AT_LANE_END = 12.0
-"""Kept free before the end of a lane that has to be left [m]."""
+"""Length kept free before the end of a lane that has to be left [m]."""
 
 
 class Settings(ControllerSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     moved: ClassVar = {
         "model": "vo_mpc is the closed-loop formulation; that of the paper is --controller vo_paper"
@@ -51,7 +51,7 @@ class Settings(ControllerSettings):
     last_step_s: Positive = 0.7
     """Length of the last interval."""
     passes: AtLeastOne = 2
-    """Quadratic programs per passing class at most."""
+    """Largest number of quadratic programs per passing class."""
     margin_along_m: NotNegative = 1.0
     """Free distance to a pedestrian's disc along the path."""
     margin_across_m: NotNegative = 0.6
@@ -59,41 +59,41 @@ class Settings(ControllerSettings):
     class_hysteresis: Positive = 0.85
     """Another passing class is taken when it costs less than this share of the present one."""
     class_lock_s: NotNegative = 2.5
-    """Nearer than this to a pedestrian's path the class is kept."""
+    """The class is kept once the ego is this close in time to a pedestrian in conflict."""
     max_classes: AtLeastOne = 3
-    """Passing classes solved per step."""
+    """Largest number of passing classes solved per step."""
     reconsider_s: NotNegative = 0.3
-    """While the present class is reachable, other classes and other lanes are tried only this often."""
+    """Interval at which other lanes and, while the present class is reachable, other classes are tried."""
     standstill_gap_m: NotNegative = 2.5
-    """Of the least gap G_min = standstill_gap + headway · v."""
+    """Constant part of the least gap G_min = standstill_gap + headway · v."""
     headway_s: NotNegative = 1.0
-    """Of the least gap, and the time gap to a leader."""
+    """Headway in the least gap, and time gap to a leader."""
     lane_changes: bool = True
     """Whether to change lanes at all."""
     change_duration_s: Positive = 4.5
-    """Length of a change of lane."""
+    """Duration of a lane change."""
     change_cost: NotNegative = 15.0
-    """What a change costs in the objective."""
+    """Cost of a lane change in the objective."""
     change_cost_near_crossing: PositiveOrInfinite = float("inf")
-    """What a change costs that begins near a crossing because of people on it. It has to end before the
-    crossing, and no vehicle may be in either lane up to 15 m beyond it, so that nobody is masked; inf: none
-    begins there."""
+    """Cost of a lane change that begins near a crossing because of people on it. It has to end before the
+    crossing, and no vehicle may be in either lane up to 15 m beyond it, so that nobody is masked; inf: no
+    change begins there."""
     change_pause_s: NotNegative = 6.0
-    """Time between two changes that the route does not ask for."""
+    """Least time between two lane changes that the route does not require."""
     clear_before_crossing_m: NotNegative = 35.0
-    """No change begins nearer before a crossing, but for one that the route asks for."""
+    """No lane change begins nearer than this before a crossing, unless the route requires it."""
     clear_after_crossing_m: NotNegative = 12.0
-    """No change begins nearer after a crossing, but for one that the route asks for."""
+    """No lane change begins nearer than this after a crossing, unless the route requires it."""
     bend_acceleration_mps2: PositiveOrInfinite = DrivingStyle().lateral_acceleration
-    """Comfortable lateral acceleration."""
+    """Comfortable lateral acceleration in bends."""
     max_acceleration_mps2: PositiveOrInfinite = 2.2
-    """The most that a plan speeds up with."""
+    """Largest acceleration of a plan."""
     comfortable_braking_mps2: PositiveOrInfinite = LIMITS.comfortable_braking
     """Braking beyond this is penalised."""
     emergency_braking_mps2: PositiveOrInfinite = LIMITS.emergency_braking
-    """The most that a plan brakes with."""
+    """Hardest braking of a plan."""
     max_jerk_mps3: PositiveOrInfinite = LIMITS.jerk
-    """The most that a plan's acceleration changes by."""
+    """Largest jerk of a plan."""
     freeze_braking_mps2: PositiveOrInfinite = LIMITS.freeze_braking
     """Braking with which the ego must still be able to stop should a pedestrian stop in its path."""
     yield_to_standing: bool = True
@@ -104,23 +104,22 @@ class Settings(ControllerSettings):
     shape: Shape = Shape.RECTANGLE
     """What those cones enclose: the body grown by the margins, or a disc about its centre."""
     disc_radius_m: PositiveOrInfinite = 2.0
-    """Of that disc, pedestrian included; one of less than some 2.7 m leaves out the corners of a car."""
+    """Radius of that disc, pedestrian included; less than about 2.7 m leaves out the corners of a car."""
     truncation_s: PositiveOrInfinite = float("inf")
     """Time within which a collision course counts for those cones; inf for the paper's infinite cone."""
     solver: str = "daqp"
     """A solver that qpsolvers knows and that is installed; run.json says which one ran."""
     tolerance: PositiveOrInfinite = 2e-4
-    """Of OSQP; other solvers keep their own."""
+    """Tolerance of OSQP; other solvers keep their own."""
     hidden_speed_mps: NotNegative = HIDDEN.speed
-    """Speed with which somebody hidden behind a standing vehicle may step out; 0: nobody is expected. Only
-    with sensing that is not perfect."""
+    """Speed with which a pedestrian hidden behind a standing vehicle may step out; 0: nobody is expected. It
+    matters only with sensing that is not perfect."""
     hidden_reaction_s: NotNegative = HIDDEN.reaction
-    """What the ego takes to brake for somebody hidden."""
+    """Time that the ego takes to brake for a hidden pedestrian."""
     creep_mps: PositiveOrInfinite = HIDDEN.creep
-    """Somebody hidden is no reason to be slower."""
+    """The ego need not be slower than this, however near a pedestrian may be hidden."""
     uncertainty_gain: NotNegative = 1.0
-    """What both margins grow by for each metre that a pedestrian's position is uncertain (standard
-    deviation); 0 for not at all."""
+    """Growth of both margins per metre of standard deviation of a pedestrian's position; 0 for none."""
     idle_interval_s: Annotated[float, Field(ge=0.0, le=LONGEST)] = 0.0
     """Time between plans while nobody is near who could change them; 0 to plan at every step."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY

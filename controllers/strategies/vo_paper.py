@@ -1,10 +1,11 @@
 """The velocity-obstacle paper's own formulation: least change of inputs, by sequential quadratic programs.
 
 Along: while pedestrians are in conflict, the plan that changes the speed least and keeps out of everybody's
-collision cone, made every ``replan_s`` and followed in between; else, and never exceeded, what leaders,
-signals, right of way, bends and limits allow. Across: lane keeping; where the decision rules leave the
-choice, a change of lane that is the cheaper way to avoid somebody, and those that route and traffic ask
-for. The same problem by the paper's solver is ``vo_ga``; what holds in closed loop is ``vo_mpc``.
+collision cone, made every ``replan_s`` and followed in between; otherwise what leaders, signals, right of
+way, bends and limits allow, which the plan never exceeds either. Across: lane keeping; lane changes that
+route and traffic require and, where the decision rules leave the choice, those that are the cheaper way to
+avoid pedestrians. ``vo_ga`` solves the same problem by the paper's solver; ``vo_mpc`` is the formulation that
+holds in closed loop.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from controllers.velocity_obstacle.paper.settings import PaperSettings
 
 
 class Settings(PaperSettings):
-    """What can be set."""
+    """The parameters of the controller."""
 
     euler_passes: AtLeastOne = 5
-    """Quadratic programs per passing class at most."""
+    """Largest number of quadratic programs per passing class."""
     max_classes: AtLeastOne = 3
-    """Passing classes solved per plan."""
+    """Largest number of passing classes solved per plan."""
     solver: str = "osqp"
     """A solver that qpsolvers knows and that is installed; run.json says which one ran."""
     tolerance: Positive = 2e-4
-    """Of OSQP; other solvers keep their own."""
+    """Tolerance of OSQP; other solvers keep their own."""
 
 
 def build(settings: Settings) -> Controller:

@@ -207,7 +207,7 @@ class SceneReader:
         return self._forecast[1]
 
     def _room(self, perception: Perception, lane: Lane, own_until: int) -> Room:
-        """Return the gaps in the ego's lane up to a step and in the target lane after it, Eqs. (12) to (15)."""
+        """Return the gaps: own lane up to a step, target lane after it, Eqs. (12) to (15)."""
         s, gaps, ego = self.settings, perception.gaps, perception.ego
         side = lane.number - perception.road.reference
         ahead, behind = gaps.ahead, gaps.behind
