@@ -120,7 +120,7 @@ class LateralHorizon:
     lag
         Time constant of the steering [s].
     wheelbase
-        [m].
+        Distance between the axles [m].
 
     Attributes
     ----------

@@ -31,8 +31,8 @@ ASIDE = FREE + 0.2
 BESIDE = 0.5
 """Vehicles at least this far beside the area that the body sweeps are not in the way [m]."""
 CROSSING_S, CROSSING_NEAR = 3.0, 15.0
-"""How far ahead vehicles that move across the road are followed, and, if they do not go the ego's way, how
-near the ego has to be able to come to them in that time [s, m]."""
+"""Vehicles that move across the road are followed this far ahead; those that do not go the ego's way only if
+the ego could come this near to them in that time [s, m]."""
 BRAKING_S = 2.0
 """A braking vehicle is expected to keep braking for this long [s]."""
 STANDSTILL_GAP, HEADWAY, BRAKING = 3.5, 1.2, 6.0

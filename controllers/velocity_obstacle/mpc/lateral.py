@@ -88,9 +88,9 @@ class LateralProgram:
     lag
         Time constant of the steering [s].
     wheelbase
-        [m].
+        Distance between the axles [m].
     front
-        From the rear axle to the front bumper [m].
+        Distance from the rear axle to the front bumper [m].
     max_steering, max_rate
         Limits of the steering angle and the steering rate [rad, rad/s].
     solver

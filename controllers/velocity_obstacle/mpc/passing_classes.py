@@ -1,7 +1,7 @@
 """Passing classes: whom the ego lets go first and whom not, and how each class bounds the position.
 
 With n pedestrians sorted by the time at which they enter the ego's path, only n + 1 orders make sense: the
-ego lets the first j go first (it passes *behind* them) and passes *ahead* of the rest.
+ego lets the first j cross before it (it passes *behind* them) and passes *ahead* of the rest.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ def stops(
     conflicts, behind
         Conflicts sorted by time of entry, and how many pedestrians are let go first.
     front
-        From the rear axle to the front bumper [m].
+        Distance from the rear axle to the front bumper [m].
     margin_along
-        [m].
+        Free distance to a pedestrian's disc along the path [m].
     """
     c = conflicts
     before = c.along[:behind] - c.radius[:behind] - margin_along
@@ -47,9 +47,9 @@ def stops(
 class ClassBounds(NamedTuple):
     """Bounds of each passing class on the rear axle's position, shape (n + 1, N) each.
 
-    Row j is the class that lets the first j pedestrians go first. Every half-plane of this formulation bounds
-    the position alone, so only the tightest one matters at each time: the program does not grow with the
-    number of pedestrians, and nothing is lost.
+    Row j is the class in which the ego passes behind the first j pedestrians. Every half-plane of this
+    formulation bounds the position alone, so only the tightest one matters at each time: the program does not
+    grow with the number of pedestrians, and nothing is lost.
     """
 
     upper: FloatArray
@@ -78,9 +78,9 @@ def class_bounds(
     times
         Horizon, shape (N,) [s].
     front, rear
-        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+        Distances from the rear axle to the front bumper and to the rear bumper (positive) [m].
     margin_along
-        [m].
+        Free distance to a pedestrian's disc along the path [m].
     speed
         Expected speed at each time, which carries a bound from the instant it holds to the next grid time,
         shape (N,) [m/s].

@@ -101,7 +101,7 @@ class SpeedTasks:
         perception, lane, leaving_for
             As for :meth:`controllers.velocity_obstacle.mpc.speed_planning.SpeedPlanner.cheapest`.
         watch
-            What is remembered of the pedestrians.
+            Memory of the pedestrians.
         slowly
             How fast the ego may pass people who stay beside the way; ``None``: nobody is near.
         """

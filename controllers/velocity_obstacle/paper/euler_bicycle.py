@@ -26,7 +26,7 @@ class EulerBicycle:
     Parameters
     ----------
     wheelbase
-        [m].
+        Distance between the axles [m].
     step
         Step length T [s].
 

@@ -89,7 +89,7 @@ def solve_genetically(
     Parameters
     ----------
     problem
-        What to solve; the pedestrians' sides are not used.
+        Problem to solve; the pedestrians' sides are not used.
     budget
         The search stops after its number of generations, however long they take.
     seed

@@ -17,7 +17,7 @@ from controllers.velocity_obstacle.paper.problem import AvoidanceProblem
 from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePlan
 
 SURPRISE = 0.5
-"""The ego plans anew if pedestrians are farther across the road from the expected place than this [m]."""
+"""The ego plans anew if pedestrians are this far, across the road, from where they were expected [m]."""
 SPEED_TIME = 0.4
 """Time constant with which a deviation from the planned speed is corrected [s]."""
 

@@ -131,7 +131,7 @@ def _rank(plan: AvoidancePlan) -> tuple[bool, float]:
 
 
 def of_class(problem: AvoidanceProblem, behind: int) -> AvoidanceProblem:
-    """Return the problem in which the first ``behind`` pedestrians are let go first."""
+    """Return the problem in which the vehicle passes behind the first ``behind`` pedestrians."""
     ahead = np.arange(len(problem.people)) >= behind
     side = np.where(ahead, problem.people.side, -problem.people.side)
     return problem.passed(side)

@@ -195,7 +195,7 @@ class AvoidanceProgram:
         Parameters
         ----------
         problem
-            What to solve; every pedestrian's ``side`` must be +1 or −1.
+            Problem to solve; every pedestrian's ``side`` must be +1 or −1.
         start
             Plan to begin from, shape (2, n).
         passes

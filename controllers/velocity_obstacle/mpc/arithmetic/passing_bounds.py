@@ -38,7 +38,7 @@ def class_bounds(
     times, speed
         Horizon and expected speed, shape (N,).
     front, rear
-        From the rear axle to the front bumper, and to the rear bumper (positive) [m].
+        Distances from the rear axle to the front bumper and to the rear bumper (positive) [m].
     """
     n, count = len(enter), len(times)
     upper = np.full((n + 1, count), np.inf)

@@ -30,7 +30,7 @@ def position_bounds(
     ----------
     rear, rest, follow : as in ``Blockade``, shape (N,) [m]
     line : place that the front bumper must not pass; inf for none [m]
-    front : from the rear axle to the front bumper [m]
+    front : distance from the rear axle to the front bumper [m]
     standstill_gap, gap_now : wanted gap to the vehicle ahead, at a standstill and at the present speed [m]
     times : horizon, shape (N,) [s]
     """

@@ -22,7 +22,7 @@ class Bicycle(NamedTuple):
     moved: FloatArray
     """Offset that it adds per ``v^2 / wheelbase``, by inputs and start, shape (N, N + 2)."""
     steering_start: FloatArray
-    """Maps from both at the start to the steering angle and to its command, shape (N, 2) each."""
+    """Maps from steering angle and command at the start to each of them later, shape (N, 2) each."""
     command_start: FloatArray
     wheelbase: float
 
@@ -31,7 +31,7 @@ class Limits(NamedTuple):
     """Other constants that do not change with the task; weights are per second."""
 
     front: float
-    """From the rear axle to the front bumper [m]."""
+    """Distance from the rear axle to the front bumper [m]."""
     max_steering: float
     across: float
     """Weights, as in ``SteeringWeights``."""
