@@ -27,7 +27,7 @@ LONGEST = 0.5
 ROOM = 10.0
 """Distance that is checked beyond the end of the plan and a time gap, and behind the rear axle [m]."""
 ASIDE = FREE + 0.2
-"""Pedestrians who stay farther than this beside the body do not affect how they are passed [m]."""
+"""The ego passes pedestrians who stay farther than this beside its body as if they were not there [m]."""
 BESIDE = 0.5
 """Vehicles at least this far beside the area that the body sweeps are not in the way [m]."""
 CROSSING_S, CROSSING_NEAR = 3.0, 15.0
