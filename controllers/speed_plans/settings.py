@@ -41,7 +41,7 @@ class SpeedPlanSettings(ControllerSettings):
     emergency_brake: bool = True
     """Whether automatic emergency braking, as in aeb, acts for road users without a plan."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
-    """How pedestrians are expected to walk."""
+    """Model that predicts how pedestrians walk."""
 
     @model_validator(mode="after")
     def _emergencies_are_not_gentler(self) -> SpeedPlanSettings:

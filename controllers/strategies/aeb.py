@@ -64,7 +64,7 @@ class Settings(ControllerSettings):
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
-    """How pedestrians are expected to walk."""
+    """Model that predicts how pedestrians walk."""
 
 
 def build(settings: Settings) -> Controller:

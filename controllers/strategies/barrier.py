@@ -26,7 +26,7 @@ class Settings(ControllerSettings):
     """
 
     braking_g: Positive = 0.3
-    """c_d, the braking with which the ego can always stop."""
+    """c_d, braking that is always enough for the ego to stop."""
     rate_per_s: Positive = 1.0
     """γ, rate at which the ego may approach the barrier; with a larger one it brakes later."""
     time_margin_s: NotNegative = 1.0

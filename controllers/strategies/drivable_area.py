@@ -251,8 +251,8 @@ class Settings(ControllerSettings):
     """Weight of the share of the speed that is lost. The paper has no such weight: standing still then costs
     nothing, and a car that can stop always does."""
     within_friction: bool = RULES.within_friction
-    """Whether candidates stay within friction · g, braking and turning together, and within the rate of the
-    steering."""
+    """Whether candidates stay within friction · g, braking and turning combined, and within the steering
+    rate."""
     friction: Annotated[float, Field(gt=0.0, le=2.0)] = 0.8
     """Full braking is friction · g, or what the drive can do if that is less."""
     margin_m: NotNegative = 0.7
@@ -260,8 +260,8 @@ class Settings(ControllerSettings):
     horizon_s: Annotated[float, Field(ge=1.0, allow_inf_nan=False)] = RULES.horizon
     """How far ahead conflicts and candidates are considered."""
     activation: Activation = Activation.REACTION_SPACE
-    """For whom the method acts: everybody who will be on the road in the reaction space, where the paper's
-    entropy is more than 0; or only those on a collision course."""
+    """Pedestrians for whom the method acts: everybody who will be on the road in the reaction space, where
+    the paper's entropy is above 0, or only those on a collision course."""
     replan_s: NotNegative = 1.0
     """Interval at which a new candidate is chosen while a pedestrian is in the way."""
     population: Annotated[int, Field(ge=4)] = BUDGET.population

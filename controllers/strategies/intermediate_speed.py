@@ -31,7 +31,8 @@ class Settings(SpeedPlanSettings):
     jerk_mps3: PositiveOrInfinite = float("inf")
     """Jerk limit of the plans; inf for the paper's plans, which have none."""
     predict: bool = False
-    """Whether leaders are expected to go on braking or speeding up for a while, and pedestrians to leave."""
+    """Whether to predict that leaders go on braking or speeding up for a while, and that pedestrians
+    leave."""
 
 
 def build(settings: Settings) -> Controller:

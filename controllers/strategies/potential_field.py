@@ -184,12 +184,12 @@ class Settings(ControllerSettings):
     """The parameters of the controller; gains are relative to the pull onwards."""
 
     axis: Literal["variable", "fixed"] = "variable"
-    """Whether the long half-axis of a pedestrian's ellipse follows from the shift that is needed to get past
-    them, or is the same for everybody, the comparison of the paper."""
+    """Whether the long half-axis of a pedestrian's ellipse follows from the shift needed to pass them, or is
+    the same for everybody (the paper's comparison)."""
     fixed_axis_m: Positive = 15.0
     """Long half-axis of all ellipses with ``axis = fixed``."""
     side_margin_m: NotNegative = FIELD.margin
-    """Distance wanted beside a pedestrian, S_m."""
+    """S_m, desired distance beside a pedestrian."""
     shift_acceleration_mps2: Positive = FIELD.lateral_acceleration
     """Lateral acceleration of the shift, a_y."""
     obstacle_gain: NotNegative = float(GAINS.obstacle)
@@ -212,7 +212,7 @@ class Settings(ControllerSettings):
     that traffic allows; a quarter, half and three quarters of it are tried before. 0: none, as in the paper.
     Only with ``braking = aeb``."""
     predictor: PredictorName = "direction_model"
-    """How pedestrians are expected to walk."""
+    """Model that predicts how pedestrians walk."""
     headway_s: NotNegative = 1.0
     """Time gap to a leader."""
 

@@ -57,7 +57,7 @@ class Settings(ControllerSettings):
     margin_across_m: NotNegative = 0.6
     """Free distance to a pedestrian's disc across the path."""
     class_hysteresis: Positive = 0.85
-    """Another passing class is taken when it costs less than this share of the present one."""
+    """The ego switches to another passing class if it costs less than this share of the present one."""
     class_lock_s: NotNegative = 2.5
     """The class is kept once the ego is this close in time to a pedestrian in conflict."""
     max_classes: AtLeastOne = 3
@@ -89,20 +89,20 @@ class Settings(ControllerSettings):
     max_acceleration_mps2: PositiveOrInfinite = 2.2
     """Largest acceleration of a plan."""
     comfortable_braking_mps2: PositiveOrInfinite = LIMITS.comfortable_braking
-    """Braking beyond this is penalised."""
+    """Deceleration above this is penalised."""
     emergency_braking_mps2: PositiveOrInfinite = LIMITS.emergency_braking
     """Hardest braking of a plan."""
     max_jerk_mps3: PositiveOrInfinite = LIMITS.jerk
     """Largest jerk of a plan."""
     freeze_braking_mps2: PositiveOrInfinite = LIMITS.freeze_braking
-    """Braking with which the ego must still be able to stop should a pedestrian stop in its path."""
+    """Deceleration with which the ego must still be able to stop if a pedestrian stops in its path."""
     yield_to_standing: bool = True
-    """Whether people who stand at the kerb of a zebra are expected to step out."""
+    """Whether to expect that people who stand at the kerb of a zebra step out."""
     cone: Cone = Cone.STEP
-    """step keeps positions apart and steers for the lane alone; the others keep relative velocities out of
-    collision cones, by speed and steering together."""
+    """step keeps positions apart and steers only to keep the lane; the others keep relative velocities out of
+    collision cones, by speed and steering combined."""
     shape: Shape = Shape.RECTANGLE
-    """What those cones enclose: the body grown by the margins, or a disc about its centre."""
+    """Shape that those cones enclose: the body enlarged by the margins, or a disc around its centre."""
     disc_radius_m: PositiveOrInfinite = 2.0
     """Radius of that disc, pedestrian included; less than about 2.7 m leaves out the corners of a car."""
     truncation_s: PositiveOrInfinite = float("inf")
@@ -121,9 +121,9 @@ class Settings(ControllerSettings):
     uncertainty_gain: NotNegative = 1.0
     """Growth of both margins per metre of standard deviation of a pedestrian's position; 0 for none."""
     idle_interval_s: Annotated[float, Field(ge=0.0, le=LONGEST)] = 0.0
-    """Time between plans while nobody is near who could change them; 0 to plan at every step."""
+    """Time between two plans while nobody near could change them; 0 to plan at every step."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
-    """How pedestrians are expected to walk."""
+    """Model that predicts how pedestrians walk."""
 
     @model_validator(mode="after")
     def _steps_grow(self) -> Settings:

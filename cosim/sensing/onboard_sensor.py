@@ -21,25 +21,25 @@ class OnboardSettings(Settings):
     """What the sensor on board is like; all defaults are assumed."""
 
     range_m: Positive = 60.0
-    """To the middle of a pedestrian."""
+    """Range, to the middle of a pedestrian."""
     field_of_view_deg: FullAngle = 120.0
-    """Full angle, about straight ahead."""
+    """Full angle of the field of view, centred on straight ahead."""
     mount_behind_front_m: Annotated[float, Field(ge=0.0, le=20.0)] = 1.8
-    """From the front bumper back to the sensor, behind the windscreen."""
+    """Distance from the front bumper back to the sensor behind the windscreen."""
     mount_left_m: Annotated[float, Field(ge=-2.0, le=2.0)] = 0.0
-    """From the middle of the ego to the left."""
+    """Distance of the sensor from the ego's centre line to the left."""
     position_noise_m: NotNegative = 0.2
     """Standard deviation along either axis."""
     velocity_noise_mps: NotNegative = 0.3
     """Standard deviation along either axis."""
     miss_probability: Probability = 0.05
-    """That somebody in view is not detected, at each look."""
+    """Probability that a pedestrian in view is not detected, at each look."""
     confirm_hits: Count = 3
-    """So many detections within ``confirm_looks`` confirm a track; only those are told."""
+    """Number of detections within ``confirm_looks`` that confirms a track; others are not reported."""
     confirm_looks: Count = 5
-    """Looks among which the detections are counted."""
+    """Number of looks among which detections are counted."""
     hold_s: NotNegative = 1.0
-    """A confirmed track goes on without a detection for this long."""
+    """Time for which a confirmed track continues without a detection."""
 
     @model_validator(mode="after")
     def can_be_confirmed(self) -> OnboardSettings:

@@ -30,27 +30,28 @@ class RadioSettings(Settings):
     units: str = AT_CROSSINGS
     """``crossings``: one at an end of each; or places ``x,y`` or ``x,y,heading_deg``, separated by blanks."""
     unit_range_m: Positive = 40.0
-    """To the middle of a pedestrian."""
+    """Range, to the middle of a pedestrian."""
     unit_field_of_view_deg: FullAngle = 360.0
-    """Full angle, about the unit's heading."""
+    """Full angle of the field of view, centred on the unit's heading."""
     unit_sees_over_vehicles: bool = True
-    """It is mounted high; buildings hide pedestrians from it all the same."""
+    """Whether the unit is mounted high enough to see over vehicles; buildings still hide pedestrians from
+    it."""
     unit_position_noise_m: NotNegative = 0.2
     """Standard deviation along either axis."""
     unit_velocity_noise_mps: NotNegative = 0.2
     """Standard deviation along either axis."""
     unit_miss_probability: Probability = 0.02
-    """That somebody in view is not in a message."""
+    """Probability that a pedestrian in view is missing from a message."""
     message_rate_hz: Positive = 10.0
-    """Messages with everybody in view; at most one each time that the ego looks."""
+    """Rate of messages, each with everybody in view; at most one for each look of the ego."""
     latency_ms: NotNegative = 50.0
-    """From the measurement to the ego, at least."""
+    """Smallest time from the measurement until the ego has it."""
     latency_jitter_ms: NotNegative = 0.0
-    """Mean of what is added to it, exponentially distributed."""
+    """Mean of the exponentially distributed time added to the latency."""
     loss_probability: Probability = 0.0
-    """That a message never arrives."""
+    """Probability that a message never arrives."""
     message_hold_s: NotNegative = 1.0
-    """The ego extrapolates what it was told for this long after the measurement."""
+    """Time after the measurement for which the ego extrapolates what it was told."""
 
     @field_validator("units")
     @classmethod

@@ -31,14 +31,14 @@ class PaperSettings(ControllerSettings):
     """Radius of the disc about the body's centre that pedestrians' centres are kept out of. A disc smaller
     than half the body's diagonal plus the pedestrian's radius, about 2.67 m for a car, leaves corners out."""
     cone: Literal[Cone.VO, Cone.IVO, Cone.HYBRID] = Cone.VO
-    """Which collision cone relative velocities are kept out of."""
+    """Collision cone that relative velocities must not enter."""
     truncation_s: PositiveOrInfinite = float("inf")
-    """Pedestrians farther away than the ego gets in this time do not count; inf for the paper's cone."""
+    """Pedestrians farther away than the ego gets in this time are ignored; inf for the paper's cone."""
     steering_weight: Annotated[NotNegative, Unit("(m/s)²/rad²")] = 3282.8
     """Weight of a change of the wheel angle in the objective, relative to a change of speed; 3282.8 is one
     per square degree."""
     top_speed_mps: Positive | None = None
-    """A plan may go up to this speed; none for the speed limit."""
+    """Highest speed of a plan; none for the speed limit."""
     standstill_gap_m: NotNegative = 2.5
     """Constant part of the least gap G_min = standstill_gap + headway · v."""
     headway_s: NotNegative = 1.0
@@ -46,14 +46,14 @@ class PaperSettings(ControllerSettings):
     lane_changes: bool = True
     """Whether to change lanes to avoid pedestrians."""
     rules: Reading = Reading.ADAPTED
-    """Conditions of the decision rules (26)-(31): adapted, where one short gap of a lane suffices; or as
-    printed, where both gaps of a lane have to be short."""
+    """Conditions of the decision rules (26)-(31). adapted: one short gap in a lane is enough; printed: both
+    gaps of a lane have to be short, as in the paper."""
     change_steps: int = 8
     """Steps that a lane change to avoid pedestrians takes."""
     emergency_brake: bool = False
     """Whether an emergency brake has the last word on the acceleration."""
     predictor: PredictorName = by_name.CONSTANT_VELOCITY
-    """How pedestrians are expected to walk."""
+    """Model that predicts how pedestrians walk."""
 
     @model_validator(mode="after")
     def _fits_into_the_horizon(self) -> PaperSettings:
