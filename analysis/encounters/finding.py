@@ -1,9 +1,9 @@
 """Which ego met which pedestrian, when and where.
 
-An *encounter* lasts from the instant when both are within 45 m of their conflict area (of each other
-where their paths do not cross) until one has left that range. Listed are persons who cross the ego's
-path, and persons who were on a crossing or whose next step was onto one. Passers-by on the sidewalk and
-riders of vehicles (whom a recording does not hold) are none.
+An *encounter* lasts from the instant when both are within 45 m of their conflict area (of each other where
+their paths do not cross) until one has left that range. It counts if the pedestrian crosses the ego's path,
+was on a crossing, or was about to step onto one. Passers-by on the sidewalk do not count, nor do riders of
+vehicles, whom a recording does not hold.
 """
 
 from __future__ import annotations
