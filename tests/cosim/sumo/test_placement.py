@@ -1,4 +1,4 @@
-"""Placement on running simulations; its effect on others is in tests/conformance."""
+"""Placement on running simulations; its effect on others is in tests/cosim/conformance."""
 
 from __future__ import annotations
 
