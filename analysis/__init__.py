@@ -1,1 +1,1 @@
-"""Encounters, metrics and reports from recorded runs; reads files only."""
+"""Encounters, metrics and reports from recorded runs; it only reads files."""

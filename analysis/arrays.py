@@ -1,4 +1,4 @@
-"""What types say of arrays."""
+"""Types of arrays."""
 
 from __future__ import annotations
 

@@ -11,11 +11,11 @@ class AnalysisError(ValueError):
 
 
 class RecordingError(AnalysisError):
-    """A recorded run that cannot be analysed; names file, column and row where there is one."""
+    """A recorded run that cannot be analysed; the text names file, column and row, if there is one."""
 
 
 class DamageError(RecordingError):
-    """A file of a run or a study that is not as it was written; names the file and what can be done."""
+    """A file of a run or a study was altered or lost; the text names the file and a remedy."""
 
 
 class ThresholdError(AnalysisError):
@@ -23,11 +23,11 @@ class ThresholdError(AnalysisError):
 
 
 class StudyError(AnalysisError):
-    """Runs that cannot be summed up or compared together; names what exists."""
+    """Runs that cannot be summarised or compared together; the text names what exists."""
 
 
 class MetricError(AnalysisError):
-    """A metric whose file is not complete, or that returns what it does not declare."""
+    """A metric whose file is incomplete, or that returns something it does not declare."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -1,4 +1,4 @@
-"""Files in the formats of the tool; one that has its own name is always complete."""
+"""Reads and writes files of the tool; a file under its final name is always complete."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from typing import Any
 from analysis.manifest import read_verified
 
 PART = ".part"
-"""What the name of a file ends with until it is complete."""
+"""Ending of a file's name until the file is complete."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n＝＋－＠']")
-"""How a text begins that a spreadsheet may take for a formula, or that begins with the mark itself."""
+"""Beginning of a text that a spreadsheet may read as a formula, or that already begins with the mark."""
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 _MARK = "'"
-"""Put before such a text; a spreadsheet then shows the text, and executes nothing."""
+"""Mark put before such a text, so that a spreadsheet shows it and executes nothing."""
 
 
 @contextmanager
 def completing(path: Path) -> Iterator[Path]:
-    """Give a name to write a file under, and the file its own name when the block ends without an error.
+    """Yield a temporary name for a file; the file gets its own name if the block ends without an error.
 
-    After an error the file of before is still there, and nothing of the new one.
+    After an error, the previous file is still there and nothing remains of the new one.
     """
     part = path.with_name(path.name + PART)
     try:
@@ -46,12 +46,12 @@ def write_text(path: Path, text: str) -> Path:
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> Path:
-    """Write JSON and return its path; a number that is not finite is a ``ValueError``, JSON has none."""
+    """Write JSON and return its path; numbers that are not finite raise ``ValueError``, as JSON has none."""
     return write_text(path, json_text(content))
 
 
 def json_text(content: Mapping[str, Any]) -> str:
-    """Return what `write_json` writes."""
+    """Return the text that `write_json` writes."""
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
@@ -61,11 +61,11 @@ def read_json(path: Path) -> dict[str, Any]:
     Raises
     ------
     DamageError
-        When it has a hash and is not as it was written.
+    If the file has a hash and was altered since.
     OSError
-        When it cannot be read.
+    If it cannot be read.
     ValueError
-        When it is truncated, not JSON, or no object.
+    If it is truncated, is not JSON, or holds no object.
     """
     content = json.loads(read_verified(path))
     if not isinstance(content, dict):
@@ -81,42 +81,42 @@ def write_csv(path: Path, heads: Sequence[str], rows: Iterable[Sequence[object]]
 
 
 def csv_lines(rows: Iterable[Sequence[object]]) -> Iterator[str]:
-    """Return the lines of a table of comma-separated values, in which no text is a formula."""
+    """Yield the lines of a table of comma-separated values, in which no text is read as a formula."""
     writer = csv.writer(_Line(), lineterminator="\n")
     for row in rows:
         yield str(writer.writerow([harmless(cell) if isinstance(cell, str) else cell for cell in row]))
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a table of comma-separated values, by the names of their columns.
+    """Return the rows of a table of comma-separated values, by column name.
 
     Raises
     ------
     DamageError
-        When it has a hash and is not as it was written.
+    If the file has a hash and was altered since.
     OSError
-        When it cannot be read.
+    If it cannot be read.
     UnicodeDecodeError, csv.Error
-        When it is no such table.
+    If it is not such a table.
     """
     heads, *rows = read_csv_rows(path) or [[]]
     return [dict(zip(heads, row, strict=False)) for row in rows if row]
 
 
 def read_csv_rows(path: Path) -> list[list[str]]:
-    """Return all rows of a table of comma-separated values, the names of its columns first.
+    """Return all rows of a table of comma-separated values, beginning with the names of its columns.
 
     Raises
     ------
     DamageError, OSError, UnicodeDecodeError, csv.Error
-        As `read_csv`.
+        As for `read_csv`.
     """
     text = read_verified(path).decode("utf-8")
     return [[as_given(cell) for cell in row] for row in csv.reader(io.StringIO(text, newline=""))]
 
 
 def harmless(text: str) -> str:
-    """Return a text as a cell of a table in which spreadsheets find no formula; numbers stay as they are.
+    """Return a text as a cell that spreadsheets do not read as a formula; numbers stay unchanged.
 
     >>> harmless("=1+1"), harmless("-0.5"), harmless("'tis")
     ("'=1+1", '-0.5', "''tis")
@@ -125,7 +125,7 @@ def harmless(text: str) -> str:
 
 
 def as_given(cell: str) -> str:
-    """Return the text of which `harmless` has made a cell.
+    """Return the original text of a cell made by `harmless`.
 
     >>> as_given("'=1+1"), as_given("-0.5")
     ('=1+1', '-0.5')
@@ -134,7 +134,7 @@ def as_given(cell: str) -> str:
 
 
 class _Line:
-    """Takes the place of a file for :mod:`csv`, and gives the line back."""
+    """Stands in for a file in :mod:`csv`, and returns each line."""
 
     def write(self, text: str) -> str:
         return text

@@ -1,4 +1,4 @@
-"""Exact geometry of an oriented rectangle and a disc in straight relative motion; arrays throughout.
+"""Exact geometry of an oriented rectangle and a disc in straight relative motion, for arrays.
 
 Positions are those of the disc's centre in the frame of the rectangle: origin at its centre, x along
 its length. ``half_length`` and ``half_width`` are the rectangle's half extents, ``radius`` the disc's.
@@ -17,7 +17,7 @@ Number = float | FloatArray
 _BLOCK = 1_000_000
 _SLACK = 1e-6
 _STILL = 1e-12
-"""Slower than this is standing: nothing is reached within any time that matters [m/s]."""
+"""Speeds below this count as zero, since nothing is reached within a relevant time [m/s]."""
 
 
 def to_frame(x: Number, y: Number, heading: Number) -> tuple[FloatArray, FloatArray]:
@@ -36,7 +36,7 @@ def signed_distance(x: Number, y: Number, half_length: Number, half_width: Numbe
 def pairs_within(
     x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray, reach: float
 ) -> tuple[IntArray, IntArray]:
-    """Return the numbers of all pairs of places within a distance, by the first, and perhaps a few beyond.
+    """Return index pairs of all positions within a distance, sorted by the first, and perhaps a few beyond.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def pairs_within(
     """
     if not len(x):
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    # About the middle, so that the squares below stay small and exact enough.
+    # Relative to the middle, so that the squares below stay small and exact enough.
     middle_x, middle_y = float(x.mean()), float(y.mean())
     x, y, other_x, other_y = x - middle_x, y - middle_y, other_x - middle_x, other_y - middle_y
     own = np.stack([-2.0 * x, -2.0 * y, x * x + y * y, np.ones_like(x)], axis=1)
@@ -62,7 +62,7 @@ def pairs_within(
 
 
 def clearance(x: Number, y: Number, half_length: Number, half_width: Number, radius: Number) -> FloatArray:
-    """Return the distance between the surfaces, 0 where they overlap [m].
+    """Return the distance between rectangle and disc, 0 if they overlap [m].
 
     Examples
     --------
@@ -85,7 +85,7 @@ def time_to_contact(
 ) -> FloatArray:
     """Return the smallest t >= 0 at which rectangle and disc touch at constant relative velocity [s].
 
-    0 where they overlap already, inf where they never touch; touching exactly is contact.
+    The time is 0 if they overlap already, and inf if they never touch; touching exactly counts as contact.
 
     Notes
     -----
@@ -114,7 +114,7 @@ def _settled(speed: FloatArray) -> FloatArray:
 def _box_entry(
     x: FloatArray, y: FloatArray, u: FloatArray, w: FloatArray, a: FloatArray, b: FloatArray
 ) -> FloatArray:
-    """Return when a moving point enters a box about the origin; inf for never."""
+    """Return when a moving point enters a box around the origin; inf for never."""
     enter = np.zeros_like(x)
     leave = np.full_like(x, np.inf)
     for position, speed, half in ((x, u, a), (y, w, b)):
@@ -154,7 +154,7 @@ def closest_approach(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the smallest clearance [m] and its first time [s] within ``horizon`` at constant velocity.
 
-    Without relative motion, or when already separating, that is the present clearance and 0.
+    Without relative motion, or if the two already separate, these are the present clearance and 0.
 
     Notes
     -----
@@ -202,9 +202,9 @@ def rectangle_separation(
     other_length: Number,
     other_width: Number,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the largest gap over the four axes of two rectangles [m] and that axis' direction [rad].
+    """Return the largest gap over the four axes of two rectangles [m], and the direction of its axis [rad].
 
-    Negative exactly when the rectangles overlap (separating-axis theorem); a positive gap is a lower
+    The gap is negative exactly if the rectangles overlap (separating-axis theorem); a positive gap is a lower
     bound of their distance. Positions are centres.
     """
     dx, dy = other_x - x, other_y - y
@@ -241,7 +241,7 @@ def gap_along(
     other_length: Number,
     other_width: Number,
 ) -> FloatArray:
-    """Return the gap between two rectangles' shadows on an axis of direction ``axis`` [m]."""
+    """Return the gap between the projections of two rectangles on an axis of direction ``axis`` [m]."""
     extent = length * np.abs(np.cos(heading - axis)) + width * np.abs(np.sin(heading - axis))
     other = other_length * np.abs(np.cos(other_heading - axis)) + other_width * np.abs(
         np.sin(other_heading - axis)

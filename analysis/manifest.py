@@ -1,9 +1,9 @@
-"""The hashes of a run's files, so that a file that was altered or lost since is not read as a result.
+"""Hashes of a run's files, so that a file that was altered or lost since is not read as a result.
 
-``files.json`` in a run's folder says of every file that the tool has written there how long it is, its
-SHA-256 and, of a table, how many rows it has. It is written last, and it holds its own hash. What reads a
-file of a run reads it through `read_verified`. The tables of a study and of a check have such a file
-too. A folder of before, without hashes, is read as it is.
+``files.json`` in a run's folder gives the length and SHA-256 of every file that the tool has written there
+and, for a table, the number of rows. It is written last and holds its own hash. All files of a run are read
+through `read_verified`. The tables of a study and of a check have such a manifest, too. An older folder
+without hashes is read unchecked.
 """
 
 from __future__ import annotations
@@ -20,30 +20,30 @@ from analysis.errors import DamageError
 
 MANIFEST = "files.json"
 CLAIM = "hashes"
-"""Key of ``run.json`` that names the manifest: a manifest that is lost is not taken for one never made."""
+"""Key of ``run.json`` that names the manifest, so that a lost manifest is noticed."""
 RECORDED = ("run.json", "job.json", "map.json", "*.parquet")
-"""What no analysis can make again."""
+"""Files that no analysis can make again."""
 WRITTEN_AGAIN = "the batch or check, repeated, writes it again"
-"""What brings back the tables of a study or a check."""
+"""Remedy for lost tables of a study or a check."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file as it was written."""
+    """A file's properties when it was written."""
 
     bytes: int
     rows: int | None
-    """Of a table; ``None`` for other files."""
+    """Number of rows of a table; ``None`` for other files."""
     sha256: str
 
 
 def read_manifest(folder: Path) -> dict[str, Entry] | None:
-    """Return the files of a run by name; ``None`` for a folder without hashes.
+    """Return the entries of a run's files by name; ``None`` for a folder without hashes.
 
     Raises
     ------
     DamageError
-        When the manifest is lost or damaged.
+        If the manifest is lost or damaged.
     """
     path = folder / MANIFEST
     try:
@@ -71,20 +71,20 @@ def text_of(entries: Mapping[str, Entry]) -> str:
 
 
 def read_verified(path: Path) -> bytes:
-    """Return the content of a file; if it belongs to a run that has hashes, it is as it was written.
+    """Return the content of a file, checked against its hash if the run has hashes.
 
     Raises
     ------
     DamageError
-        When it was altered or lost; says what can be done.
+        If the file was altered or lost; the text names a remedy.
     OSError
-        When it cannot be read.
+        If the file cannot be read.
     """
     return read_as_written(path, read_manifest(path.parent))
 
 
 def read_as_written(path: Path, entries: Mapping[str, Entry] | None) -> bytes:
-    """Return as `read_verified`, by a manifest that was read before; ``None``: there is none."""
+    """Return the same as `read_verified`, with a manifest that is already read; ``None`` if there is none."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
@@ -101,12 +101,12 @@ def read_as_written(path: Path, entries: Mapping[str, Entry] | None) -> bytes:
 
 
 def _lost(path: Path, entries: Mapping[str, Entry]) -> DamageError:
-    """Return the error of a file that is gone."""
+    """Return the error for a lost file."""
     return DamageError(f"{path}: is missing; {_remedy(path, entries)}")
 
 
 def _altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> DamageError:
-    """Return the error of a file with another content than it was written with."""
+    """Return the error for an altered file."""
     entry = entries[path.name]
     said = "has another content than it was written with"
     rows = count_rows(path.name, content)
@@ -119,7 +119,7 @@ def _altered(path: Path, entries: Mapping[str, Entry], content: bytes) -> Damage
 
 
 def _remedy(path: Path, entries: Mapping[str, Entry]) -> str:
-    """Return what brings a file back."""
+    """Return the remedy for a lost or altered file."""
     if "run.json" not in entries:
         return WRITTEN_AGAIN
     recorded = any(path.match(pattern) for pattern in RECORDED)
@@ -129,7 +129,7 @@ def _remedy(path: Path, entries: Mapping[str, Entry]) -> str:
 
 
 def make_again(folder: Path) -> str:
-    """Return what is to be done where nothing else brings back the files of a folder."""
+    """Return the remedy if nothing else restores the files of a folder."""
     if (folder / "configs.csv").exists() or (folder / "criteria.csv").exists():
         return WRITTEN_AGAIN
     return f"remove the folder {folder} and make the run again"
@@ -155,7 +155,7 @@ def count_rows(name: str, content: bytes) -> int | None:
 
 
 def entry_of(name: str, content: bytes) -> Entry:
-    """Return what a manifest says of a file."""
+    """Return a file's entry for the manifest."""
     return Entry(len(content), count_rows(name, content), hashlib.sha256(content).hexdigest())
 
 

@@ -1,4 +1,4 @@
-"""Tables of Markdown pages, and the part of a page that is made by a program."""
+"""Tables of Markdown pages, and generated parts of pages."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from analysis.files import write_text
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], right: Iterable[str] = ()) -> str:
-    """Return a table; its last line ends without a line break.
+    """Return a Markdown table; its last line ends without a line break.
 
-    Columns are not padded: a value that changes then changes one line of a page and not all of its table.
+    Columns are not padded, so that a changed value changes one line and not the whole table.
 
     Parameters
     ----------
     heads
-        Of the columns.
+        Heads of the columns.
     rows
-        A text for each column; in the page its vertical bars are escaped and its line breaks are spaces.
+        A text for each column; vertical bars are escaped, and line breaks become spaces.
     right
-        Heads of the columns that are aligned at the right.
+        Heads of the columns that are aligned to the right.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], right: Iterable[s
 
 
 def table_of(rows: Sequence[Mapping[str, object]]) -> str:
-    """Return the table of rows that have the same keys; the keys are its heads.
+    """Return the table of rows that have the same keys, which become its heads.
 
     Examples
     --------
@@ -68,18 +68,18 @@ def table_of(rows: Sequence[Mapping[str, object]]) -> str:
 
 
 def write_below(page: Path, line: str, text: str, introduction: str) -> None:
-    """Replace what stands below a line of a page.
+    """Replace the text below a line of a page.
 
     Parameters
     ----------
     page
-        It need not exist.
+        The page, which need not exist.
     line
-        What stands above it is kept.
+        The line; the text above it is kept.
     text
-        Comes below the line.
+        Text below the line.
     introduction
-        Comes above the line of a new page.
+        Text above the line of a new page.
     """
     above = page.read_text(encoding="utf-8").partition(line)[0] if page.exists() else introduction
     write_text(page, f"{above.rstrip()}\n\n{line}\n\n{text}")

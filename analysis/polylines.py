@@ -1,4 +1,4 @@
-"""Lines of straight pieces in the plane, points (n, 2) [m]."""
+"""Polylines in the plane, as points of shape (n, 2) [m]."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from analysis.arrays import BoolArray, FloatArray
 
 
 def arc_lengths(line: FloatArray) -> FloatArray:
-    """Return how far along a line its points are [m].
+    """Return the distances of a line's points along the line [m].
 
     Examples
     --------
@@ -19,7 +19,7 @@ def arc_lengths(line: FloatArray) -> FloatArray:
 
 
 def inside(outline: FloatArray, points: FloatArray) -> BoolArray:
-    """Return which points are inside a polygon: a ray from them crosses its outline an odd number of times.
+    """Return which points are inside a polygon, where a ray crosses the outline an odd number of times.
 
     Parameters
     ----------

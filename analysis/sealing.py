@@ -1,4 +1,4 @@
-"""Takes down the hashes of the files of a run or a study, and checks all of them."""
+"""Records the hashes of the files of a run or a study, and checks them."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ from analysis.manifest import (
 
 
 def seal_recording(folder: Path) -> None:
-    """Take down what was recorded of a run that has just ended."""
+    """Record the hashes of the recorded files of a run that has just ended."""
     _write(folder, _entries(_recorded(folder)))
 
 
 def seal(folder: Path, written: Iterable[Path], removed: Iterable[Path] = ()) -> None:
-    """Take down files that were just written, last of all, and forget those that were just removed.
+    """Record the hashes of files that were just written, and forget files that were just removed.
 
-    The others stay as they were taken down; in a folder without hashes they are taken as they are now.
+    The entries of other files stay; in a folder without hashes, the recorded files are hashed as they are
+    now.
 
     Raises
     ------
     DamageError
-        When the manifest of before is damaged.
+        If the previous manifest is damaged.
     """
     before = read_manifest(folder)
     entries = _entries(_recorded(folder)) if before is None else before
@@ -42,7 +43,7 @@ def seal(folder: Path, written: Iterable[Path], removed: Iterable[Path] = ()) ->
 
 
 def seal_tables(folder: Path, written: Iterable[Path]) -> None:
-    """Take down the tables of a study or a check, which were just written; there are no others."""
+    """Record the hashes of all tables of a study or a check, which were just written."""
     _write(folder, _entries(written))
 
 
@@ -52,12 +53,12 @@ def has_hashes(folder: Path) -> bool:
 
 
 def damages(folder: Path, recordings: bool = True) -> list[str]:
-    """Check the files of a run or the tables of a study, and return a line for each that was altered or lost.
+    """Check the files of a run or the tables of a study; return a line for each that was altered or lost.
 
     Parameters
     ----------
-    folder : of the run or the study
-    recordings : whether the large tables of a run are checked too
+    folder : folder of the run or the study
+    recordings : whether to check the large tables of a run, too
     """
     try:
         entries = read_manifest(folder)

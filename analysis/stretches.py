@@ -1,4 +1,4 @@
-"""Stretches of samples that have something in common."""
+"""Stretches of consecutive samples with a common property."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every threshold, radius and curve of an analysis, in one frozen object that is echoed in config.json."""
+"""All thresholds of an analysis, in one frozen object that is written to config.json."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from analysis.errors import ThresholdError
 TTC_LIMITS_S = (1.0, 1.5, 3.0)
 PET_LIMITS_S = (1.0, 1.5, 3.0, 5.0)
 LOW_TTC_S = 1.5
-"""Below it a TTC is called low, and compared over many runs."""
+"""A TTC below this is called low, and is compared over many runs [s]."""
 LOW_PET_S = 1.5
 TTC_EXPOSURE_LIMITS_S = (1.5, 3.0)
-"""TET and TIT are taken below these."""
+"""TET and TIT are computed for TTCs below these limits [s]."""
 DRAC_LIMIT_MPS2 = 3.4
 
 
 def in_name(limit: float) -> str:
-    """Return a limit as it stands in the name of a column.
+    """Return a limit as it is written in the name of a column.
 
     >>> in_name(1.5)
     '1p5'
@@ -31,32 +31,32 @@ def in_name(limit: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """Settings of the analysis: the numbers of a report depend on them and on the recording."""
+    """Settings of the analysis; a report's numbers depend only on them and on the recording."""
 
     encounter_range_m: float = 45.0
-    """Both users are within this distance of their conflict area, or of each other."""
+    """In an encounter, both users are within this distance of their conflict area, or of each other [m]."""
     visit_pairing_s: float = 60.0
-    """Visits to one conflict area further apart in time are not one encounter."""
+    """Visits to a conflict area farther apart in time than this are separate encounters [s]."""
     traffic_pairing_s: float = 10.0
-    """The same where everybody is judged, who are many."""
+    """The same limit if everybody is judged, because road users are then many [s]."""
     substep_s: float = 0.05
-    """Motion is resampled to at most this step before the exact check between samples."""
+    """Motion is resampled to at most this step before the exact check between samples [s]."""
     ego_rear_overhang_m: float = 0.95
-    """Rear bumper to rear axle: the axle does not slip, so that its path is the one interpolated."""
+    """From rear bumper to rear axle, whose path is interpolated because the axle does not slip [m]."""
     longitudinal_angle_deg: float = 30.0
-    """Directions closer than this (or to opposite directions) are a longitudinal conflict."""
+    """A conflict is longitudinal if directions are nearer than this to equal or opposite ones [deg]."""
     turning_angle_deg: float = 30.0
-    """An ego that turns by more than this before or inside the conflict area is turning."""
+    """An ego counts as turning if it turns by more than this before or inside the conflict area [deg]."""
     standing_speed_mps: float = 0.1
-    """An ego at or below it stands: it is no hazard, and a touch is not a collision."""
+    """At or below this speed, an ego stands: it is no hazard, and a touch is not a collision [m/s]."""
     moving_speed_mps: float = 0.5
-    """Clearance and k are taken only while the ego is faster."""
+    """Clearance and k are computed only while the ego is faster than this [m/s]."""
     close_pass_m: float = 0.5
     close_pass_speed_mps: float = 3.0
-    """Who is passed faster than this nearer than that is passed too close."""
+    """An ego passes too close if it is faster than this [m/s] and nearer than ``close_pass_m`` [m]."""
     pedestrian_standing_speed_mps: float = 0.3
     contact_separation_s: float = 2.0
-    """Contacts of one pair closer in time are one collision."""
+    """Contacts of one pair closer in time than this are one collision [s]."""
     severity_ttc_severe_s: float = 1.0
     severity_ttc_serious_s: float = 1.5
     severity_ttc_slight_s: float = 3.0
@@ -64,10 +64,10 @@ class Thresholds:
     severity_pet_serious_s: float = 1.5
     severity_pet_slight_s: float = 3.0
     max_speed_ttc_s: float = 1.5
-    """max_speed_mps is taken while TTC is at most this."""
+    """max_speed_mps is computed while TTC is at most this [s]."""
     mdrac_reaction_s: float = 1.0
     evasive_deceleration_mps2: float = 1.0
-    """The ego's evasive action begins where it brakes harder."""
+    """The ego's evasive action begins when it brakes harder than this [m/s^2]."""
     hard_brake_mps2: float = 4.0
     comfort_deceleration_mps2: float = 3.0
     jerk_window_s: float = 0.2
@@ -75,26 +75,26 @@ class Thresholds:
     yield_deceleration_mps2: float = 3.05
     slack_m: float = 0.05
     lane_change_hold_s: float = 2.0
-    """A lane change is completed when the new lane is kept for this long."""
+    """A lane change is completed when the new lane is kept for this long [s]."""
     stopped_on_crossing_s: float = 1.0
     deadlock_s: float = 60.0
     deadlock_signal_s: float = 180.0
-    """The same near a crossing with signals, where a red phase may last."""
+    """The same limit near a crossing with signals, where a red phase may be long [s]."""
     deadlock_free_gap_m: float = 15.0
     deadlock_signal_range_m: float = 40.0
     r157_reaction_s: float = 0.75
     r157_deceleration_mps2: float = 7.59
     r157_ramp_s: float = 0.6
     r157_wander_m: float = 0.375
-    """A pedestrian nearer to the ego's corridor than this is a risk."""
+    """Pedestrians nearer to the ego's corridor than this are a risk [m]."""
     r157_foresight_s: float = 2.0
-    """Pedestrians who would be there within this time are a risk, too."""
+    """Pedestrians who would be there within this time are a risk, too [s]."""
     r157_view_m: float = 100.0
-    """The careful driver sees no further."""
+    """The careful driver sees no farther than this [m]."""
     r157_eye_m: float = 2.0
-    """Front bumper to the careful driver's eye."""
+    """Distance from the front bumper to the careful driver's eye [m]."""
     r157_after_s: float = 5.0
-    """The careful driver must not touch anybody until so long after the recorded contact."""
+    """The careful driver must not touch anybody until this long after the recorded contact [s]."""
     ego_mass_kg: float = 1500.0
     pedestrian_mass_kg: float = 75.0
     hood_leading_edge_cm: float = 75.0
@@ -102,7 +102,7 @@ class Thresholds:
     """A person's free speed is this percentile of their recorded speeds while walking."""
 
     def as_dict(self) -> dict[str, float]:
-        """Return name -> value in the order of declaration."""
+        """Return the values by name, in the order of declaration."""
         return asdict(self)
 
 
@@ -112,7 +112,7 @@ def names() -> tuple[str, ...]:
 
 
 def with_settings(settings: Mapping[str, str]) -> Thresholds:
-    """Return the thresholds of which some have other values than usual.
+    """Return the thresholds, some of them with other values than the defaults.
 
     Parameters
     ----------

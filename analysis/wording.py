@@ -1,4 +1,4 @@
-"""How pages, tables and messages write what several of them write."""
+"""Common wording of pages, tables and messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """Return names as a list, and how many were left out.
+    """Return names as a list, with the number of those left out.
 
     Examples
     --------
@@ -18,12 +18,12 @@ def some(names: Sequence[str], most: int) -> str:
 
 
 def decimals(value: float, least: int | None = None) -> int:
-    """Return the decimals with which a number is not rounded to 0: at least some, at most three more.
+    """Return how many decimals keep a number from being rounded to 0: from ``least`` to three more.
 
     Parameters
     ----------
     value
-    least : decimals that are shown in any case; ``None``: those of three digits or so
+    least : decimals shown in any case; ``None`` for about three significant digits
 
     Examples
     --------
@@ -39,7 +39,7 @@ def decimals(value: float, least: int | None = None) -> int:
 
 
 def p_value(value: float | None, undefined: str = "–") -> str:
-    """Return the p value of a test as statistics are reported.
+    """Return the p value of a test as a text.
 
     Examples
     --------

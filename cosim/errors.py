@@ -11,7 +11,7 @@ import os
 
 
 class CosimError(Exception):
-    """Anything this project raises on purpose; its text is one line for the user."""
+    """Base of all errors that this project raises on purpose; the text is one line for the user."""
 
 
 class InputError(CosimError):
@@ -19,11 +19,11 @@ class InputError(CosimError):
 
 
 class SimulationError(CosimError):
-    """A run that began and could not go on."""
+    """A run began but could not go on."""
 
 
 def reason_of(error: Exception) -> str:
-    """Return why something failed, without the names of files that were not yet there.
+    """Return why something failed, without the names of unfinished files.
 
     >>> reason_of(OSError(28, "No space left on device", "egos.parquet.part"))
     'No space left on device'

@@ -1,7 +1,7 @@
-"""How worker processes start: as copies of one that has loaded everything, so that it is loaded once.
+"""How worker processes start: as copies of a process that has loaded all modules, so that they load once.
 
-To load what a run needs takes more than a second, and a batch starts many processes: one for each run at a
-time, and another one in the place of each whose run has failed.
+Loading the modules that a run needs takes more than a second, and a batch starts many processes: one for each
+run that runs at the same time, and a new one for each that a failed run has ended.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from multiprocessing.context import BaseContext
 from types import ModuleType
 
 LOADED = ("cosim.running.execution", "libsumo", "pandas", "scipy.spatial", "controllers.strategies.vo_mpc")
-"""What runs need. Pandas is what pyarrow loads as soon as it makes an array, SciPy loads its parts when they
-are used, and on most of what the default controller stands on others stand, too."""
+"""Modules that runs need. Pyarrow loads pandas as soon as it makes an array, SciPy loads its parts on first
+use, and other controllers use most of the modules of the default controller."""
 
 _starting = threading.Lock()
 _BEGIN_WITHIN_S = 30.0
@@ -27,7 +27,7 @@ _BEGIN_WITHIN_S = 30.0
 
 @contextmanager
 def _main_left_alone() -> Iterator[None]:
-    """Start processes that do not execute the user's program again: they need nothing of it."""
+    """Start processes without executing the user's program again, since they need nothing from it."""
     with _starting:
         program = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
@@ -42,9 +42,9 @@ if sys.platform != "win32":
     from multiprocessing.context import ForkServerContext, ForkServerProcess
 
     class _BegunProcess(ForkServerProcess):
-        """A process of which ``start`` returns when it has read what it is to do.
+        """A process whose ``start`` returns only when the process has read its task.
 
-        Until then it needs locks that the pool which started it may already take away, when it is stopped.
+        Until then the process needs locks that its pool may already remove when the pool is stopped.
         """
 
         def start(self) -> None:
@@ -52,7 +52,7 @@ if sys.platform != "win32":
             with heard:
                 with self._silence, _main_left_alone():
                     super().start()
-                # Nothing is ever said: the process closes its end as it begins, or by its own end.
+                # No data is ever sent: the process closes its end when it begins to run, or when it ends.
                 heard.poll(_BEGIN_WITHIN_S)
 
         def run(self) -> None:
@@ -64,17 +64,17 @@ if sys.platform != "win32":
 
 
 def context() -> BaseContext:
-    """Return how processes are to be started; to be called shortly before."""
+    """Return the context in which to start processes; call this shortly before the start."""
     # New interpreters look for modules in the current folder first: a user's file named like one of the
     # standard library would be executed.
     if sys.platform == "win32" or sys.platform == "darwin":
         os.environ.setdefault("PYTHONSAFEPATH", "1")  # each process is a new interpreter
-        return get_context("spawn")  # system libraries of macOS do not bear to be copied
+        return get_context("spawn")  # system libraries of macOS do not survive a fork
     else:
         found = _Context()
         found.set_forkserver_preload([*LOADED])
         path = os.pathsep.join(place or os.getcwd() for place in sys.path)
-        # What this program imports, the processes can import, also where it has changed ``sys.path``.
+        # The processes can import whatever this program can, even if it has changed ``sys.path``.
         with _starting, _variables(PYTHONSAFEPATH="1", PYTHONPATH=path):
             forkserver.ensure_running()
         return found
@@ -88,7 +88,7 @@ def cores() -> int:
 
 
 def hold_back(number: signal.Signals) -> Callable[[], None]:
-    """Let a signal wait, of which started processes are to know nothing; what is returned lets it come."""
+    """Hold back a signal, so that processes started now ignore it; the returned function delivers it."""
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
     held: list[int] = []
@@ -104,7 +104,7 @@ def hold_back(number: signal.Signals) -> Callable[[], None]:
 
 @contextmanager
 def _variables(**values: str) -> Iterator[None]:
-    """Set variables of the environment for new processes, and leave no trace of that in this one."""
+    """Set environment variables for new processes, and restore this process's afterwards."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

@@ -1,4 +1,4 @@
-"""Reading a TOML file that somebody wrote by hand."""
+"""Reading of TOML files that users write by hand."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cosim.errors import InputError
 
 
 def read_toml(path: Path, flag: str = "") -> dict[str, Any]:
-    """Return the content of a file that was given as an argument, or with a flag.
+    """Return the content of a TOML file; messages name the flag with which the user gave it.
 
     Raises
     ------
     InputError
-        If it cannot be read or is not TOML.
+        If the file cannot be read or is not valid TOML.
     """
     where = f"{flag} {path}".lstrip()
     try:

@@ -1,1 +1,1 @@
-"""Published studies and the papers' experiments, with the Python that makes their pages; not installed."""
+"""Published studies and the papers' experiments, with the code that makes their pages; not installed."""

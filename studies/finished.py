@@ -1,4 +1,4 @@
-"""The runs of a study that has been run."""
+"""Finds the runs of a finished study."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def run_folders(folder: Path) -> list[Path]:
     Raises
     ------
     StudyError
-        If there are none.
+        If there are no runs.
     """
     folders = find_run_folders(folder)
     if not folders:

@@ -1,8 +1,8 @@
-"""Did a change of the code change what the tool computes? Every controller in every scenario, compared.
+"""Checks whether a change of the code changed results: compares every controller in every scenario.
 
-``make golden`` makes the runs of ``studies/golden.toml``; then
-``python -m studies.golden runs/golden --against BEFORE`` compares them with those of an earlier commit, by
-value and column by column, so that files may gain columns and move them about.
+``make golden`` makes the runs of ``studies/golden.toml``. Then ``python -m studies.golden runs/golden
+--against BEFORE`` compares them with those of an earlier commit, by value and column by column, so that files
+may gain or reorder columns.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from pathlib import Path
 import pandas as pd
 
 FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "encounters.csv", "runs.csv")
-"""What is compared of a run; who drove how long is in timing.parquet, which is not."""
+"""Files of a run that are compared; timing.parquet is not, since computing times vary."""
 OF_THE_MACHINE = ("run_id", "config_id", "tool_version", "git_sha", "wall_", "compute_")
-"""Beginnings of the columns that differ from run to run or from version to version."""
+"""Prefixes of columns that differ between runs or versions and are ignored."""
 
 
 def differences(before: Path, after: Path) -> list[str]:
-    """Return one line for every file of a run that differs, or that only one side has."""
+    """Return one line for every file that differs, and for every run that only one side has."""
     known, made = _runs(before), _runs(after)
     lines = [f"{run}: only in {before}" for run in sorted(known.keys() - made.keys())]
     lines += [f"{run}: only in {after}" for run in sorted(made.keys() - known.keys())]
@@ -33,7 +33,7 @@ def differences(before: Path, after: Path) -> list[str]:
 
 
 def _runs(folder: Path) -> dict[str, Path]:
-    """Return the runs of a batch by scenario, controller and seed: the rest of a name is of the version."""
+    """Return a batch's runs by scenario, controller and seed; the rest of a name depends on the version."""
     return {run.name.rpartition("-")[0]: run for run in sorted((folder / "runs").iterdir())}
 
 
@@ -45,7 +45,7 @@ def _table(file: Path) -> pd.DataFrame:
 
 
 def _difference(before: pd.DataFrame, after: pd.DataFrame) -> str:
-    """Return what differs between two tables in the columns that both have; empty: nothing."""
+    """Return how a table differs from an earlier one; empty if not. New columns do not count."""
     if len(before) != len(after):
         return f"{len(before)} rows before, {len(after)} after"
     gone = [str(name) for name in before.columns if name not in after.columns]
@@ -56,7 +56,7 @@ def _difference(before: pd.DataFrame, after: pd.DataFrame) -> str:
 
 
 def main() -> None:
-    """Compare two batches; exit code 1 when they differ."""
+    """Compare two batches; the exit code is 1 if they differ."""
     parser = argparse.ArgumentParser(description="Compare the runs of two versions of the code, by value.")
     parser.add_argument("runs", type=Path, help="folder of a batch")
     parser.add_argument("--against", type=Path, required=True, help="folder of the same batch before")

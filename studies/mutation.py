@@ -1,7 +1,7 @@
-"""Do the tests notice a wrong program? Mutants drawn at random, each against the tests of its own place.
+"""Checks whether the tests notice faults: runs random mutants against the tests of their own place.
 
-``python -m studies.mutation plant --count 15 --seed 1`` (extra ``mutation``) prints what became of each
-mutant and a row of the table in ``docs/testing.md``. Only a copy of the repository is changed.
+``python -m studies.mutation plant --count 15 --seed 1`` (extra ``mutation``) prints the outcome of each
+mutant and a row of the table in ``docs/testing.md``. It changes only a copy of the repository.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from analysis.markdown import table
 ROOT = Path(__file__).resolve().parents[1]
 NOT_COPIED = (".git", ".venv", "runs", "build", "__pycache__", ".*_cache", ".hypothesis", "*.egg-info")
 TIME_LIMIT = 600.0
-"""For the tests of one mutant; a mutant that takes longer is killed [s]."""
+"""Time limit for the tests of one mutant; a mutant that takes longer counts as killed [s]."""
 
 
 class Place(NamedTuple):
-    """What is mutated, and the tests that should notice it: patterns of paths, for tests of one each."""
+    """Code to mutate and tests that should notice it: patterns of paths; those of tests match one each."""
 
     sources: tuple[str, ...]
     tests: tuple[str, ...]
@@ -77,7 +77,7 @@ PLACES = {
 
 
 def drawn(place: Place, count: int, seed: int, folder: Path) -> list[MutationSpec]:
-    """Return mutants of the copy in the current folder; a larger count adds to the same ones."""
+    """Return mutants of the copy in the current folder; a larger count adds to the same mutants."""
     files = sorted(file for pattern in place.sources for file in Path().glob(pattern))
     with use_db(str(folder / "mutants.sqlite")) as database:
         init(files, database, {})
@@ -93,7 +93,7 @@ def drawn(place: Place, count: int, seed: int, folder: Path) -> list[MutationSpe
 
 
 def _says_nothing(tree: Any, mutant: MutationSpec) -> bool:
-    """Return whether it changes only an annotation or the message of an error."""
+    """Return whether a mutant changes only an annotation or a raise statement."""
     node = tree.get_leaf_for_position(mutant.start_pos)
     while node.parent is not None:
         inside, node = node, node.parent
@@ -115,7 +115,7 @@ def _is_python(mutant: MutationSpec) -> bool:
 
 
 def survivors(place: Place, mutants: list[MutationSpec]) -> int:
-    """Test each mutant, print what became of it and return how many survived."""
+    """Test each mutant, print the outcome and return how many survived."""
     tests = [_found(pattern) for pattern in place.tests]
     command = " ".join([sys.executable, "-m pytest -x -q -n 0 -p no:cacheprovider", *tests])
     unchanged, output = run_tests(command, TIME_LIMIT)
@@ -135,7 +135,7 @@ def survivors(place: Place, mutants: list[MutationSpec]) -> int:
 
 
 def _found(pattern: str) -> str:
-    """Return the one path of a pattern: without its tests a place would be tested by all there are."""
+    """Return the only path of a pattern; it must exist, since without paths pytest would run all tests."""
     (path,) = Path().glob(pattern)
     return str(path)
 
@@ -152,7 +152,7 @@ def main() -> None:
         copy = Path(folder) / "repository"
         shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(*NOT_COPIED))
         os.chdir(copy)
-        # CI: hypothesis draws the same examples every time and knows no deadline.
+        # With CI set, hypothesis draws the same examples every time and has no deadline.
         os.environ |= {"PYTHONPATH": str(copy), "CI": "true"}
         for name in given.places or PLACES:
             mutants = drawn(PLACES[name], given.count, given.seed, Path(folder))

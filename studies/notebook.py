@@ -33,7 +33,7 @@ def read(notebook: Path) -> Any:
 
 
 def executed(notebook: Path) -> Any:
-    """Return a notebook after all of its cells have run, in an empty folder; an error in one is raised."""
+    """Return a notebook after running all of its cells in an empty folder; an error in a cell is raised."""
     content = read(notebook)
     with TemporaryDirectory() as folder:
         NotebookClient(content, timeout=300, resources={"metadata": {"path": folder}}).execute()
@@ -62,7 +62,7 @@ def _output(output: Any, pictures: dict[str, bytes]) -> list[str]:
         pictures[name] = base64.b64decode(data["image/png"])
         return [f"![Figure {len(pictures)} of the notebook](images/{name})"]
     if "text/html" in data:
-        # Styles of a notebook's frontend mean nothing on the page; a blank line would end the HTML.
+        # Styles of the notebook's frontend have no effect on the page; a blank line would end the HTML.
         text = re.sub(r"<style.*?</style>", "", data["text/html"], flags=re.DOTALL)
         return [re.sub(r"\n\s*\n", "\n", text)]
     return [f"```text\n{data['text/plain'].rstrip()}\n```"]

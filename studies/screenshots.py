@@ -1,7 +1,7 @@
 """``make screenshots``: pictures of a report and of a replay.
 
-``python -m studies.screenshots STUDY_DIR OUT_DIR`` takes them of a finished study. It needs
-Playwright and Chromium, as the tests of the page do.
+``python -m studies.screenshots STUDY_DIR OUT_DIR`` takes them from a finished study. Like the tests of the
+page, it needs Playwright and Chromium.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from pathlib import Path
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 CONTROLLER = "vo_mpc"
-"""Whose replay is shown: the encounter of this one with the smallest TTC."""
+"""Controller whose encounter with the smallest TTC is replayed."""
 WIDTH, HEIGHT = 1280, 860
 
 
 def main(study: Path, out: Path) -> int:
-    """Write the report of a study, and ``report.png`` and ``replay.png`` of it."""
+    """Write a study's report and its pictures ``report.png`` and ``replay.png``; return the exit code."""
     from cosim.errors import CosimError
     from cosim.presentation.page import write_page
 
@@ -37,7 +37,7 @@ def main(study: Path, out: Path) -> int:
 
 
 def take(report: Path, out: Path, browser: str) -> list[Path]:
-    """Take both pictures, the same ones each time, and return their paths."""
+    """Take both pictures, reproducibly, and return their paths."""
     from playwright.sync_api import sync_playwright
 
     paths = [out / "report.png", out / "replay.png"]

@@ -13,11 +13,11 @@ from sumo_scenarios.xml_files import check_xml
 # SUMO's exp(0) is not defined; at this rate the first arrival is expected after thirty years.
 _NOBODY_PER_S = 1e-9
 MOST_PER_HOUR = 100_000.0
-"""More than fifty lanes take; SUMO would be busy inserting them and never get on."""
+"""Highest rate of a flow: more than fifty lanes can take, and inserting more would stall SUMO [1/h]."""
 
 
 def placeholders(scenario: Scenario, table: ScenarioTable) -> dict[str, str]:
-    """Return the values that demand texts can name, as text: parameters, [rates] in 1/s, [times] in s."""
+    """Return the values that demand texts can name, as texts: parameters, [rates] in 1/s and [times] in s."""
     per_hour = {
         "vehicles_per_hour": scenario.vehicles_per_hour,
         "pedestrians_per_hour": scenario.pedestrians_per_hour,

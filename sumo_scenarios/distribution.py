@@ -1,4 +1,4 @@
-"""A number in a description, or how it is drawn."""
+"""Numbers of a scenario's description, fixed or drawn from a distribution."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _EXAMPLES = "a number, { normal = [mean, deviation] }, { uniform = [from, to] } 
 
 @dataclass(frozen=True, slots=True)
 class Distribution:
-    """What a number may be and how likely that is.
+    """Distribution from which a number is drawn.
 
-    ``normal`` has mean and standard deviation, ``lognormal`` median and standard deviation of the logarithm,
-    ``uniform`` both ends, ``choice`` any values with weights. The first two are cut at ``minimum`` and
-    ``maximum``: what would lie outside is not drawn at all.
+    ``normal`` takes mean and standard deviation, ``lognormal`` median and standard deviation of the
+    logarithm, ``uniform`` both ends, ``choice`` any values with weights. The first two are truncated at
+    ``minimum`` and ``maximum``.
 
     >>> Distribution("choice", (1.4,)).draw(np.random.default_rng(1))
     1.4
@@ -49,7 +49,7 @@ class Distribution:
         return self.quantile(float(generator.random()))
 
     def quantile(self, share: float) -> float:
-        """Return the number that this share of what is drawn lies below, for ``choice`` in the order given.
+        """Return the quantile for this share; for ``choice``, values count in the order given.
 
         >>> Distribution("uniform", (2.0, 6.0)).quantile(0.25)
         3.0
@@ -71,7 +71,7 @@ class Distribution:
         return min(max(number, self.minimum), self.maximum)
 
     def _shares(self) -> tuple[float, float]:
-        """Return the share below the minimum and below the maximum."""
+        """Return the shares of the untruncated distribution below the minimum and below the maximum."""
         middle, deviation = self.values
         if deviation == 0.0:
             return 0.0, 1.0
@@ -86,12 +86,12 @@ class Distribution:
 
 
 def read_distribution(value: Any, low: float = -math.inf, high: float = math.inf) -> Distribution:
-    """Return what a description says, checked to give numbers from ``low`` to ``high`` only.
+    """Return the distribution that a description gives, checked to lie from ``low`` to ``high``.
 
     Raises
     ------
     ValueError
-        In one line that says what was expected.
+        If the description is wrong; the message is one line that says what was expected.
     """
     if isinstance(value, Distribution):
         return value

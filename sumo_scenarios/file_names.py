@@ -1,7 +1,7 @@
-"""Names of files as SUMO's programs read them: lists separated by commas, with ``%`` before a code.
+"""File names as SUMO's programs read them: lists separated by commas, in which ``%`` begins a code.
 
-A configuration that SUMO saved has ``%20`` for a blank. A comma or such a code in the name of the user's own
-folder is taken apart or decoded, too, once a name is absolute.
+A configuration that SUMO saved has ``%20`` for a blank. In an absolute name, SUMO also splits or decodes
+commas and codes in the names of the user's own folders.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def split_names(text: str) -> list[str]:
 
 
 def joined_names(names: Iterable[str]) -> str:
-    """Return names as the value of a configuration's option, from which `split_names` reads them again.
+    """Return names as the value of a configuration's option, such that `split_names` returns the same names.
 
     >>> joined_names(["100%25.rou.xml", "a, b.rou.xml"])
     '100%2525.rou.xml,a%2C b.rou.xml'
@@ -32,13 +32,13 @@ def joined_names(names: Iterable[str]) -> str:
 
 
 def plain_name(path: Path, work_dir: Path) -> str:
-    """Return a name of a file that SUMO's programs read as it is.
+    """Return a name of a file that SUMO's programs read without splitting or decoding it.
 
     Parameters
     ----------
     path : the file
-    work_dir : where a link is made to its folder, or to itself, if the name of one needs it; it has to exist,
-        under a plain name
+    work_dir : existing folder with a plain name; holds a link to the file, or to its folder, if the name of
+    either is not plain
 
     Returns
     -------
@@ -54,7 +54,7 @@ def _is_plain(name: str) -> bool:
 
 
 def _linked(target: Path, work_dir: Path) -> Path:
-    """Return a link to a file or a folder; its ending tells SUMO whether a file is packed."""
+    """Return a link to a file or a folder, with the ending that tells SUMO whether a file is compressed."""
     ending = "".join(suffix for suffix in target.suffixes if _is_plain(suffix)) if target.is_file() else ""
     number = 1
     while (link := work_dir / f"link-{number}{ending}").is_symlink() and link.readlink() != target.absolute():

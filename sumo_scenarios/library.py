@@ -47,7 +47,7 @@ __all__ = [
 
 LIBRARY = Path(__file__).parent
 DEFINITION = "scenario.toml"
-# A configuration without an end goes on for as long as there are vehicles.
+# A configuration without an end runs as long as there are vehicles.
 DURATION_WITHOUT_END_S = 3600.0
 
 
@@ -57,17 +57,17 @@ def names() -> tuple[str, ...]:
 
 
 def is_built_in(text: str) -> bool:
-    """Tell whether a text means a scenario, or a suite's case, that every installation has."""
+    """Return whether a text names a scenario or a suite's case that every installation has."""
     return text in names() or is_reference(text)
 
 
 def load(name_or_path: str) -> Scenario:
-    """Return a built-in scenario, a suite's case, one from a folder with a scenario.toml, or a configuration.
+    """Return the scenario of a built-in name, a suite's case, a scenario.toml's folder or a configuration.
 
     Raises
     ------
     ScenarioError
-        If there is none, or it cannot be read.
+        If there is no such scenario, or it cannot be read.
     """
     if name_or_path in names():
         return _from_folder(LIBRARY / name_or_path)
@@ -130,7 +130,7 @@ def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
 
 
 def _base_of(folder: Path, base: str) -> Scenario:
-    """Return the scenario that one in ``folder`` is a variant of."""
+    """Return the base of the variant in ``folder``."""
     if base in names():
         return _from_folder(LIBRARY / base, may_have_base=False)
     if is_reference(base):
@@ -172,7 +172,7 @@ def _from_sumocfg(path: Path) -> Scenario:
 
 
 def _microscopic(path: Path) -> SumoConfiguration:
-    """Return what a configuration says, unless vehicles would have no place on their lanes."""
+    """Return the content of a configuration; a mesoscopic one, without positions on lanes, is refused."""
     configuration = read_sumocfg(path)
     if is_true(configuration.options, "mesosim"):
         raise ScenarioError(f"{path}: mesosim is set; expected a microscopic simulation: remove this option")

@@ -1,4 +1,4 @@
-"""What a scenario is: frozen values that a run is made from."""
+"""Model of a scenario: frozen values from which a run is made."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from sumo_scenarios.schema import Actuation, ParameterValue, ScenarioTable
 
 HYBRID_LATERAL_RESOLUTION_M = 0.4
 NEVER = -1.0
-"""Of SUMO's time-to-teleport."""
+"""Value of SUMO's ``time-to-teleport`` with which vehicles are never teleported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Egos:
-    """How egos come about: inserted trips, vehicles taken over by id, or a share of passenger cars."""
+    """Which vehicles are egos: inserted trips, vehicles taken over by id, or a share of passenger cars."""
 
     routes: tuple[tuple[str, ...], ...] = ()
     """Edge ids, one ego trip each, taken in turn until there are ``count`` egos."""
     vehicles: tuple[str, ...] = ()
     """Ids of vehicles of the demand to take over."""
     share: float | None = None
-    """Share of the demand's passenger cars to take over, in [0, 1]; which ones is drawn by the seed."""
+    """Share of the demand's passenger cars to take over, in [0, 1]; the seed decides which ones."""
     count: int = 0
     """Number of inserted egos."""
     first_depart_s: float = 0.0
@@ -39,40 +39,40 @@ class Egos:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A road, its demand, and who in it is an ego."""
+    """A road network, its demand and its egos."""
 
     name: str
     folder: Path | None
-    """Where scenario.toml is; ``None`` for a configuration of the user's own."""
+    """Folder of scenario.toml; ``None`` for a user's SUMO configuration."""
     sumocfg: Path | None
-    """Configuration used in place; ``None`` where the network is built from plain sources."""
+    """SUMO configuration to run; ``None`` if the network is built from plain sources."""
     description: str
     begin_s: float
     """Simulated time of the first step [s]; 54000 is 15:00."""
     duration_s: float
     """Simulated time from the first step to the end, warm-up included [s]."""
     warmup_s: float
-    """Time after which egos come in and recording starts [s]."""
+    """Time after which egos appear and recording starts [s]."""
     step_s: float
     actuation: Actuation
     lateral_resolution_m: float | None
-    """Of SUMO's sublane model; ``None`` leaves the configuration's own lane-change model [m]."""
+    """Resolution of SUMO's sublane model; ``None`` keeps the configuration's lane-change model [m]."""
     vehicles_per_hour: float | None
-    """``None`` where the demand is not ours; the scenario's README says per what."""
+    """Rate of vehicles, as the scenario's README defines it; ``None`` for a demand that is not ours [1/h]."""
     pedestrians_per_hour: float | None
     parameters: Mapping[str, ParameterValue]
     """Further parameters of this scenario."""
     egos: Egos
     teleport_after_s: float = NEVER
-    """How long a vehicle of SUMO's stands before SUMO puts it elsewhere; not positive: for ever [s]."""
+    """Time after which SUMO teleports a standing vehicle; never, if not positive [s]."""
     table: ScenarioTable | None = None
-    """What scenario.toml says."""
+    """Content of scenario.toml."""
     pedestrians: tuple[PedestrianTable, ...] = ()
-    """Scripted ones, whom SUMO does not have."""
+    """Scripted pedestrians, who are not part of SUMO's demand."""
     variant: Path | None = None
-    """Folder of the scenario.toml that has a base; ``folder`` is that of the base then."""
+    """Folder of a variant's scenario.toml; ``folder`` is then the folder of its base."""
     pedestrians_in: Path | None = None
-    """Folder of the scenario.toml whose scripted pedestrians these are; ``None``: ``folder``."""
+    """Folder of the scenario.toml with the scripted pedestrians; ``None`` means ``folder``."""
 
 
 def egos_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> Egos:
@@ -92,7 +92,7 @@ def egos_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> E
 
 
 def routes_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) -> tuple[tuple[str, ...], ...]:
-    """Return the ego trips whose ``when`` holds for these parameters."""
+    """Return the ego trips whose ``when`` matches these parameters."""
     return tuple(
         tuple(route.edges.split())
         for route in table.egos.routes
@@ -101,12 +101,12 @@ def routes_of(table: ScenarioTable, parameters: Mapping[str, ParameterValue]) ->
 
 
 def with_pedestrians(scenario: Scenario) -> Scenario:
-    """Return the scenario with its scripted pedestrians as its present parameters make them.
+    """Return the scenario with its scripted pedestrians for its present parameters.
 
     Raises
     ------
     ScenarioError
-        One line with file, row and key.
+        If a table is wrong; the message is one line with file, row and key.
     """
     if scenario.table is None or scenario.folder is None or not scenario.table.pedestrians:
         return scenario
@@ -124,7 +124,7 @@ def with_egos(
 ) -> Scenario:
     """Return the scenario with other egos: one trip along ``route``, vehicles by id, or a share of cars.
 
-    What is given replaces the scenario's own egos of all three kinds.
+    The given egos replace the scenario's own egos of all three kinds.
 
     Raises
     ------

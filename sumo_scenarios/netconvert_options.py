@@ -1,4 +1,4 @@
-"""What a scenario may ask of netconvert: how a network is built, never which files are read or written."""
+"""Options of netconvert that a scenario may set: how a network is built, but never names of files."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ ALLOWED = (
     "tls.",
     "walkingareas",
 )
-"""How the names of allowed options begin."""
+"""Prefixes of the allowed options."""
 _NAMES_FILE = re.compile(r".*(input-file|output).*")
 _NUMBER = re.compile(r"-[\d.]+")
 
 
 def check_options(words: Sequence[str]) -> None:
-    """Refuse arguments for netconvert that are no option of those allowed, or no value of one.
+    """Refuse arguments for netconvert that are neither an allowed option nor the value of one.
 
     Raises
     ------
     ValueError
-        One line that names the word and says what is allowed.
+        If a word is refused; the message is one line that names it and says what is allowed.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def check_options(words: Sequence[str]) -> None:
 
 
 def is_allowed(name: str) -> bool:
-    """Tell whether a scenario may set an option of netconvert.
+    """Return whether a scenario may set an option of netconvert.
 
     >>> is_allowed("tls.layout"), is_allowed("junctions.join-output")
     (True, False)

@@ -1,4 +1,4 @@
-"""Networks built by netconvert on first use, kept in a cache that is keyed by their content."""
+"""Networks that netconvert builds on first use, cached under a hash of their sources."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from sumo_scenarios.sumo_installation import netconvert, sumo_home, sumo_version
 from sumo_scenarios.xml_files import sha256
 
 CACHE_VARIABLE = "COSIM_CACHE_DIR"
-# Mid-road nodes and dead ends would get U-turns otherwise.
+# Otherwise, nodes in the middle of a road and dead ends would get U-turns.
 _ALWAYS = ("--no-turnarounds", "true", "--xml-validation", "never")
 _COMMENT = re.compile(rb"<!--.*?-->\s*", re.DOTALL)
 
@@ -31,7 +31,7 @@ def cache_folder() -> Path:
 
 
 def source_files(folder: Path, network: NetworkTable) -> dict[str, tuple[Path, ...]]:
-    """Return the plain sources by netconvert's option."""
+    """Return the plain source files, by netconvert's option for them."""
     files = {
         "--node-files": (folder / network.nodes,),
         "--edge-files": (folder / network.edges,),
@@ -42,11 +42,11 @@ def source_files(folder: Path, network: NetworkTable) -> dict[str, tuple[Path, .
 
 
 def build_network(folder: Path, network: NetworkTable) -> Path:
-    """Return the network file, from the cache if these sources were built before and it is as it was built.
+    """Return the network file, from the cache if these sources were built before and the file is unchanged.
 
-    The comment in which netconvert writes date and paths is taken out: the same sources give the same
-    bytes. The file appears under its final name only when it is complete, so that processes which build
-    the same network at the same time do not disturb each other.
+    The comment in which netconvert writes date and paths is removed, so that the same sources give the same
+    bytes. The file gets its final name only when it is complete, so that processes can build the same network
+    at the same time.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def build_network(folder: Path, network: NetworkTable) -> Path:
         if told.read_text() == sha256(target):
             return target
     except (OSError, UnicodeDecodeError):
-        pass  # there is none, or it cannot be said what it was: it is built again
+        pass  # no cached network, or no readable hash of it: build it again
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".building-") as work:

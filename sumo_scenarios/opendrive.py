@@ -1,4 +1,4 @@
-"""A SUMO network as OpenDRIVE, by netconvert; coordinates stay the same."""
+"""Export of a SUMO network as OpenDRIVE with netconvert; coordinates stay the same."""
 
 from __future__ import annotations
 

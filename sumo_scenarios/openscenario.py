@@ -1,4 +1,4 @@
-"""Trajectories of pedestrians in an OpenSCENARIO file, so that a recorded person walks in a scenario."""
+"""Reads pedestrians' trajectories from OpenSCENARIO, so that recorded persons can walk in a scenario."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Row = tuple[float, float, float]
 def read_walks(path: Path) -> Mapping[str, list[Row]]:
     """Return the points of each pedestrian who follows a trajectory, by the entity's name.
 
-    A trajectory is a polyline whose vertices have a time and a world position. Its times are taken as the
-    time reference says (offset and scale); when its event starts is not considered.
+    A trajectory is a polyline whose vertices have a time and a world position. Offset and scale of the time
+    reference are applied to its times; the start of its event is ignored.
 
     Raises
     ------
     ScenarioError
-        In one line: no OpenSCENARIO, no pedestrian with a trajectory, or one that is described otherwise.
+        If the file is not OpenSCENARIO, no pedestrian has a trajectory, or one is described in another way.
     """
     if check_xml(path) != "OpenSCENARIO":
         raise ScenarioError(f"{path}: expected an OpenSCENARIO file")

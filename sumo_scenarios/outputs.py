@@ -1,4 +1,4 @@
-"""What route files, additional files and networks make SUMO write, and copies of them that do not."""
+"""Outputs named in route files, additional files and networks, and copies of these files without them."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ from sumo_scenarios.xml_files import check_xml
 NOWHERE = "/dev/null"
 
 _READ = frozenset({"rerouter", "variableSpeedSign", "calibrator"})
-"""Elements whose ``file`` SUMO reads; that of every other one it writes: of detectors, edge data, probes."""
+"""Elements whose ``file`` SUMO reads. It writes the ``file`` of all others, such as detectors and probes."""
 _PICTURES = ("imgFile", "osgFile")
 _DEVICE_OUTPUT = re.compile(r"device\..*\.(file|output)")
 _OF_SIGNALS = ("file", "SWARMLOG")
-"""Parameters of traffic lights that name what is written."""
+"""Parameters of traffic lights that name output files."""
 _MENTIONS = re.compile(
     rb"\s(file|output|dest)\s*=|key\s*=\s*[\"'](file|SWARMLOG|device\.)|<include\s|<!DOCTYPE|&#"
 )
 _PLAIN = re.compile(rb"(\xef\xbb\xbf)?\s*<(?!\?xml[^>]*encoding\s*=\s*[\"'](?!utf-8[\"']))", re.IGNORECASE)
-"""How a file begins whose bytes are its text."""
+"""Beginning of a file in UTF-8, whose bytes can be searched as text."""
 
 
 class SilentCopies:
-    """Copies of files that name outputs, with the outputs sent nowhere.
+    """Makes copies of files that name outputs, in which the outputs lead nowhere.
 
     Parameters
     ----------
-    work_dir : where copies go
+    work_dir : folder for the copies
     """
 
     def __init__(self, work_dir: Path) -> None:
         self._work_dir = work_dir
         self._made = 0
         self.left_out: list[str] = []
-        """What is not written, as the user is told."""
+        """Outputs that are not written, as shown to the user."""
 
     def of(self, path: Path) -> Path:
-        """Return a file that names no output: the given one, or a copy of it, or of what it includes."""
+        """Return the file, or a copy without outputs if it or a file that it includes names one."""
         root = _parsed_if_it_mentions(path)
         if root is None:
             return path
@@ -61,7 +61,7 @@ class SilentCopies:
         return target
 
     def _silence(self, root: ElementTree.Element, path: Path) -> bool:
-        """Send every output nowhere, make names of input files absolute, and return whether there was one."""
+        """Redirect outputs to nowhere, make input names absolute, and return whether there was an output."""
         written = [(element, name) for element in root.iter() for name in element.attrib]
         written = [(element, name) for element, name in written if is_output(element.tag, name)]
         keys = [(param, "value") for param in _output_parameters(root)]
@@ -77,7 +77,7 @@ class SilentCopies:
 
 
 def is_output(tag: str, attribute: str) -> bool:
-    """Tell whether SUMO writes the file that an attribute of an element names.
+    """Return whether SUMO writes the file that an attribute of an element names.
 
     >>> is_output("inductionLoop", "file"), is_output("rerouter", "file")
     (True, False)
@@ -88,17 +88,17 @@ def is_output(tag: str, attribute: str) -> bool:
 
 
 def included_files(path: Path, within: tuple[Path, ...] = ()) -> list[Path]:
-    """Return the files that a file includes, and those that they include.
+    """Return the files that a file includes, directly or indirectly.
 
     Parameters
     ----------
     path : the file
-    within : those that led to it
+    within : files through which this file is included
 
     Raises
     ------
     ScenarioError
-        If one is missing or not well-formed, or includes itself.
+        If a file is missing or not well-formed, or includes itself.
     """
     within = (*within, path.resolve())
     root = _parsed_if_it_mentions(path)
@@ -113,7 +113,7 @@ def included_files(path: Path, within: tuple[Path, ...] = ()) -> list[Path]:
 
 
 def _output_parameters(root: ElementTree.Element) -> Iterable[ElementTree.Element]:
-    """Return the parameters, of vehicles and traffic lights, that name what is written."""
+    """Return the parameters of vehicles and traffic lights that name outputs."""
     for element in root.iter():
         for param in element.findall("param"):
             key = param.get("key", "")
@@ -122,7 +122,7 @@ def _output_parameters(root: ElementTree.Element) -> Iterable[ElementTree.Elemen
 
 
 def _parsed_if_it_mentions(path: Path) -> ElementTree.Element | None:
-    """Return the content of a file that may name others; networks and demand seldom do, and are large."""
+    """Return the content of a file that may name others; large networks and demand seldom do."""
     with _opened(path) as file:
         content = file.read()
     if _PLAIN.match(content) and not _MENTIONS.search(content):

@@ -1,4 +1,4 @@
-"""``--set key=value`` texts, applied to a scenario by key and type."""
+"""Applies ``--set key=value`` texts to a scenario, by key and type."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ SCENARIO_KEYS: Mapping[str, Any] = {
     "actuation": Actuation,
     "lateral_resolution_m": Positive,
 }
-"""Keys of every scenario: name of the field of ``Scenario``, and its type."""
+"""Keys that every scenario has, which are fields of ``Scenario``, and their types."""
 DEMAND_KEYS: Mapping[str, Any] = {"vehicles_per_hour": NotNegative, "pedestrians_per_hour": NotNegative}
-"""Only where the demand is ours."""
+"""Keys of scenarios whose demand is ours, and their types."""
 EGO_KEYS: Mapping[str, tuple[str, Any]] = {
     "ego_count": ("count", AtLeastOne),
     "ego_first_depart_s": ("first_depart_s", NotNegative),
@@ -29,7 +29,7 @@ EGO_KEYS: Mapping[str, tuple[str, Any]] = {
     "ego_depart_lane": ("depart_lane", Text),
     "ego_depart_speed_mps": ("depart_speed", Text),
 }
-"""Key, field of ``Egos``, and its type."""
+"""Keys of scenarios with inserted egos: field of ``Egos``, and its type."""
 
 
 def parameter_names(scenario: Scenario) -> tuple[str, ...]:
@@ -55,7 +55,7 @@ def parameter_values(scenario: Scenario) -> dict[str, ParameterValue | None]:
 
 
 def parameter_choices(scenario: Scenario, key: str) -> tuple[str, ...]:
-    """Return the only texts that a parameter takes; empty where it takes any of its type."""
+    """Return the only texts that a parameter accepts; empty if it accepts any value of its type."""
     if key == "actuation":
         return get_args(Actuation)
     declared = scenario.table.parameters.get(key) if scenario.table is not None else None
@@ -63,7 +63,7 @@ def parameter_choices(scenario: Scenario, key: str) -> tuple[str, ...]:
 
 
 def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scenario, dict[str, str]]:
-    """Return the scenario with these values, and the keys that are not the scenario's.
+    """Return the scenario with these values, and the texts whose keys it does not have.
 
     Raises
     ------
@@ -101,9 +101,9 @@ def with_parameters(scenario: Scenario, texts: Mapping[str, str]) -> tuple[Scena
 
 
 def lateral_resolution(scenario: Scenario, actuation: Actuation) -> float | None:
-    """Return the lateral resolution of a scenario once its egos are moved in this way [m].
+    """Return the lateral resolution of a scenario whose egos are actuated in this way [m].
 
-    The sublane model is what lets SUMO see an ego between two lanes; moving alone does not need it.
+    With the sublane model, SUMO sees an ego between two lanes; actuation ``move`` does not need it.
     """
     if actuation == "move":
         return None

@@ -1,4 +1,4 @@
-"""The ``[[pedestrians]]`` tables of a ``scenario.toml``: who walks where, when and in which manner."""
+"""The ``[[pedestrians]]`` tables of a ``scenario.toml``: where, when and how scripted pedestrians walk."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Place = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 
 
 class Table(BaseModel):
-    """A TOML table whose keys are all known."""
+    """A TOML table without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
@@ -47,17 +47,17 @@ class MannerTable(Table):
     weight: NotNegative = 1.0
     """Relative frequency among the manners of the table."""
     after_m: Length | None = None
-    """Distance along the path at which they pause, run or turn."""
+    """Distance along the path at which the pedestrian pauses, runs or turns back [m]."""
     pause_s: Duration | None = None
-    """Duration of the pause."""
+    """Duration of the pause [s]."""
     speed_mps: Speed | None = None
-    """Speed of running or of walking back."""
+    """Speed of running or of walking back [m/s]."""
     ego_within_s: Duration | None = None
-    """Run or turn as soon as an ego would reach the line within this time, if that comes first."""
+    """Runs or turns as soon as an ego would reach the line within this time, if before ``after_m`` [s]."""
 
     @model_validator(mode="after")
     def fitting(self) -> MannerTable:
-        """Check that a manner has what it needs and nothing else."""
+        """Check that the manner has the keys it needs and no others."""
         needs = {"hesitating": ("after_m", "pause_s"), "running": ("speed_mps",)}.get(self.kind, ())
         knows = {
             "hesitating": ("after_m", "pause_s"),
@@ -79,24 +79,24 @@ STARTS = ("time_s", "per_hour", "ego_distance_m", "ego_arrival_s", "overlap")
 
 
 class StartTable(Table):
-    """When a pedestrian sets off: exactly one of the first five keys, and conditions."""
+    """When a pedestrian sets off: exactly one of the first five keys, and further conditions."""
 
     time_s: NotNegative | None = None
-    """After the warm-up."""
+    """Time after the warm-up [s]."""
     per_hour: NotNegative | None = None
-    """Many, at random times (Poisson)."""
+    """Rate of pedestrians who set off at random times (Poisson) [1/h]."""
     ego_distance_m: Length | None = None
-    """When the ego's front bumper is this far from where its path crosses the line."""
+    """Sets off when the ego's front bumper is this far from where its path crosses the line [m]."""
     ego_arrival_s: Duration | None = None
-    """When the ego would be there in this time."""
+    """Sets off when the ego would reach that place in this time [s]."""
     overlap: Share | None = None
-    """So that the bumper meets the pedestrian at this share of its width, from the side they come from."""
+    """Sets off such that the bumper meets the pedestrian at this share of its width, from their side."""
     ego_speed_mps: Positive | None = None
-    """Nominal speed for ``overlap``; without it, the ego's own."""
+    """Nominal speed of the ego for ``overlap``; by default its current speed [m/s]."""
     accepted_gap_s: Duration | None = None
-    """Waits until every vehicle arrives at least this long after the pedestrian is in front of it."""
+    """Waits until every vehicle arrives at least this long after the pedestrian is in front of it [s]."""
     watchful: Share = Distribution("choice", (1.0,))
-    """Share of those who wait for a gap that look again before each lane; the others walk on."""
+    """Share of the pedestrians waiting for a gap who look again before each lane; the others walk on."""
     signal: Literal["", "red", "green"] = ""
     """Sets off only while the crossing's signal shows this."""
 
@@ -126,7 +126,7 @@ class GroupTable(Table):
 
 
 class PedestrianTable(Table):
-    """Keys that all kinds share."""
+    """Keys that all kinds of pedestrians share."""
 
     name: str
     kind: str
@@ -138,7 +138,7 @@ class TrajectoryTable(PedestrianTable):
     kind: Literal["trajectory"]
     file: str
     start_s: NotNegative = 0.0
-    """Time 0 of the file, after the warm-up."""
+    """Time after the warm-up that corresponds to time 0 of the file [s]."""
 
 
 class WalkerTable(PedestrianTable):
@@ -147,17 +147,17 @@ class WalkerTable(PedestrianTable):
     speed_mps: Speed
     start: StartTable
     acceleration_distance_m: NotNegative = 0.0
-    """Distance in which the speed is reached."""
+    """Distance over which the pedestrian accelerates to the speed [m]."""
     stop_after_m: Length | None = None
-    """Walks this far and stops."""
+    """Walks this far and stops [m]."""
     stay_s: Duration = Distribution("choice", (0.0,))
-    """Time standing at the end of the path before disappearing."""
+    """Time that the pedestrian stands at the end of the path before disappearing [s]."""
     manners: list[MannerTable] = [MannerTable()]
     group: GroupTable | None = None
 
     @model_validator(mode="after")
     def weighted(self) -> WalkerTable:
-        """Check that some manner can be drawn, and what does not go together."""
+        """Check that a manner can be drawn, and that the keys go together."""
         if not self.manners or sum(manner.weight for manner in self.manners) <= 0.0:
             raise ValueError("manners: expected at least one of weight above 0")
         if self.start.signal and self.kind != "crossing":
@@ -168,15 +168,15 @@ class WalkerTable(PedestrianTable):
 
 
 class LineTable(WalkerTable):
-    """From a place to a place: of the world, or along and across a lane."""
+    """A straight line between two places, in world coordinates or along and across a lane."""
 
     kind: Literal["line"]
     lane: str = ""
-    """SUMO's lane, from whose beginning and centre line the places count; empty: x and y of the world."""
+    """SUMO lane from whose beginning and centre line the places are measured; empty for world coordinates."""
     from_m: Place
     to_m: Place
     shift_m: Place = [0.0, 0.0]
-    """Added to both."""
+    """Shift added to both places [m]."""
 
     @model_validator(mode="after")
     def apart(self) -> LineTable:
@@ -187,41 +187,41 @@ class LineTable(WalkerTable):
 
 
 class JaywalkTable(WalkerTable):
-    """Across the road away from crossings, in a direction drawn from the direction model."""
+    """A walk across the road away from crossings, in a direction drawn from the direction model."""
 
     kind: Literal["jaywalk"]
     edge: str
     opposite: str = ""
     """Edge of the other direction; empty on a one-way road."""
     section_m: Place
-    """Range of starting positions along the edge."""
+    """Range of starting positions along the edge [m]."""
     side: Literal["right", "left", "both"] = "both"
     setback_m: NotNegative = 0.5
-    """Distance of the start from the outermost lane for cars."""
+    """Distance from the outermost lane for cars to the start [m]."""
     goal_along_m: Offset = Distribution("choice", (0.0,))
-    """Offset of the goal along the road, in the direction of the edge."""
+    """Offset of the goal along the road, in the direction of the edge [m]."""
     goal_beyond_m: NotNegative = 1.0
-    """Distance of the goal beyond the road."""
+    """Distance of the goal beyond the road [m]."""
     choice_scale: Positive = 0.05
     """A smaller value makes the choice of direction more certain."""
 
     @model_validator(mode="after")
     def ordered(self) -> JaywalkTable:
-        """Check the section."""
+        """Check that the section is valid."""
         if not 0.0 <= self.section_m[0] <= self.section_m[1]:
             raise ValueError(f"section_m is {self.section_m}; expected two positions in order, from 0 on")
         return self
 
 
 class CrossingTable(WalkerTable):
-    """Over a crossing of the network, whatever its signal shows unless ``start.signal`` says otherwise."""
+    """A walk over a crossing of the network, regardless of its signal unless ``start.signal`` is set."""
 
     kind: Literal["crossing"]
     crossing: str
     side: Literal["first", "last", "both"] = "both"
     """End of the crossing where the pedestrian starts, in SUMO's order."""
     setback_m: NotNegative = 0.5
-    """Distance of the start from the crossing."""
+    """Distance of the start from the crossing [m]."""
 
 
 TABLES: Mapping[str, type[PedestrianTable]] = {
@@ -235,18 +235,18 @@ TABLES: Mapping[str, type[PedestrianTable]] = {
 def read_pedestrians(
     rows: Sequence[Mapping[str, Any]], values: Mapping[str, Any], path: Path
 ) -> tuple[PedestrianTable, ...]:
-    """Return the checked tables, ``"$name"`` replaced by the value of that parameter.
+    """Return the checked tables, with ``"$name"`` replaced by the value of that parameter.
 
     Parameters
     ----------
-    rows : what ``[[pedestrians]]`` says
-    values : of the scenario's parameters
+    rows : rows of ``[[pedestrians]]``
+    values : values of the scenario's parameters
     path : the definition, for messages; files are relative to its folder
 
     Raises
     ------
     ScenarioError
-        One line with file, row and key.
+        If a row is wrong; the message is one line with file, row and key.
     """
     tables: list[PedestrianTable] = []
     for number, row in enumerate(rows, start=1):

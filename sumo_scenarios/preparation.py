@@ -1,4 +1,4 @@
-"""From a scenario to SUMO's command line and the hashes of everything that goes in."""
+"""Prepares a scenario for SUMO: its command line, and the hashes of all inputs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from sumo_scenarios.sumocfg import read_sumocfg
 from sumo_scenarios.xml_files import sha256
 
 SOONEST_TELEPORT_S = 300.0
-"""An ego that stands is driven by SUMO before (`cosim.sumo.stranded`), and only then may be teleported."""
+"""Shortest time before a teleport; SUMO drives a standing ego earlier (`cosim.sumo.stranded`) [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,11 @@ class Prepared:
     inputs: dict[str, str]
     """SHA-256 of every input file, by a name that is the same on every machine."""
     left_out: tuple[str, ...] = ()
-    """Outputs of SUMO that are named in the inputs and are not written."""
+    """SUMO outputs that the inputs name but that are not written."""
 
 
 def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
-    """Build or find the network, fill the demand into ``work_dir``, and return what SUMO needs.
+    """Build or find the network, write the filled-in demand to ``work_dir``, and return what SUMO needs.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
-    if not SHORTEST_STEP_S <= scenario.step_s <= LONGEST_STEP_S:  # of the configuration: others are checked
+    if not SHORTEST_STEP_S <= scenario.step_s <= LONGEST_STEP_S:  # others are checked
         limits = f"{SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
         raise ScenarioError(f"{sumocfg}: step-length is {scenario.step_s:g} s; expected {limits}")
     configuration, types = read_sumocfg(sumocfg), types_file(scenario)
@@ -106,14 +106,14 @@ def _hashes(folder: Path, files: Iterable[Path]) -> dict[str, str]:
 
 
 def _pedestrians(scenario: Scenario) -> dict[str, str]:
-    """Return the hash of what is said of scripted pedestrians, and of each file that it names."""
+    """Return the hash of the tables of scripted pedestrians, and of each file that they name."""
     hashes: dict[str, str] = {}
     said = []
     for table in scenario.pedestrians:
         if isinstance(table, TrajectoryTable):
             file = Path(table.file)
             hashes[f"{table.name}: {file.name}"] = sha256(file)
-            table = table.model_copy(update={"file": file.name})  # no machine's path is part of a run
+            table = table.model_copy(update={"file": file.name})  # paths of a machine are not part of a run
         said.append(repr(table))
     if said:
         hashes["pedestrians"] = hashlib.sha256("\n".join(said).encode()).hexdigest()
@@ -121,7 +121,7 @@ def _pedestrians(scenario: Scenario) -> dict[str, str]:
 
 
 def _recorded_vehicles(scenario: Scenario) -> dict[str, str]:
-    """Return the hash of the file of recorded vehicles, which is checked; nothing without one."""
+    """Return the hash of the checked file of recorded vehicles; empty without one."""
     file = vehicles_file(scenario)
     if file is None:
         return {}
@@ -130,21 +130,21 @@ def _recorded_vehicles(scenario: Scenario) -> dict[str, str]:
 
 
 def _teleport_after_s(scenario: Scenario) -> float:
-    """Return how long SUMO lets a vehicle stand: long enough for no ego to be taken away [s]."""
+    """Return how long SUMO lets a vehicle stand, long enough that no ego is teleported [s]."""
     wanted = scenario.teleport_after_s
     return max(wanted, SOONEST_TELEPORT_S) if wanted > 0.0 else NEVER
 
 
 def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
-    """Return what every run sets, over what a configuration may say otherwise."""
+    """Return the options that every run sets; they override a configuration's."""
     options = [
         *("--seed", str(seed)),
         *("--random", "false"),
         *("--begin", f"{scenario.begin_s:.3f}"),
         *("--step-length", f"{scenario.step_s:g}"),
-        # Reported speeds of moved vehicles are off under the ballistic method.
+        # With the ballistic method, the reported speeds of moved vehicles are wrong.
         *("--step-method.ballistic", "false"),
-        # SUMO's defaults hide collisions: vehicles are teleported away and junctions are not looked at.
+        # SUMO's defaults hide collisions: vehicles are teleported away and junctions are not checked.
         *("--collision.action", "warn"),
         *("--collision.check-junctions", "true"),
         *("--collision.mingap-factor", "0"),
@@ -155,7 +155,7 @@ def _run_options(scenario: Scenario, seed: int) -> tuple[str, ...]:
         *("--no-warnings", "true"),
         *("--duration-log.disable", "true"),
         *("--xml-validation", "never"),
-        # Without a name, a file per vehicle is written into the current folder.
+        # Without a name, SUMO writes a file per vehicle into the current folder.
         *("--device.ssm.file", NOWHERE),
     ]
     if scenario.lateral_resolution_m is not None:

@@ -1,8 +1,9 @@
-"""A configuration as a run uses it: the same input, and nothing written beside the user's files.
+"""Private copy of a SUMO configuration for a run: the same input, but no output beside the user's files.
 
-SUMO writes what a configuration or an additional file tells it to, relative to that file: into the user's
-folder, over the results of the user's own runs. And it refuses options of a window that it was built without.
-So a run starts from a copy of the configuration that lacks both, and of those files that name outputs.
+SUMO writes the outputs of a configuration or an additional file relative to that file: into the user's
+folder, over the results of the user's own runs. It also refuses options of the graphical interface if built
+without it. So a run starts from a copy of the configuration that lacks both, and from copies of the files
+that name outputs.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ def private_configuration(
 
     Parameters
     ----------
-    configuration : the user's
-    work_dir : where the copy goes
-    copies : makes those of the files that it names
+    configuration : the user's configuration
+    work_dir : folder for the copy
+    copies : makes copies of the files that the configuration names
     """
     folder = configuration.path.parent
     work_dir.mkdir(parents=True, exist_ok=True)
@@ -46,11 +47,11 @@ def private_configuration(
 
 
 def _beside(path: Path, work_dir: Path) -> str:
-    """Return a file as the copy names it: one beside it by its name, which is the same in every folder."""
+    """Return a file's name in the copy; beside it, the mere name, which is the same in every folder."""
     name = Path(plain_name(path, work_dir))
     return name.name if name.parent.resolve() == work_dir.resolve() else str(name)
 
 
 def _absolute(names: str, folder: Path, work_dir: Path) -> str:
-    """Return file names, separated by commas, as they are seen from anywhere."""
+    """Return file names, separated by commas, as absolute names."""
     return ",".join(plain_name((folder / name).resolve(), work_dir) for name in split_names(names))

@@ -1,4 +1,4 @@
-"""Rows of a CSV file that says who was where when."""
+"""Reads the rows of a CSV file of recorded positions."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Row:
     place: str
     """File and row, for messages."""
     numbers: tuple[float, ...]
-    """Of the columns that are numbers, in their order; each is finite."""
+    """Finite values of the numeric columns, in their order."""
     texts: Mapping[str, str]
-    """Of the other columns, by name and without blanks around; an optional one only if the file has it."""
+    """Values of the text columns, by name and stripped; optional columns only if the file has them."""
 
 
 def read_rows(
@@ -39,14 +39,14 @@ def read_rows(
     path
         A CSV file with a header; other columns are ignored, and so is a byte-order mark.
     numbers, texts
-        Columns that it has to have.
+        Columns that the file must have.
     optional
-        Columns of texts that it may have.
+        Text columns that the file may have.
 
     Raises
     ------
     ScenarioError
-        One line with file and row: what cannot be read, a column that is missing, or what is no number.
+        If the file cannot be read, a column is missing, or a value is not a number; the message is one line.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:

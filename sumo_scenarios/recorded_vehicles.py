@@ -1,4 +1,4 @@
-"""Recorded vehicles that SUMO moves as they were recorded: a CSV file of who was where when."""
+"""Reads a CSV file of recorded vehicles, which SUMO moves as they were recorded."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from sumo_scenarios.model import Scenario
 from sumo_scenarios.recorded_rows import FloatArray, read_rows
 
 NUMBERS = ("time_s", "x_m", "y_m", "heading_rad", "speed_mps", "length_m", "width_m")
-"""Position of the middle of the front bumper; the heading is counter-clockwise from east."""
+"""Numeric columns: the position is the middle of the front bumper, headings count from east to the left."""
 TEXTS = ("vehicle", "class", "edge")
-"""``class`` is SUMO's, ``edge`` the one on which the vehicle comes into view."""
+"""Text columns: ``class`` is SUMO's vehicle class, ``edge`` the edge on which the vehicle appears."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class RecordedVehicle:
 
 
 def vehicles_file(scenario: Scenario) -> Path | None:
-    """Return the file of recorded vehicles of a scenario; ``None`` without one."""
+    """Return a scenario's file of recorded vehicles, or ``None``."""
     if scenario.table is None or scenario.folder is None or not scenario.table.recorded_vehicles:
         return None
     return scenario.folder / scenario.table.recorded_vehicles
@@ -44,7 +44,7 @@ def read_recorded_vehicles(path: Path) -> Mapping[str, RecordedVehicle]:
     Raises
     ------
     ScenarioError
-        One line with file and row: a column that is missing, what is no number, or time that does not go on.
+        If a column is missing, a value is not a number, or time does not increase; the message is one line.
     """
     texts: dict[str, tuple[str, str]] = {}
     rows: dict[str, list[tuple[float, ...]]] = {}

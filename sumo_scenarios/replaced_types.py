@@ -1,4 +1,4 @@
-"""Types of road users in the place of those that a configuration declares."""
+"""Replaces vehicle types that a configuration declares."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TYPE = "vType"
 
 
 def types_file(scenario: Scenario) -> Path | None:
-    """Return the file of types of a scenario; ``None`` where it leaves them to its configuration.
+    """Return a scenario's file of types; ``None`` if it keeps those of its configuration.
 
     Raises
     ------
@@ -31,18 +31,18 @@ def types_file(scenario: Scenario) -> Path | None:
 
 
 def with_types(configuration: SumoConfiguration, types: Path, work_dir: Path) -> SumoConfiguration:
-    """Return a configuration with the types of a file instead of its own ones of the same ids.
+    """Return a configuration with the types of a file in place of its own types with the same ids.
 
     Parameters
     ----------
     configuration
     types : file of vTypes
-    work_dir : for copies of additional files without the types that are replaced
+    work_dir : folder for copies of additional files without the replaced types
 
     Raises
     ------
     ScenarioError
-        If the configuration has no type of one of these ids.
+        If the configuration has no type with one of these ids.
     """
     wanted = {element.get("id", "") for element in ElementTree.parse(types).getroot().iter(TYPE)}
     found: set[str] = set()

@@ -213,7 +213,7 @@ def read_table(path: Path) -> ScenarioTable:
     Raises
     ------
     ScenarioError
-        One line with file, key and what exists.
+        If the file is wrong; the message is one line with file, key and what exists.
     """
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -245,7 +245,7 @@ def _lower(details: ErrorDetails) -> str:
 
 
 def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
-    """Return the keys of the table in which an unknown key was found."""
+    """Return the known keys of the table in which an unknown key was found."""
     table: type[BaseModel] = ScenarioTable
     for part in location[:-1]:
         if isinstance(part, str) and part in table.model_fields:

@@ -1,4 +1,4 @@
-"""Where the installed SUMO keeps its programs and files."""
+"""Locations of the installed SUMO's programs and files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def sumo_version() -> str:
 
 
 def netconvert() -> Path:
-    """Return the netconvert program of that package."""
+    """Return the path of the package's netconvert."""
     program = sumo_home() / "bin" / ("netconvert.exe" if os.name == "nt" else "netconvert")
     if not program.is_file():
         raise ScenarioError("the installed eclipse-sumo package has no netconvert: reinstall eclipse-sumo")
@@ -32,7 +32,7 @@ def netconvert() -> Path:
 
 
 def packaged_file(relative: str) -> Path:
-    """Return a file that the package ships, named relative to it."""
+    """Return a file that the package ships, by its path relative to the package."""
     path = sumo_home() / relative
     if not path.is_file():
         raise ScenarioError(f"the installed eclipse-sumo {sumo_version()} does not ship {relative}")

@@ -1,4 +1,4 @@
-"""Which of SUMO's options name files that it reads, and which make it write; by any of their names."""
+"""Which of SUMO's options name input files and which make it write, under any of their names."""
 
 from __future__ import annotations
 
@@ -53,25 +53,25 @@ INPUT_FILES = frozenset(
     | {"astar.all-distances", "astar.landmark-distances", "device.fcd-replay.files"}
     | {"gui-settings-file", "edgedata-files", "alternative-net-file", "selection-file"}
 )
-"""Options whose value is one file to read, or several."""
+"""Options whose value is one or several input files."""
 _OF_ITS_START = frozenset(
     {"osg-view", "game", "game.mode", "demo", "start", "quit-on-end", "breakpoints", "tracker-interval"}
     | {"gui-testing", "gui-testing-debug", "gui-testing.setting-output", "registry-viewport"}
     | {"configuration-file", "remote-port", "num-clients"}
 )
-"""Options for somebody who looks on, which not every SUMO knows, or who steers it from another process."""
+"""Options of the graphical interface, which not every SUMO has, and of control from another process."""
 _WRITTEN = re.compile(
     r".*-output(\..*)?|output-(prefix|suffix)|output\..*|netstate-dump(\..*)?|save-state\..*|"
     r"(.*-)?log(\..*)?|device\.rerouting\.output|device\.taxi\..*\.output|device\.(ssm|toc)\.file|"
     r"save-(configuration|template|schema|commented)(\..*)?|pedestrian\.jupedsim\.(wkt|py)"
 )
 _OF_OUTPUT = re.compile(r"output[-.].*|.*-output\..*|netstate-dump\..*|log\..*|.*-commented|.*\.relative")
-"""How something is written, not that it is."""
+"""Options that say how an output is written, but not that it is written."""
 _KEPT = frozenset({"no-step-log", "fcd-output.filter-edges.input-file"})
 
 
 def long_name(name: str) -> str:
-    """Return the name by which SUMO lists an option, of any that it takes.
+    """Return the name under which SUMO lists an option, for any of its names.
 
     >>> long_name("tripinfo"), long_name("step-length")
     ('tripinfo-output', 'step-length')
@@ -80,7 +80,7 @@ def long_name(name: str) -> str:
 
 
 def is_true(options: Mapping[str, str], name: str) -> bool:
-    """Return whether an option is set to one of the words that SUMO takes for true.
+    """Return whether an option is set to one of the words that SUMO reads as true.
 
     >>> is_true({"mesosim": "Yes"}, "mesosim"), is_true({"mesosim": "0"}, "mesosim"), is_true({}, "mesosim")
     (True, False, False)
@@ -89,7 +89,7 @@ def is_true(options: Mapping[str, str], name: str) -> bool:
 
 
 def kept_options(options: Mapping[str, str]) -> dict[str, str]:
-    """Return the options, by their long names, without those that write files or belong to a window alone.
+    """Return the options, by long name, without those that write files or belong to the graphical interface.
 
     >>> kept_options({"end": "60", "tripinfo-output": "t.xml", "osg-view": "true", "log": "log"})
     {'end': '60'}

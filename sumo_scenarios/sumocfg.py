@@ -1,4 +1,4 @@
-"""What a SUMO configuration file says about times and input files."""
+"""Reads times and input files from a SUMO configuration."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from sumo_scenarios.sumo_options import long_name
 from sumo_scenarios.xml_files import check_xml
 
 SUMO_TELEPORTS_AFTER_S = 300.0
-"""Default of SUMO's time-to-teleport."""
+"""Default of SUMO's ``time-to-teleport`` [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class SumoConfiguration:
-    """The part of a configuration that a run needs to know."""
+    """The parts of a configuration that a run needs."""
 
     path: Path
     net_file: Path
@@ -30,13 +30,13 @@ class SumoConfiguration:
     step_s: float
     lateral_resolution_m: float | None
     teleport_after_s: float
-    """How long a vehicle stands before SUMO puts it elsewhere; not positive: for ever."""
+    """Time after which SUMO teleports a standing vehicle; never, if not positive [s]."""
     options: Mapping[str, str]
-    """Everything that it sets, as texts, by SUMO's long names."""
+    """All options that the configuration sets, as texts, by SUMO's long names."""
 
 
 def read_sumocfg(path: Path) -> SumoConfiguration:
-    """Return what a configuration says; its input files must exist and be well-formed XML.
+    """Return the content of a configuration; its input files must exist and be well-formed XML.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def _files(path: Path, key: str, options: dict[str, str]) -> tuple[Path, ...]:
 
 
 def _seconds(path: Path, key: str, options: dict[str, str]) -> float | None:
-    """Return a time, given as seconds or as [days:]hours:minutes:seconds."""
+    """Return a time given as seconds or as [days:]hours:minutes:seconds [s]."""
     text = options.get(key)
     if text is None:
         return None

@@ -1,4 +1,4 @@
-"""Texts of ``--set`` as values, by the types and bounds that the tables of a ``scenario.toml`` declare."""
+"""Converts texts of ``--set`` to values, by the types and bounds that a ``scenario.toml`` declares."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _KINDS = {
 
 
 def read(kind: Any, key: str, text: str) -> Any:
-    """Return the value that a text means for a parameter.
+    """Return the value of a parameter that a text gives.
 
     Parameters
     ----------
     kind
         Type of the parameter, annotated with its bounds.
     key, text
-        Of the parameter.
+        Key and text of the parameter.
 
     Raises
     ------
     ScenarioError
-        One line with what was expected.
+        If the text does not fit; the message is one line with what was expected.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def read(kind: Any, key: str, text: str) -> Any:
 
 
 def expected(kind: Any) -> str:
-    """Return in words what a parameter of this type may be.
+    """Return the allowed values of a parameter of this type, in words.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def expected(kind: Any) -> str:
 
 
 def kind_of(parameter: ParameterTable) -> Any:
-    """Return the type of a parameter that a scenario declares; that of its default, within its bounds."""
+    """Return the type of a declared parameter: that of its default, with its bounds or choices."""
     if parameter.choices:
         return Literal[tuple(parameter.choices)]
     if isinstance(parameter.default, bool):

@@ -1,4 +1,4 @@
-"""Recorded trajectories of pedestrians: a CSV file of time, x, y and perhaps a person, or OpenSCENARIO."""
+"""Reads pedestrians' trajectories from a CSV file of time, x, y and optionally a person, or OpenSCENARIO."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from sumo_scenarios.recorded_rows import FloatArray, read_rows
 COLUMNS = ("time_s", "x_m", "y_m")
 PERSON = "person"
 FASTEST_MPS = 12.5
-"""Nobody runs faster: world records are run at 12.4 m/s."""
+"""Highest speed of a person: world records are run at 12.4 m/s [m/s]."""
 ROUNDING_S = 1e-9
 
 
 def read_trajectories(path: Path) -> Mapping[str, FloatArray]:
-    """Return time, x and y (n, 3) [s, m] of each person of a file; the person is empty without that column.
+    """Return time, x and y of each person, shape (n, 3) [s, m]; the name is empty if the file has no persons.
 
     Raises
     ------
     ScenarioError
-        One line with file and row: a column that is missing, something that is no number, time that does
-        not go on, somebody faster than 12.5 m/s, or a person with fewer than two rows.
+        If a column is missing, a value is not a number, time does not increase, a person is faster than 12.5
+        m/s or has fewer than two rows; the message is one line with file and row.
     """
     if path.suffix.lower() == ENDING:
         return _of_walks(path, read_walks(path))

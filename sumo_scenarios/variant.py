@@ -1,4 +1,4 @@
-"""A scenario on the roads and with the demand of another one; what it leaves out is as there."""
+"""Variants: scenarios on the roads and with the demand of a base, whose values fill keys left out."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
     Parameters
     ----------
     folder
-        Of the variant; its name is the scenario's.
+        Folder of the variant; its name is the scenario's.
     table
-        What its file says.
+        Content of the variant's file.
     base
-        Whose files are used.
+        Scenario whose files are used.
 
     Raises
     ------
     ScenarioError
-        For a base without a table, and for a value or types that it does not take.
+        If the base is a SUMO configuration, or does not accept a value or types.
     """
     place = folder / "scenario.toml"
     if base.table is None:
@@ -68,7 +68,7 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
 
 
 def as_text(value: ParameterValue) -> str:
-    """Return a value of TOML as ``--set`` takes it.
+    """Return a TOML value as a text for ``--set``.
 
     Examples
     --------

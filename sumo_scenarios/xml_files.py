@@ -1,4 +1,4 @@
-"""XML files, plain or gzipped: are they well-formed, and what is their root element."""
+"""Checks that XML files, plain or gzipped, are well-formed, and finds their root element."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def check_xml(path: Path, asked_by: Path | None = None) -> str:
     Raises
     ------
     ScenarioError
-        If the file is missing, unreadable or not well-formed, or if it refers to
-        entities in other files; ``asked_by`` is named as who wants it.
+        If the file is missing, unreadable or not well-formed, or refers to entities in other files; the
+        message names ``asked_by`` as the file that refers to it.
     """
     named = f", which {asked_by} names" if asked_by else ""
     root: list[str] = []

@@ -1,1 +1,1 @@
-"""Evaluation of recorded runs by test protocols: impact, colours, points, verdicts."""
+"""Evaluation of recorded runs by test protocols: impacts, colours, points and verdicts."""

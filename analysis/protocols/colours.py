@@ -1,4 +1,4 @@
-"""Colours of the Euro NCAP rating of 2026 for crossing and walking pedestrians, and what they are worth."""
+"""Colours of the Euro NCAP rating of 2026 for crossing and walking pedestrians, and their points."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 COLOURS = ("green", "yellow", "orange", "brown", "red")
-"""From best to worst."""
+"""Colours from best to worst."""
 FACTORS: Mapping[str, float] = MappingProxyType(
     {"green": 1.0, "yellow": 0.75, "orange": 0.5, "brown": 0.25, "red": 0.0}
 )
-"""Share of a case's points."""
+"""Share of a case's points for each colour."""
 _BANDS: tuple[tuple[float, tuple[tuple[str, float], ...]], ...] = (
     (20.0, ()),
     (30.0, (("brown", 10.0),)),
     (40.0, (("orange", 10.0), ("brown", 20.0))),
     (float("inf"), (("yellow", 10.0), ("orange", 20.0), ("brown", 30.0))),
 )
-"""Up to which test speed, which colours below which impact speed [km/h]."""
+"""Bands of test speed up to a limit, with the colours below each impact speed [km/h]."""
 
 
 def colour(ego_speed_kmh: float, impact_speed_kmh: float | None, avoidance_only: bool = False) -> str:
     """Return the colour of a case.
 
-    Green without a contact; with one by the test speed and the relative impact speed [km/h]:
+    The colour is green without a contact. Otherwise it depends on test speed and relative impact speed
+    [km/h]:
 
     ======== ========= ========== ========== =====
     test     yellow    orange     brown      red
@@ -42,9 +43,9 @@ def colour(ego_speed_kmh: float, impact_speed_kmh: float | None, avoidance_only:
 
     Notes
     -----
-    Table of [EuroNCAP2026]_, after a transcription, which gives test speeds in steps of 10 km/h; a speed
-    between two of them has the band of the higher one here. The 2 km/h of tolerance when a maker's own
-    results are verified are not applied.
+    The table is that of [EuroNCAP2026]_, from a transcription, which gives test speeds in steps of 10 km/h. A
+    speed between two steps gets the band of the higher one here. The tolerance of 2 km/h for verifying a
+    manufacturer's own results is not applied.
 
     Examples
     --------
@@ -60,7 +61,7 @@ def colour(ego_speed_kmh: float, impact_speed_kmh: float | None, avoidance_only:
 
 
 def worse(one: str, other: str) -> bool:
-    """Tell whether a colour is worse than another.
+    """Return whether a colour is worse than another.
 
     >>> worse("brown", "orange")
     True

@@ -1,4 +1,4 @@
-"""Measurements of a recorded run for a protocol: the impact, the braking, and whether the ego stopped."""
+"""Measurements of a recorded run for a protocol: impact, braking, and whether the ego stopped."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from analysis.recording.reading import read_run
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """First contact with the ego moving."""
+    """First contact while the ego moves."""
 
     time: float
-    """[s]"""
+    """Time of the contact [s]."""
     speed: float
-    """Of the ego relative to the pedestrian, along the ego [m/s]."""
+    """Speed of the ego relative to the pedestrian, along the ego [m/s]."""
     ego_speed: float
     across: float
-    """Of the pedestrian's middle from the ego's, left positive [m]."""
+    """Lateral distance of the pedestrian's centre from the ego's, positive to the left [m]."""
     ego_width: float
     side: str
-    """Of the ego that was hit: front, rear, left or right."""
+    """Side of the ego that was hit: front, rear, left or right."""
 
     def overlap(self, from_left: bool) -> float:
         """Return the point of impact as a share of the ego's width, from the pedestrian's side."""
@@ -36,26 +36,26 @@ class Impact:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """One test, as recorded."""
+    """Measurements of one test."""
 
     impact: Impact | None
     after_stop: bool
-    """The ego had stopped before the impact, and had gone on."""
+    """Whether the ego had stopped before the impact and gone on."""
     stopped: bool
-    """The ego stood at some time."""
+    """Whether the ego stood at any time."""
     largest_deceleration: float
-    """[m/s^2]"""
+    """Largest deceleration of the ego [m/s^2]."""
     preventable: bool | None
-    """``None``: undefined, as in analysis/metrics/preventable_r157.py."""
+    """Whether it was preventable; ``None`` if undefined, as in analysis/metrics/preventable_r157.py."""
 
 
 def measure(folder: Path) -> Measured:
-    """Return what a recorded run says.
+    """Return the measurements of a recorded run.
 
     Raises
     ------
     RecordingError
-        When the run cannot be read.
+        If the run cannot be read.
     """
     case = prepare(read_run(folder))
     contact = min(case.collisions(), key=lambda one: one.time, default=None)
@@ -87,7 +87,7 @@ def _impact(case: Case, contact: Contact) -> Impact:
 
 
 def _preventable(case: Case) -> bool | None:
-    """Return it for the first contact, else of the first encounter in which it is defined."""
+    """Return whether the first contact was preventable; without one, an encounter's first defined value."""
     first = min(case.collisions(), key=lambda one: one.time, default=None)
     if first is not None:
         return case.replays[first].prevented

@@ -1,4 +1,4 @@
-"""Verdicts of tests: pure functions of the measurements and the protocol's requirements."""
+"""Verdicts on tests: pure functions of the measurements and the protocol's requirements."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from analysis.protocols import colours
 from analysis.protocols.impact import Measured
 
 EMERGENCY_MPS2 = 5.0
-"""Braking demand of an emergency; without a reason for one, reaching it is a false reaction [m/s^2]."""
+"""Deceleration of emergency braking; to reach it without a reason is a false reaction [m/s^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,9 +20,10 @@ class Demand:
     rule : ``no_contact``; ``impact_speed`` at most ``highest_impact_kmh``; ``green``; ``not_red``;
         ``no_worse`` a colour than the standard case's; ``no_false_stop``; ``no_false_braking``
     ego_speed_kmh : test speed [km/h]
-    highest_impact_kmh : for rule ``impact_speed`` [km/h]
-    avoidance_only : every contact is red
-    in_view : the pedestrian is in the ego's path long before the test, so that a contact is preventable
+    highest_impact_kmh : limit of rule ``impact_speed`` [km/h]
+    avoidance_only : whether every contact is red
+    in_view : whether the pedestrian is in the ego's path long before the test, so that a contact is
+    preventable
     """
 
     rule: str
@@ -43,35 +44,35 @@ class Verdict:
 
     passed: bool
     preventable: bool
-    """A competent and careful driver could have stopped; where that is undefined, it counts as could."""
+    """Whether a competent and careful driver could have stopped; true if undefined."""
     contact: bool
     impact_speed_kmh: float | None
-    """Relative, along the ego; ``None`` without a contact [km/h]."""
+    """Relative impact speed along the ego; ``None`` without a contact [km/h]."""
     colour: str
-    """Empty where the protocol gives none."""
+    """Colour; empty if the protocol gives none."""
     points: float | None
-    """Share of the case's points, 0 to 1; ``None`` where the protocol gives none."""
+    """Share of the case's points, 0 to 1; ``None`` if the protocol gives none."""
     max_deceleration_mps2: float
     note: str = ""
-    """Why it was not passed, and what else is to be known; one line."""
+    """Why the test was not passed, and further remarks, in one line."""
 
     @property
     def counts(self) -> bool:
-        """Whether it is a failure that sets the exit code: not passed although preventable."""
+        """Whether the test is a failure that sets the exit code: not passed although preventable."""
         return not self.passed and self.preventable
 
 
 def decide(measured: Measured, demand: Demand) -> Verdict:
-    """Return the verdict on one test, by itself.
+    """Return the verdict on one test, regardless of others.
 
-    Rule ``no_worse`` is held against green here; `compared` holds it against the standard case.
+    Rule ``no_worse`` requires green here; `compared` compares it with the standard case.
 
     Notes
     -----
-    Impact speeds are those of [R152]_, contacts those of [FMVSS127]_, colours those of [EuroNCAP2026]_.
-    In the false-reaction tests, after [R152]_, the ego must neither stop nor touch anybody, nor brake with
-    5 m/s² or more for somebody who never is on a collision course. Also a contact after a stop counts,
-    although protocols end a test with the stop.
+    Impact speeds follow [R152]_, contacts [FMVSS127]_, and colours [EuroNCAP2026]_. In the false-reaction
+    tests, after [R152]_, the ego must neither stop nor touch anybody, nor brake with 5 m/s² or more for a
+    pedestrian who is never on a collision course. A contact after a stop counts, too, although protocols end
+    a test with the stop.
     """
     impact = measured.impact
     speed = None if impact is None else max(3.6 * impact.speed, 0.0)
@@ -96,14 +97,14 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
 
 
 def compared(verdict: Verdict, standard: Verdict) -> Verdict:
-    """Return the verdict of rule ``no_worse``, held against the standard case's."""
+    """Return the verdict of rule ``no_worse``, compared with the verdict on the standard case."""
     passed = not colours.worse(verdict.colour, standard.colour)
     note = "" if passed else f"{verdict.colour}, in the standard case {standard.colour}"
     return replace(verdict, passed=passed, note=note)
 
 
 def _failure(measured: Measured, demand: Demand, speed: float | None, colour: str) -> str:
-    """Return why the test was not passed; empty if it was."""
+    """Return why the test was not passed; empty if it was passed."""
     if demand.rule in ("no_false_stop", "no_false_braking"):
         return _false_reaction(measured, speed, demand.rule == "no_false_braking")
     if speed is None:

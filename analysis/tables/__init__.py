@@ -1,1 +1,1 @@
-"""Columns and tables: each declared once, and the texts of CSV files and data dictionaries made from it."""
+"""Columns and tables: each is declared once and gives the texts of CSV files and data dictionaries."""

@@ -1,4 +1,4 @@
-"""The texts of a CSV file: what is undefined is an empty cell, booleans are 0 or 1."""
+"""The texts of a CSV file: undefined values are empty cells, booleans are 0 or 1."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Row = Mapping[str, Any]
 
 
 def plain(table: Table, row: Row) -> dict[str, Any]:
-    """Return the row with the table's types, and ``None`` for what is undefined."""
+    """Return the row with the table's types, and ``None`` for undefined values."""
     known = {}
     for name, value in row.items():
         if isinstance(value, np.generic):
@@ -27,7 +27,7 @@ def plain(table: Table, row: Row) -> dict[str, Any]:
 
 
 def decimals(value: float) -> str:
-    """Return a number with six decimals at most."""
+    """Return a number with at most six decimals."""
     return f"{value:.6f}".rstrip("0").rstrip(".")
 
 
@@ -44,16 +44,16 @@ def cell_rows(
     Parameters
     ----------
     table, rows
-        What to write.
+        Table and rows to write.
     number
-        Makes the text of a number that is no whole one.
+        Makes the text of a value in a column of numbers.
 
     Raises
     ------
     KeyError
-        For a value that no column of the table has.
+        If a value belongs to no column of the table.
     ValueError
-        For an undefined value where one is required.
+        If a required value is undefined.
     """
     known = set(table.names())
     for row in rows:

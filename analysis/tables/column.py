@@ -1,4 +1,4 @@
-"""A column, declared once: name, type, unit, meaning, and where its values come from."""
+"""Declaration of a column: name, type, unit, meaning, and the source of its values."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ class Column:
     kind: str
     """``string``, ``integer``, ``number``, ``boolean`` (0 or 1 in a CSV file) or ``numbers`` (a list)."""
     unit: str
-    """Empty for texts and names."""
+    """Unit; empty for texts and names."""
     description: str
     source: str = ""
-    """Attributes or keys, joined by dots, that lead from what a row is made of to its value; empty where
-    the values are given by name, as metrics do."""
+    """Attributes or keys, joined by dots, that lead from a row's object to the value; empty if the values are
+    given by name, as by metrics."""
     choices: tuple[str, ...] = ()
     minimum: float | None = None
     required: bool = False
-    """The value must not be undefined."""
+    """Whether the value must be defined."""
     worse: str = ""
-    """Of a metric's column in runs.csv: which direction is worse, if not the metric's."""
+    """For a metric's column in runs.csv: which direction is worse, if it differs from the metric's."""
     maximum: float | None = None
 
 
@@ -45,12 +45,12 @@ class Table:
         return f"{self.name}.csv"
 
     def names(self) -> tuple[str, ...]:
-        """Return the columns in order."""
+        """Return the names of the columns, in order."""
         return tuple(column.name for column in self.columns)
 
 
 def text(name: str, description: str, *choices: str, source: str = "", required: bool = False) -> Column:
-    """Declare a column of texts; with choices, no others occur."""
+    """Declare a column of texts; if there are choices, only these occur."""
     return Column(name, "string", "", description, source, choices, required=required)
 
 
@@ -85,9 +85,9 @@ def number(name: str, unit: str, description: str, *, source: str = "", required
 
 @cache
 def follow(source: str) -> Callable[[Any], Any]:
-    """Return a function from what a row is made of to the value that a column's source names.
+    """Return a function from a row's object to the value that a column's source names.
 
-    ``None`` on the way, or a key that is not there, makes the value ``None``.
+    The value is ``None`` if one on the way is ``None`` or a key is missing.
 
     Examples
     --------

@@ -62,7 +62,7 @@ def _field(column: Column) -> dict[str, Any]:
     if column.maximum is not None:
         constraints["maximum"] = column.maximum
     if column.choices:
-        constraints["enum"] = [harmless(choice) for choice in column.choices]  # as the cells are
+        constraints["enum"] = [harmless(choice) for choice in column.choices]  # as in the cells
     if constraints:
         field["constraints"] = constraints
     return field

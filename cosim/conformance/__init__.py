@@ -1,1 +1,1 @@
-"""SUMO's treatment of an external ego, as cases that can fail."""
+"""Tests of how SUMO treats an ego that is driven from outside."""

@@ -1,4 +1,4 @@
-"""All cases for the page in docs: ``python -m cosim.conformance --out FILE`` writes the table as Markdown."""
+"""Run all cases for the docs: ``python -m cosim.conformance --out FILE`` writes the table as Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cosim.conformance.table import markdown, summary
 
 
 def main(arguments: list[str]) -> int:
-    """Write the table; the exit code is 1 if a case is not green."""
+    """Run all cases and write the table; return 1 if a case is not green, else 0."""
     _, out = arguments
     results = run(cases(), jobs=2)
     Path(out).write_text(markdown(results), encoding="utf-8")

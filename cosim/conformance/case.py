@@ -6,22 +6,22 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 Values = Mapping[str, float | str]
-"""What one side of a case measured, by name with unit."""
+"""Values measured by one side of a case, by name with unit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A claim about SUMO with a control: the same measurement, done such that the claim must not hold.
+    """A claim about SUMO, with a control: the same measurement under conditions in which the claim must fail.
 
-    Without the control a criterion that is always met would go unnoticed.
+    Without the control, nobody would notice a criterion that is always met.
     """
 
     key: str
     """Short name for the command line."""
     name: str
-    """The claim, a sentence."""
+    """The claim, as a sentence."""
     shows: str
-    """Why it matters here."""
+    """Why the claim matters for the co-simulation."""
     claim: Callable[[], Values]
     control: Callable[[], Values]
     expected: str
@@ -31,27 +31,27 @@ class Case:
     holds: Callable[[Values], bool]
     control_fails: Callable[[Values], bool]
     expected_failure: bool = False
-    """The claim is known not to hold; that it does would be news."""
+    """Whether the claim is known not to hold, so that a case in which it holds is reported."""
     slow: bool = False
-    """Takes more than about 20 s."""
+    """Whether the case takes more than about 20 s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """One case as measured."""
+    """The measurements of one case and the judgement."""
 
     case: Case
     measured: Values
     control_measured: Values
     passed: bool
-    """The claim is as expected: it holds or, for an expected failure, does not."""
+    """Whether the claim turned out as expected: it holds or, for an expected failure, does not."""
     control_failed_as_it_must: bool
     seconds: float
     """Wall-clock time of both sides together [s]."""
 
     @property
     def green(self) -> bool:
-        """Whether there is nothing to look into."""
+        """Whether the claim turned out as expected and the control failed."""
         return self.passed and self.control_failed_as_it_must
 
     @property

@@ -1,4 +1,4 @@
-"""What every controller promises, whoever wrote it: the checks behind ``cosim conformance --controller``.
+"""The contract that every controller has to keep: the checks behind ``cosim conformance --controller``.
 
 The contract tests of the catalogue call the same functions.
 """
@@ -23,26 +23,26 @@ from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 
 Factory = Callable[[], Controller]
-"""Makes the controller anew, as for another ego or another run."""
+"""Function that makes a new controller, as for another ego or another run."""
 Answer = tuple[Decision, Plan]
 
 CROWD = "five hundred pedestrians"
 INTERVALS = (0.05, 0.25, 1.0)
 """Plan intervals [s]."""
 SPEEDS = (0.0, 0.01, 40.0)
-"""[m/s]"""
+"""Extreme speeds of the ego [m/s]."""
 SLOWEST_MS = 100.0
-"""Longest median of a step: the plan interval of most scenarios [ms]."""
+"""Longest allowed median time of a step, equal to the plan interval of most scenarios [ms]."""
 _ROUNDING = 1e-6
 
 
 class BrokenError(AssertionError):
-    """A promise that is not kept, in one line."""
+    """Part of the contract that is not kept; the message is one line."""
 
 
 @contextmanager
 def made(factory: Factory) -> Iterator[Controller]:
-    """Give a new controller, and let it go at the end."""
+    """Make a new controller, and release it at the end."""
     controller = factory()
     try:
         yield controller
@@ -51,24 +51,24 @@ def made(factory: Factory) -> Iterator[Controller]:
 
 
 def answers(controller: Controller, scenes: Sequence[Perception]) -> list[Answer]:
-    """Return what a controller answers to scenes in a row."""
+    """Return a controller's answers to consecutive scenes."""
     return [answer(controller, scene) for scene in scenes]
 
 
 def answer(controller: Controller, scene: Perception) -> Answer:
-    """Return what a controller answers to a scene."""
+    """Return a controller's decision and plan for a scene."""
     decision = controller.decide(scene)
     return decision, controller.plan(scene, decision)
 
 
 def moments(scene: Perception, count: int = 3) -> list[Perception]:
-    """Return the same scene a few plan intervals long, so that a controller's memory is used."""
+    """Repeat a scene over a few plan intervals, so that a controller uses its memory."""
     interval = scene.ego.plan_interval
     return [replace(scene, ego=replace(scene.ego, time=index * interval)) for index in range(count)]
 
 
 def in_a_row(scenes: Mapping[str, Perception]) -> list[Perception]:
-    """Return all situations as one object meets them, that of the crowd last."""
+    """Return all situations as consecutive moments for one controller object, with the crowd last."""
     ordered = [scene for situation, scene in scenes.items() if situation != CROWD] + [scenes[CROWD]]
     return [replace(scene, ego=replace(scene.ego, time=0.1 * index)) for index, scene in enumerate(ordered)]
 
@@ -79,7 +79,8 @@ def check_possible(command: Command, scene: Perception) -> None:
     Raises
     ------
     BrokenError
-        If its times do not ascend from 0, or a value is not finite or beyond what the actuators can do.
+        If its times do not ascend from 0, its columns differ in length, or a value is not finite or exceeds
+        what the actuators can do.
     """
     drive = scene.ego.drive
     columns = (command.times, command.acceleration, command.steering)
@@ -104,8 +105,8 @@ def check_answer(given: Answer, scene: Perception) -> None:
     Raises
     ------
     BrokenError
-        For a command that is not possible, a lane that does not exist, a path whose columns have different
-        lengths, or a fallback that has no name.
+        For a command that cannot be carried out, a lane that does not exist, a path whose columns differ in
+        length, or a fallback without a name.
     """
     decision, plan = given
     check_possible(plan.command, scene)
@@ -118,12 +119,12 @@ def check_answer(given: Answer, scene: Perception) -> None:
 
 
 def check_same(first: Sequence[Answer], second: Sequence[Answer]) -> None:
-    """Check that two series of answers are the same, to the last digit.
+    """Check that two series of answers are identical, to the last digit.
 
     Raises
     ------
     BrokenError
-        With the first difference.
+        If they differ; the message names the first difference.
     """
     for number, ((wanted, plan), (again, other)) in enumerate(zip(first, second, strict=True), 1):
         told = f"in step {number} of {len(first)}"
@@ -137,7 +138,7 @@ def check_same(first: Sequence[Answer], second: Sequence[Answer]) -> None:
 
 
 def check_situation(factory: Factory, situation: str) -> str:
-    """Check what is answered to a golden scene over a few moments; return what was seen."""
+    """Check the answers to a golden scene over a few moments; return how many of them were fallbacks."""
     scene = golden()[situation]
     with made(factory) as controller:
         given = answers(controller, moments(scene))
@@ -148,7 +149,7 @@ def check_situation(factory: Factory, situation: str) -> str:
 
 
 def check_interval(factory: Factory, interval: float, situations: Sequence[str] = ()) -> str:
-    """Check commands that last for a plan interval of that length [s], in all or some situations."""
+    """Check commands for a plan interval of this length [s], by default in all situations but the crowd."""
     scenes = golden()
     for situation in situations or [one for one in scenes if one != CROWD]:
         scene = scenes[situation]
@@ -160,7 +161,7 @@ def check_interval(factory: Factory, interval: float, situations: Sequence[str] 
 
 
 def check_speed(factory: Factory, speed: float) -> str:
-    """Check commands at an extreme speed [m/s]."""
+    """Check the commands at an extreme speed [m/s]."""
     scene = perception(ego(speed), straight_road(3, 1))
     with made(factory) as controller:
         for _, plan in answers(controller, moments(scene)):
@@ -169,7 +170,7 @@ def check_speed(factory: Factory, speed: float) -> str:
 
 
 def check_survival(factory: Factory) -> str:
-    """Check one object that meets all situations in a row."""
+    """Check the commands of one controller object that meets all situations in turn."""
     scenes = in_a_row(golden())
     with made(factory) as controller:
         for (_, plan), scene in zip(answers(controller, scenes), scenes, strict=True):
@@ -178,7 +179,7 @@ def check_survival(factory: Factory) -> str:
 
 
 def check_determinism(factory: Factory) -> str:
-    """Check that the same perceptions give the same answers, whatever another object is asked in between."""
+    """Check that the same perceptions give the same answers, even if another object answers in between."""
     scenes = in_a_row(golden())[:-1]
     with made(factory) as controller:
         alone = answers(controller, scenes)
@@ -193,7 +194,7 @@ def check_determinism(factory: Factory) -> str:
 
 
 def check_runs(factory: Factory) -> str:
-    """Check that a second run on the road without SUMO is the first one again: no state passes on."""
+    """Check that a second run without SUMO repeats the first: no state is carried over between runs."""
     first, second = _drive(factory), _drive(factory)
     if first.rows != second.rows:
         raise BrokenError("two runs of the same scene differ")
@@ -201,7 +202,7 @@ def check_runs(factory: Factory) -> str:
 
 
 def check_time(factory: Factory) -> str:
-    """Check that a step is short enough, and return its median and 99th percentile."""
+    """Check that a step is fast enough, and return the median and 99th percentile of its time."""
     scenes = in_a_row(golden())[:-1]
     times = []
     with made(factory) as controller:
@@ -218,7 +219,7 @@ def check_time(factory: Factory) -> str:
 
 @dataclass(slots=True)
 class _Track:
-    """Where the ego was after every step."""
+    """Record of the ego's state after every step."""
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
 

@@ -1,4 +1,4 @@
-"""The contract of controllers as a list of checks, and what came of them as a table."""
+"""The contract of controllers as a list of checks, and their results as a table."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ NAMED = {
     "boxed in": "no lane is free",
     "no view of the road": "nothing is known of the road",
 }
-"""Situations that have a row of their own; the others share one."""
+"""Situations with a row of their own, and its name; the other situations share one row."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """One check of one controller."""
+    """The result of one check of one controller."""
 
     name: str
     kept: bool
@@ -41,7 +41,7 @@ class Verdict:
 
 
 def checks() -> dict[str, Callable[[Factory], str]]:
-    """Return the checks by what they promise; each returns a detail or raises `BrokenError`."""
+    """Return the checks by name; each returns a detail or raises `BrokenError`."""
     others = [situation for situation in golden() if situation not in NAMED]
     return {
         **{name: partial(_situation, situation=situation) for situation, name in NAMED.items()},
@@ -56,7 +56,7 @@ def checks() -> dict[str, Callable[[Factory], str]]:
 
 
 def verdicts(factory: Factory) -> Iterator[Verdict]:
-    """Yield what comes of every check; whatever a controller raises is a promise that is not kept."""
+    """Yield the result of every check; any exception from the controller counts as a broken contract."""
     for name, check in checks().items():
         begun = perf_counter()
         try:

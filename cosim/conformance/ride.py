@@ -1,4 +1,4 @@
-"""Drive an ego along a track and write down what happens around it."""
+"""Drive an ego along a track and record what happens around it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cosim.sumo.placement import Executed
 
 
 class Driver(Protocol):
-    """Places a vehicle at a pose: `cosim.sumo.placement.Placement`, or a worse method."""
+    """Places a vehicle at a pose: `cosim.sumo.placement.Placement`, or a worse method for comparison."""
 
     def take_over(self, name: str) -> None:
         """Begin to drive."""
@@ -30,15 +30,15 @@ class Driver(Protocol):
 
 
 class Moved:
-    """``moveToXY`` with single parts of the recipe left out.
+    """A driver that uses ``moveToXY`` with parts of the recipe left out.
 
     Parameters
     ----------
     sumo : libsumo
     set_speed : also send the speed
     hint : edge and lane given to SUMO; empty for none
-    keep_route : bits of moveToXY
-    speed_mode : set when the vehicle is taken over
+    keep_route : bits of ``moveToXY``
+    speed_mode : SUMO's speed mode, set when the vehicle is taken over
     """
 
     def __init__(
@@ -73,12 +73,12 @@ class Moved:
 
 
 class Native:
-    """``setSpeed`` and ``changeSublane`` only, on a straight eastward road.
+    """A driver that uses only ``setSpeed`` and ``changeSublane``, on a straight eastward road.
 
     Parameters
     ----------
     sumo : libsumo
-    step : [s]
+    step : step length [s]
     agile : let the vehicle reach any lateral speed at once
     """
 
@@ -116,19 +116,19 @@ def _as_sumo_says(sumo: Any, name: str) -> Executed:
 
 @dataclass(slots=True)
 class Ride:
-    """Observations of a ride."""
+    """What was observed during a ride."""
 
     error: float = 0.0
-    """Largest distance of SUMO's position from the track [m]."""
+    """Largest distance between SUMO's position and the track [m]."""
     steps: int = 0
     lost: int = 0
-    """Steps in which SUMO had the ego on no lane."""
+    """Number of steps in which SUMO had the ego on no lane."""
     overlaps: int = 0
-    """Steps in which the ego's true body overlapped a neighbour's."""
+    """Number of steps in which the ego's true body overlapped a neighbour's."""
     reported: int = 0
-    """Collisions that SUMO reported."""
+    """Number of collisions that SUMO reported, counted in every step."""
     clearance: float = math.inf
-    """Smallest distance of the ego's true body from a neighbour's, negative for an overlap [m]."""
+    """Smallest distance between the ego's true body and a neighbour's, negative for an overlap [m]."""
     slowest: dict[str, float] = field(default_factory=dict)
     """Lowest speed of each neighbour [m/s]."""
     lanes: list[str] = field(default_factory=list)
@@ -146,7 +146,7 @@ def ride(
 ) -> Ride:
     """Take the vehicle over and drive it along ``pose_at(time)`` [s] for ``duration`` [s].
 
-    The ego's body in the result is the prescribed one, since SUMO's own may be what is wrong.
+    The result refers to the ego's prescribed body, because SUMO's may be wrong.
     """
     seen = Ride()
     step = sumo.simulation.getDeltaT()

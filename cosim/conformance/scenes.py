@@ -1,4 +1,4 @@
-"""Perceptions to try controllers with: parts with sensible defaults, and golden scenes named by situation."""
+"""Perceptions to test controllers: parts with sensible defaults, and golden scenes named by situation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from cosim.step.plant import CAR_DRIVE
 LANE_WIDTH = 3.5
 VIEW = 150.0
 FRONT = Body().front
-"""Along coordinate of the ego's front bumper [m]."""
+"""Longitudinal coordinate of the ego's front bumper [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ def ego(
     steering: float = 0.0,
     limits: Drive | None = None,
 ) -> EgoState:
-    """Return a default car."""
+    """Return the state of an ego, by default a car in the middle of its lane."""
     return EgoState(
         "ego", time, 0.0, across, heading_error, across, heading_error, speed, acceleration, steering,
         Body(), limits or CAR_DRIVE, plan_interval,
@@ -79,7 +79,7 @@ def ego(
 
 
 def straight_road(lanes: int = 1, reference: int = 0, limit: float = 13.89) -> RoadAhead:
-    """Return a straight road of that many lanes; the ego is in the one numbered ``reference``."""
+    """Return a straight road of ``lanes`` lanes; the ego is in the one numbered ``reference``."""
     numbers = [number for number in range(lanes) if abs(number - reference) <= 1]
     return RoadAhead(
         lanes=tuple(
@@ -96,7 +96,7 @@ def straight_road(lanes: int = 1, reference: int = 0, limit: float = 13.89) -> R
 
 
 def lanes_that_follow(road: RoadAhead, distances: dict[int, float]) -> RoadAhead:
-    """Return the road with lanes, by number, that stop leading along the route after so many metres."""
+    """Return the road with lanes that follow the route only for a given distance, by lane number [m]."""
     return replace(
         road,
         lanes=tuple(
@@ -119,7 +119,7 @@ def zebra(begins: float, kind: CrossingKind = CrossingKind.ZEBRA, width: float =
 
 
 def keeps(speed: float) -> Plan:
-    """Return the plan to keep a speed in the middle of the lane."""
+    """Return a plan that keeps a speed in the middle of the lane."""
     horizon = np.linspace(0.2, 5.0, 25)
     still = np.zeros(len(horizon))
     return Plan(
@@ -128,7 +128,7 @@ def keeps(speed: float) -> Plan:
 
 
 def pedestrians(walkers: Sequence[Walker] = ()) -> Pedestrians:
-    """Return pedestrians as arrays; radius 0.25 m."""
+    """Return pedestrians as arrays, with a radius of 0.25 m."""
     return Pedestrians(
         names=tuple(f"person{i}" for i in range(len(walkers))),
         along=np.array([one.along for one in walkers], dtype=float),
@@ -158,7 +158,7 @@ def vehicles(cars: Sequence[Car] = ()) -> Vehicles:
 
 
 def gaps_between(road: RoadAhead, cars: Sequence[Car], name: str = "car") -> NeighbourGaps:
-    """Return the neighbours that those cars are to an ego on that road."""
+    """Return which of the cars are the ego's neighbours on this road."""
     found: dict[str, Neighbour] = {}
     for lane in road.lanes:
         side = {-1: "right_", 0: "", 1: "left_"}[lane.number - road.reference]
@@ -182,7 +182,7 @@ def perception(
     signals: Sequence[Signal] = (),
     foes: Sequence[JunctionFoe] = (),
 ) -> Perception:
-    """Return a perception; neighbours follow from the cars."""
+    """Return a perception; the neighbours are derived from the cars."""
     road = replace(
         road or straight_road(), crossings=tuple(crossings), signals=tuple(signals), foes=tuple(foes)
     )

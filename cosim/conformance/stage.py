@@ -1,4 +1,4 @@
-"""A small network, a running simulation, and an observer."""
+"""A small network, a running simulation, and functions that observe vehicles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ COLLISION_OPTIONS = (
     *("--collision.check-junctions", "true"),
     *("--collision.mingap-factor", "0"),
 )
-"""The cases state their options themselves, so that a change elsewhere does not change what they measure."""
+"""Options of the cases themselves, so that a change elsewhere does not change what the cases measure."""
 
 NETS = Path(__file__).parent / "nets"
 
@@ -50,12 +50,12 @@ def scene(
 
     Parameters
     ----------
-    net : name of the plain XML files in ``nets``
-    traffic : routes, vehicles and persons as XML, on top of the types ``ego``, ``car`` and ``walker``
+    net : name of the network's plain XML files in ``nets``
+    traffic : routes, vehicles and persons as XML, in addition to the types ``ego``, ``car`` and ``walker``
     extra : further options of SUMO
     step : step length [s]
     sublane : run SUMO's sublane model
-    additional : detectors and the like, as XML
+    additional : further elements as XML, such as detectors
     """
     with tempfile.TemporaryDirectory(prefix="cosim-conformance-") as name:
         folder = Path(name)
@@ -79,7 +79,7 @@ def scene(
 
 
 def _built(net: str) -> Path:
-    """Make a net, unless this process or another one with the same folder has made it."""
+    """Return the file of a net; make it unless a process with the same folder has already done so."""
     place = _Nets.folder or nets_folder()
     found = place / f"{net}.net.xml"
     if not found.exists():
@@ -90,17 +90,17 @@ def _built(net: str) -> Path:
 
 class _Nets:
     folder: Path | None = None
-    """Of another process."""
+    """Folder of nets that another process shares with this one."""
 
 
 def use_nets(folder: Path) -> None:
-    """Take nets from the folder of another process, and leave them there for others."""
+    """Share the folder of nets with another process: read nets from it and write new ones to it."""
     _Nets.folder = folder
 
 
 @cache
 def nets_folder() -> Path:
-    """Return where this process has its nets; it is gone when the process ends."""
+    """Return the folder of this process's nets; it is deleted when the process ends."""
     folder = Path(tempfile.mkdtemp(prefix="cosim-nets-"))
     Finalize(None, shutil.rmtree, (folder, True), exitpriority=0)
     return folder
@@ -121,7 +121,7 @@ def build(net: str, folder: Path) -> Path:
 
 
 def tool(name: str) -> str:
-    """Return the path of a program of SUMO."""
+    """Return the path of one of SUMO's programs."""
     found = shutil.which(name, path=str(sumo_home() / "bin")) or shutil.which(name)
     if found is None:
         raise SimulationError(f"{name} was not found; it comes with the package eclipse-sumo")
@@ -142,7 +142,7 @@ def wait_for(sumo: Any, name: str, limit: float = 60.0) -> None:
 
 
 def pose_of(sumo: Any, name: str) -> Pose:
-    """Return a vehicle's pose as SUMO has it."""
+    """Return a vehicle's pose in SUMO."""
     x, y = sumo.vehicle.getPosition(name)
     return Pose(x, y, heading_of(sumo.vehicle.getAngle(name)), sumo.vehicle.getSpeed(name))
 
@@ -152,14 +152,14 @@ Rectangle = tuple[float, float, float, float, float]
 
 
 def rectangle(sumo: Any, name: str) -> Rectangle:
-    """Return a vehicle's body as SUMO has it."""
+    """Return a vehicle's body in SUMO."""
     vehicle = sumo.vehicle
     x, y = vehicle.getPosition(name)
     return x, y, heading_of(vehicle.getAngle(name)), vehicle.getLength(name), vehicle.getWidth(name)
 
 
 def separation(one: Rectangle, other: Rectangle) -> float:
-    """Return the distance of two rectangles [m]; negative, the depth by which they overlap."""
+    """Return the distance between two rectangles [m]; a negative value is the depth of their overlap."""
     first, second = _corners(one), _corners(other)
     gap = -math.inf
     for heading in (one[2], one[2] + 0.5 * math.pi, other[2], other[2] + 0.5 * math.pi):

@@ -1,4 +1,4 @@
-"""Find the conformance cases, run each side of each in a process of its own, and judge."""
+"""Find the conformance cases, run both sides of each in separate processes, and judge them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def named(keys: Sequence[str]) -> tuple[Case, ...]:
     Raises
     ------
     InputError
-        If there is no such case.
+        If a key belongs to no case.
     """
     known = {case.key: case for case in cases()}
     for key in keys:
@@ -55,20 +55,20 @@ def run(
     Parameters
     ----------
     chosen : cases to run
-    jobs : processes at a time
-    finished : called with each result as it comes, for progress
+    jobs : number of cases that run at the same time
+    finished : called with each result as soon as it is there, to show progress
     """
     with ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
         return list(pool.map(partial(_judged, finished=finished), chosen))
 
 
 def measure(case: Case, side: str) -> Values:
-    """Run one side of a case in a new process; a crash is a value, ``return_code``.
+    """Run one side of a case in a new process; a crash is reported in the value ``return_code``.
 
     Raises
     ------
     SimulationError
-        If the process took too long, or ended well without values.
+        If the process took too long.
     """
     with tempfile.TemporaryDirectory(prefix="cosim-conformance-") as folder:
         output, log = Path(folder) / "values.json", Path(folder) / "log.txt"
@@ -94,7 +94,7 @@ def _serve(key: str, side: str, output: Path, log: Path, nets: Path) -> None:
     """Measure one side of a case in this process and write its values as JSON."""
     use_nets(nets)
     with log.open("wb") as file:
-        for stream in (1, 2):  # that of libraries, too
+        for stream in (1, 2):  # also catches output of libraries
             os.dup2(file.fileno(), stream)
     (case,) = named([key])
     values = case.claim() if side == CLAIM else case.control()
@@ -119,7 +119,7 @@ def _judged(case: Case, finished: Callable[[Result], None] | None) -> Result:
 
 
 def _met(criterion: Callable[[Values], bool], values: Values) -> bool:
-    """Return whether the criterion is met; a value that a crash left out meets none."""
+    """Return whether the criterion is met; it is not if a crash left out a value that it needs."""
     try:
         return criterion(values)
     except KeyError:

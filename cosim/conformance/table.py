@@ -32,7 +32,7 @@ def table_rows(results: Sequence[Result]) -> list[tuple[str, ...]]:
 
 
 def summary(results: Sequence[Result]) -> str:
-    """Return one line: how many cases are green, and what the others are."""
+    """Return one line: how many cases are green, and which are not."""
     failures = [result.case.key for result in results if not result.green]
     expected = [result.case.key for result in results if result.green and result.case.expected_failure]
     text = f"libsumo {sumo_version()}: {len(results) - len(failures)} of {len(results)} cases green"
@@ -47,7 +47,7 @@ def markdown(results: Sequence[Result]) -> str:
 
 
 def described(values: Values) -> str:
-    """Return measured values in one line; a return code only where the process did not end well."""
+    """Return measured values in one line; the return code is shown only if it is not 0."""
     return ", ".join(
         f"{name} = {_number(value)}" for name, value in values.items() if (name, value) != ("return_code", 0)
     )

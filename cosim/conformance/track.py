@@ -1,4 +1,4 @@
-"""Prescribed motion of an ego: what a plant would do, in closed form."""
+"""Prescribed motion of an ego in closed form, in place of a plant."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """A smooth lateral movement, to the left for a positive offset."""
+    """A smooth lateral movement; a positive offset is to the left."""
 
     start: float
     """[s]"""
@@ -28,9 +28,9 @@ class Shift:
     """[m]"""
 
     def at(self, time: float) -> tuple[float, float]:
-        """Return the offset done so far [m] and its rate [m/s].
+        """Return the lateral offset reached at that time [m] and its rate [m/s].
 
-        offset · (10 u³ − 15 u⁴ + 6 u⁵) with u the share of the duration.
+        The offset is ``offset`` · (10 u³ − 15 u⁴ + 6 u⁵), where u is the elapsed share of the duration.
         """
         u = min(1.0, max(0.0, (time - self.start) / self.duration))
         done = u * u * u * (10.0 + u * (6.0 * u - 15.0))
@@ -40,7 +40,7 @@ class Shift:
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """Eastward motion with lateral shifts; constant speed until it brakes to a stop, if it does."""
+    """Eastward motion with lateral shifts, at constant speed until the vehicle brakes to a stop, if ever."""
 
     x: float
     y: float
@@ -52,7 +52,7 @@ class Track:
     """[m/s^2]"""
 
     def at(self, time: float) -> Pose:
-        """Return the pose after that time [s]."""
+        """Return the pose at that time [s]."""
         braking = max(0.0, min(time - self.brakes_at, self.speed / self.deceleration))
         rolling = min(time, self.brakes_at)
         along = self.speed * (rolling + braking) - 0.5 * self.deceleration * braking * braking

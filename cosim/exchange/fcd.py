@@ -1,4 +1,4 @@
-"""A recorded run as SUMO's floating car data (FCD), which many tools read."""
+"""Export of a recorded run as SUMO's floating car data (FCD), which many tools read."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ FILE = "fcd.xml"
 
 
 def write_fcd(folder: Path, out: Path) -> Path:
-    """Write egos and everybody near them, and return the file.
+    """Write the egos and everybody near them, and return the file.
 
     Parameters
     ----------
     folder
-        Of the run.
+        Folder of the run.
     out
         New or empty folder.
 

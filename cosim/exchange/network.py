@@ -13,7 +13,7 @@ from sumo_scenarios.suites.case import reference_of
 
 
 def network_of(description: dict[str, Any]) -> Path:
-    """Return the network of a run of a built-in scenario or of a protocol's case.
+    """Return the network file of a run of a built-in scenario or of a protocol's case.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def network_of(description: dict[str, Any]) -> Path:
     Raises
     ------
     InputError
-        If it cannot be found, or is another one than the run's.
+        If the network cannot be found, or is not the one of the run.
     """
     name = reference_of(str(description["scenario_id"]))
     advice = "name the network with --network FILE.net.xml, or --no-road"

@@ -1,4 +1,4 @@
-"""An encounter as OpenSCENARIO XML 1.2 on the run's network as OpenDRIVE."""
+"""Export of an encounter as OpenSCENARIO XML 1.2, on the run's network as OpenDRIVE."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from sumo_scenarios.opendrive import write_opendrive
 
 MINOR_VERSION = 2
 CREATED = datetime(2000, 1, 1)
-"""The same encounter gives the same bytes, so the day is not told."""
+"""Fixed creation date, so that the same encounter always gives the same bytes."""
 HEIGHTS = {"pedestrian": 1.7}
 HEIGHT = 1.5
-"""Of vehicles; SUMO's recordings have none [m]."""
+"""Height of vehicles, which SUMO's recordings do not contain [m]."""
 WHEEL_M = 0.65
 TRACK_SHARE = 0.85
-"""Distance between the wheels of an axle, of the body's width."""
+"""Distance between the wheels of an axle as a share of the body's width."""
 
 
 def write_openscenario(
@@ -33,20 +33,20 @@ def write_openscenario(
     Parameters
     ----------
     folder
-        Of the run.
+        Folder of the run.
     encounter
-        Its ``encounter_id``.
+        The encounter's ``encounter_id``.
     network
-        The run's network, a ``.net.xml`` file; ``None``: no road is written.
+        The run's network, a ``.net.xml`` file; if ``None``, no road is written.
     out
         New or empty folder.
     traffic
-        Whether the encounter is one of ``traffic_encounters.csv``.
+        Whether the encounter is listed in ``traffic_encounters.csv``.
 
     Raises
     ------
     InputError
-        For bad input, a folder that cannot be written to, and without scenariogeneration.
+        If the input is bad, the folder cannot be written to, or scenariogeneration is missing.
     """
     xosc = _library()
     folders.check(out)

@@ -1,4 +1,4 @@
-"""The description and the tables of a recorded run, each column of them."""
+"""Reads the description and single columns of the tables of a recorded run."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from cosim.errors import InputError
 
 
 def described(folder: Path) -> dict[str, Any]:
-    """Return ``run.json``.
+    """Return the content of ``run.json``.
 
     Raises
     ------
     InputError
-        If there is none.
+        If the file is missing or cannot be read.
     """
     try:
         return read_json(folder / "run.json")
@@ -28,12 +28,12 @@ def described(folder: Path) -> dict[str, Any]:
 
 
 def columns(folder: Path, file: str, names: tuple[str, ...]) -> list[list[Any]]:
-    """Return columns of a table, in that order; what is undefined is ``None``.
+    """Return the named columns of a table, in this order; undefined values are ``None``.
 
     Raises
     ------
     InputError
-        If the table is missing.
+        If the table cannot be read.
     """
     try:
         table = pq.read_table(io.BytesIO(read_verified(folder / file)), columns=list(names))

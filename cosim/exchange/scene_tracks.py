@@ -1,4 +1,4 @@
-"""Everybody in an encounter as trajectories that begin at time 0."""
+"""Trajectories of everybody in an encounter, beginning at time 0."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cosim.errors import InputError
 from cosim.step.plant import body_of
 
 NEAR_M = 80.0
-"""Others are exported if they come nearer to the ego than this."""
+"""Other road users are exported if they come nearer to the ego than this [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,29 +29,30 @@ class Mover:
     kind: str
     """``ego``, ``vehicle`` or ``pedestrian``."""
     time: FloatArray
-    """From the beginning of the encounter on [s]."""
+    """Times since the beginning of the encounter [s]."""
     x: FloatArray
-    """Rear axle of a vehicle, centre of a pedestrian [m]."""
+    """Position of a vehicle's rear axle or a pedestrian's centre [m]."""
     y: FloatArray
     heading: FloatArray
-    """[rad]"""
+    """Heading [rad]."""
     speed: float
-    """At its first sample [m/s]."""
+    """Speed at the first sample [m/s]."""
     body: Body
-    """Of a pedestrian: length and width are the disc's diameter."""
+    """Body; a pedestrian's length and width are the disc's diameter."""
 
 
 def read_movers(folder: Path, encounter: int, traffic: bool = False) -> list[Mover]:
-    """Return the ego, the pedestrian and whoever was near them in an encounter of a recorded run.
+    """Return the ego of an encounter of a recorded run and everybody who came near it.
 
     Parameters
     ----------
     folder
-        Of the run.
+        Folder of the run.
     encounter
-        Its number.
+        The encounter's number.
     traffic
-        Whether it is one of ``traffic_encounters.csv``, of any vehicle, as real tracks have them.
+        Whether the encounter is listed in ``traffic_encounters.csv``: one of any vehicle, as in real
+        trajectories.
 
     Raises
     ------
@@ -81,7 +82,7 @@ def read_movers(folder: Path, encounter: int, traffic: bool = False) -> list[Mov
 
 
 def _others(scene: Scene, ego: Piece, what: str) -> list[tuple[str, Piece]]:
-    """Return the first piece of each other within the window that comes near the ego."""
+    """Return the first piece of each other road user who comes near the ego within the window."""
     found: dict[str, Piece] = {}
     for track in getattr(scene.case, what):
         first, last = max(track.first, ego.first), min(track.last, ego.last)
@@ -95,7 +96,7 @@ def _others(scene: Scene, ego: Piece, what: str) -> list[tuple[str, Piece]]:
 
 
 def _chosen(piece: Piece, factor: int) -> slice:
-    """Return the recorded instants of a piece."""
+    """Return the slice of a piece's recorded instants."""
     return slice(-piece.first % factor, None, factor)
 
 
@@ -103,7 +104,7 @@ def _vehicle(name: str, kind: str, piece: Piece, factor: int, begin: float) -> M
     chosen = _chosen(piece, factor)
     body = body_of(piece.track.length, piece.track.width)
     heading = piece.heading[chosen]
-    behind = 0.5 * body.length - body.rear_overhang  # of the centre, to the rear axle
+    behind = 0.5 * body.length - body.rear_overhang  # distance from the centre back to the rear axle
     x, y = piece.x[chosen] - behind * np.cos(heading), piece.y[chosen] - behind * np.sin(heading)
     speed = float(piece.track.speed[piece.part][chosen][:1].sum())
     return Mover(name, kind, piece.time[chosen] - begin, x, y, heading, speed, body)
@@ -115,7 +116,7 @@ def _pedestrian(name: str, piece: Piece, factor: int, begin: float) -> Mover:
     x_speed, y_speed = (getattr(piece.track, one)[piece.part][chosen] for one in ("x_speed", "y_speed"))
     moving = np.hypot(x_speed, y_speed) > 1e-3
     heading = np.arctan2(y_speed, x_speed)
-    # Standing, they look where they looked last.
+    # Standing pedestrians keep their last heading.
     last = np.maximum.accumulate(np.where(moving, np.arange(len(heading)), 0))
     speed = float(np.hypot(x_speed, y_speed)[:1].sum())
     body = Body(diameter, diameter, diameter, 0.5 * diameter)

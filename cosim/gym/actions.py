@@ -1,4 +1,4 @@
-"""What an agent decides in each step, and how that becomes a command."""
+"""Kinds of actions of an agent, and how an action becomes a command."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from cosim.step.plant import CAR_DRIVE
 
 DECISIONS = ("straight", "left", "right")
 _ROUNDING = 1e-5
-"""By so much a number of single precision may be beyond its bound."""
+"""Tolerance by which a number of single precision may exceed its bound."""
 
 
 class Actions(Protocol):
-    """One way to act."""
+    """One kind of action."""
 
     space: spaces.Space[Any]
 
@@ -31,7 +31,7 @@ class Actions(Protocol):
         perception
             What the agent was told.
         driver
-            The run's controller for this ego, for actions that leave the driving to it.
+            The run's controller for this ego, used by actions that leave the driving to it.
 
         Raises
         ------
@@ -42,7 +42,7 @@ class Actions(Protocol):
 
 
 class Continuous:
-    """Acceleration [m/s^2], and front-wheel angle [rad] unless the ego keeps its lane by itself."""
+    """Acceleration [m/s^2] and, unless the ego keeps its lane by itself, front-wheel angle [rad]."""
 
     def __init__(self, steered: bool) -> None:
         self._low = [-CAR_DRIVE.max_deceleration, *([-CAR_DRIVE.max_steering] if steered else [])]
@@ -52,12 +52,12 @@ class Continuous:
         )
 
     def command(self, action: Any, perception: Perception, driver: Controller) -> Command:
-        """Return the command that holds the action."""
+        """Return a command that keeps the action constant."""
         try:
             values = [float(value) for value in action]
         except (TypeError, ValueError):
             values = []
-        # Not a number is within no bounds.
+        # NaN fails both comparisons, so it is refused.
         if len(values) != len(self._low) or not all(
             low - _ROUNDING <= value <= high + _ROUNDING
             for low, value, high in zip(self._low, values, self._high, strict=True)
@@ -70,13 +70,13 @@ class Continuous:
 
 
 class Decided:
-    """The decision alone; the run's controller carries it out."""
+    """Only the decision on the lane; the run's controller carries it out."""
 
     def __init__(self) -> None:
         self.space: spaces.Space[Any] = spaces.Discrete(len(DECISIONS))
 
     def command(self, action: Any, perception: Perception, driver: Controller) -> Command:
-        """Begin a lane change where one is asked for and possible, and let the controller drive."""
+        """Begin a lane change if one is requested and possible, and let the controller drive."""
         if not self.space.contains(action):
             expected = ", ".join(f"{number} ({name})" for number, name in enumerate(DECISIONS))
             raise InputError(f"action {_shown(action)}: expected one of {expected}")
@@ -90,12 +90,12 @@ KINDS = ("acceleration", "acceleration_steering", "decision")
 
 
 def actions(kind: str) -> Actions:
-    """Return the way to act of that name.
+    """Return the kind of action of this name.
 
     Raises
     ------
     InputError
-        If there is none.
+        If no kind has this name.
     """
     if kind not in KINDS:
         raise InputError(f"action: expected one of {', '.join(KINDS)}, got {kind!r}")

@@ -1,4 +1,4 @@
-"""How near an ego has come to others within a step, and whether it touched anybody."""
+"""How near an ego came to other road users within a step, and whether it touched one."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from cosim.arrays import FloatArray
 from cosim.step.world import EgoTruth, PersonsTruth, Snapshot
 
 PARTS = 4
-"""Instants looked at between two samples; straight lines connect them."""
+"""Number of instants checked per step; road users move in straight lines between two samples."""
 NEAR = 20.0
-"""Others further from the front bumper are not looked at [m]."""
+"""Road users farther from the ego's front bumper than this, in x or y, are ignored [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Nearness:
-    """Of one ego in one step."""
+    """How near one ego came to others in one step."""
 
     pedestrian: float
-    """Smallest distance between the body and a pedestrian's disc [m]; inf with nobody within `NEAR`."""
+    """Smallest distance from the ego's body to a pedestrian's disc [m]; inf if nobody is within `NEAR`."""
     vehicle: bool
-    """Whether it overlaps another vehicle."""
+    """Whether the ego overlaps another vehicle."""
 
     @property
     def touches_pedestrian(self) -> bool:
-        """Whether body and disc touch."""
+        """Whether the ego's body touches a pedestrian's disc."""
         return self.pedestrian <= 0.0
 
 
@@ -40,7 +40,7 @@ def nearness(before: EgoTruth, now: EgoTruth, last: Snapshot, snapshot: Snapshot
     before, now
         The ego at the beginning and at the end.
     last, snapshot
-        Everybody at both instants; who is in the second one alone has not moved.
+        Everybody at both instants; pedestrians who are only in the second snapshot count as standing still.
     """
     people = snapshot.persons
     near = _near(now, people.x, people.y)
@@ -59,14 +59,14 @@ def nearness(before: EgoTruth, now: EgoTruth, last: Snapshot, snapshot: Snapshot
 
 
 def _near(ego: EgoTruth, x: FloatArray, y: FloatArray) -> NDArray[np.intp]:
-    """Return the rows of those near an ego."""
+    """Return the rows of road users near an ego."""
     return np.flatnonzero((np.abs(x - ego.x) < NEAR) & (np.abs(y - ego.y) < NEAR))
 
 
 def _between(
     last: PersonsTruth, people: PersonsTruth, near: NDArray[np.intp], shares: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return where those near were at shares of the step, shape (shares, people)."""
+    """Return x and y of the near pedestrians at shares of the step, each of shape (shares, people)."""
     places = {name: place for place, name in enumerate(last.names)}
     rows = [places.get(people.names[i], -1) for i in near]
     x = np.array([last.x[row] if row >= 0 else people.x[i] for i, row in zip(near, rows, strict=True)])

@@ -23,30 +23,31 @@ LARGEST_SEED = 2**31 - 1
 
 
 class CrossingEnv(gymnasium.Env[Observation, Any]):
-    """An ego drives through a scenario; an episode is one simulation.
+    """Environment in which an ego drives through a scenario; an episode is one simulation.
 
     Parameters
     ----------
     scenario
-        Name, folder, ``suite:NAME/CASE`` or SUMO configuration. The first ego is the agent's; SUMO drives
-        others.
+        Name, folder, ``suite:NAME/CASE`` or SUMO configuration. The agent drives the first ego; SUMO drives
+        the others.
     action
-        ``acceleration`` [m/s^2], and the ego keeps its lane; ``acceleration_steering`` [m/s^2, rad]; or
-        ``decision``: 0 straight, 1 left, 2 right, carried out by ``vo_mpc``.
+        ``acceleration`` [m/s^2], where the ego keeps its lane itself; ``acceleration_steering`` [m/s^2, rad];
+        or ``decision``: 0 straight, 1 left, 2 right, carried out by ``vo_mpc``.
     weights
-        Of the reward's terms (:data:`cosim.gym.rewards.WEIGHTS`); those not given keep their defaults.
+        Weights of the reward's terms (:data:`cosim.gym.rewards.WEIGHTS`); terms not given keep their
+        defaults.
     time_limit_s
         Simulated time after which an episode is truncated [s].
     pedestrians
-        How many an observation holds.
+        Number of pedestrians in an observation.
     render_mode
         ``rgb_array`` or none.
     sensing
-        How the ego comes to know of pedestrians; not given: as the scenario says.
+        Sensing model with which the ego perceives pedestrians; by default that of the scenario.
     ego_route, ego_vehicle
-        Who is the ego, where the scenario has none.
+        Route or vehicle of the ego, for scenarios that have none.
     **parameters
-        Of the scenario, by the names that ``--set`` takes.
+        Parameters of the scenario, by the names that ``--set`` takes.
 
     Attributes
     ----------
@@ -92,18 +93,18 @@ class CrossingEnv(gymnasium.Env[Observation, Any]):
 
     @property
     def perception(self) -> Perception:
-        """All that the ego is told now, as a controller would be."""
+        """Everything that the ego perceives now, as a controller would receive it."""
         return self._running().agents[self._name].perception
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begin a new simulation; the seed decides all of it, the demand included.
+        """Begin a new simulation; the seed determines all of it, including the demand.
 
         Raises
         ------
         InputError
-            If the simulation cannot be made, or another one runs in this process.
+            If the simulation cannot be set up, or another one runs in this process.
         """
         super().reset(seed=seed)
         self.close()
@@ -119,7 +120,7 @@ class CrossingEnv(gymnasium.Env[Observation, Any]):
         Raises
         ------
         InputError
-            For an action that is not in the space, and after the end of the episode.
+            If the action is not in the space, or the episode has ended.
         """
         episode = self._running()
         episode.command({self._name: action})
@@ -127,7 +128,7 @@ class CrossingEnv(gymnasium.Env[Observation, Any]):
         return one.observation, one.reward, one.terminated, one.truncated, one.info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return the surroundings of the ego from above, (height, width, 3)."""
+        """Return a picture of the ego's surroundings from above, shape (height, width, 3)."""
         if self.render_mode is None:
             return None
         from cosim.gym.picture import picture

@@ -1,4 +1,4 @@
-"""Episodes of one or several agents in one simulation: who is where, and what ended whose episode."""
+"""Episodes of one or several agents in one simulation: which agents take part, and why an episode ended."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from cosim.running.request import RunRequest
 from cosim.step.world import EgoTruth, Snapshot
 
 SLACK_S = 60.0
-"""Simulated time left for egos to find a place to begin [s]."""
+"""Simulated time added to an episode, so that egos find room to enter the road [s]."""
 
 
 @dataclass(slots=True)
 class Outcome:
-    """One agent after a plan interval."""
+    """The result of a plan interval for one agent."""
 
     observation: Observation
     reward: float
@@ -35,7 +35,7 @@ class Outcome:
 
 @dataclass(slots=True)
 class Agent:
-    """One ego with an agent."""
+    """An ego that an agent drives."""
 
     name: str
     began_s: float
@@ -51,13 +51,13 @@ class Episode:
     Parameters
     ----------
     request
-        What is simulated.
+        The run to simulate.
     view, actions, weights
-        What agents are told, how they act, and what counts.
+        What agents observe, how they act, and how the reward's terms are weighted.
     time_limit_s
-        After so long an agent's episode is truncated [s].
+        Simulated time after which an agent's episode is truncated [s].
     most
-        Egos that get an agent, in the order in which they appear.
+        Largest number of egos with an agent; egos get one in the order in which they appear.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Episode:
         self._met: list[str] = []
         self._last: Snapshot | None = None
         self.agents: dict[str, Agent] = {}
-        """Those whose episode goes on, by the ego's name."""
+        """Agents whose episode goes on, by the ego's name."""
         try:
             while not self._plan():
                 self._advance()
@@ -89,12 +89,12 @@ class Episode:
         return self._session
 
     def command(self, actions: Mapping[str, Any]) -> None:
-        """Tell the agents' egos what to do, by the ego's name.
+        """Give the agents' egos their actions, by the ego's name.
 
         Raises
         ------
         InputError
-            For an action that is not in the space.
+            If an action is not in the space.
         """
         commands = {}
         for name, action in actions.items():
@@ -103,7 +103,7 @@ class Episode:
         self._session.act(commands)
 
     def go_on(self) -> dict[str, Outcome]:
-        """Drive until the next plans are due; return what came of it for each agent."""
+        """Drive until the next plans are due, and return the outcome for each agent."""
         before = {name: agent.truth for name, agent in self.agents.items()}
         began = self._last
         while True:
@@ -126,7 +126,7 @@ class Episode:
         return any(name in there for name in self.agents) or not self.agents
 
     def _plan(self) -> bool:
-        """Sense; take note of new egos, and return whether an agent is to plan."""
+        """Sense, register new egos, and return whether an agent has to plan."""
         session = self._session
         if not session.sense() and not self._met:
             raise InputError("no ego appeared before the scenario ended")
@@ -184,7 +184,7 @@ class Episode:
         return Outcome(agent.observation, reward, terminated, bool(ended) and not terminated, info)
 
     def _ended(self, agent: Agent, there: bool, near: Nearness, now: Snapshot, began: Snapshot | None) -> str:
-        """Return what ended an agent's episode; empty if nothing did."""
+        """Return why an agent's episode ended; empty if it goes on."""
         if near.touches_pedestrian:
             return "contact"
         if near.vehicle:

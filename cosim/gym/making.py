@@ -1,4 +1,4 @@
-"""From the arguments of an environment to the request of a run."""
+"""The request of a run, made from an environment's arguments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cosim.running.inventory import as_text, scenario_settings
 from cosim.running.request import RunRequest
 
 WARMUP_S = 30.0
-"""Of scenarios with a warm-up, unless another one is asked for: an episode begins sooner [s]."""
+"""Longest default warm-up of an episode, shorter than in some scenarios so that episodes begin sooner [s]."""
 
 
 def request_of(
@@ -24,12 +24,12 @@ def request_of(
     parameters: Mapping[str, object],
     egos: int,
 ) -> Callable[[int], RunRequest]:
-    """Return what makes the request of an episode from its seed.
+    """Return a function that makes the request of an episode from its seed.
 
     Raises
     ------
     InputError
-        For a scenario that does not exist, and a time limit or a warm-up that is none.
+        If the scenario does not exist, or the time limit or the warm-up is not a valid number.
     """
     if not 0.0 < time_limit_s < float("inf"):
         raise InputError(f"time_limit_s: expected a number of seconds above 0, got {time_limit_s:g}")

@@ -21,7 +21,7 @@ from cosim.gym.rewards import weights as weights_of
 
 
 class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]  # it has no types
-    """Several egos, an agent each, in one simulation; see :func:`cosim.gym.several.parallel_env`."""
+    """Environment of several egos with one agent each; see :func:`cosim.gym.several.parallel_env`."""
 
     metadata: ClassVar[dict[str, Any]] = {"name": "cosim_crossings_v0", "render_modes": []}
 
@@ -56,17 +56,17 @@ class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[m
         self._random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        """Return what an agent is told."""
+        """Return the space of an agent's observations."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """Return what an agent can do."""
+        """Return the space of an agent's actions."""
         return self.action_spaces[agent]
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Begin a new simulation; the agents whose egos are there already take part from now on."""
+        """Begin a new simulation; agents whose egos are already present take part from the start."""
         if seed is not None:
             self._random, _ = seeding.np_random(seed)
         self.close()
@@ -93,7 +93,7 @@ class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[m
         Raises
         ------
         InputError
-            Without an agent, without an action for one, and for an action that is not in the space.
+            If no agent is left, an agent has no action, or an action is not in the space.
         """
         if self._episode is None or not self.agents:
             raise InputError("no agent is left: call reset() before the next step()")
@@ -122,7 +122,7 @@ class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[m
             self._episode = None
 
     def _names(self) -> list[str]:
-        """Return the agents that take part now; a new ego gets the next name."""
+        """Return the agents that take part now; a new ego gets the next agent's name."""
         assert self._episode is not None
         for ego in self._episode.agents:
             if ego not in self._egos.values():

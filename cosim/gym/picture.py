@@ -1,4 +1,4 @@
-"""The surroundings of an ego from above, as an array of colours."""
+"""Picture of an ego's surroundings from above, as an array of colours."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 SIZE_IN = (8.0, 4.0)
 DOTS_PER_INCH = 80
 AHEAD, BEHIND, BESIDE = 55.0, 25.0, 20.0
-"""What is shown around the ego [m]."""
+"""Distances shown in front of, behind and beside the ego [m]."""
 COLOURS = {"lane": "#d4d4d4", "crossing": "#f0e7b0", "walkingarea": "#e6efe6"}
 
 
 def picture(session: Session, name: str) -> NDArray[np.uint8]:
-    """Return the picture, the ego's direction of travel to the right; shape (height, width, 3).
+    """Return the picture, with the ego's direction of travel to the right; shape (height, width, 3).
 
     Raises
     ------
     InputError
-        Without matplotlib.
+        If matplotlib is missing.
     """
     require_matplotlib("render_mode='rgb_array'")
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -62,7 +62,7 @@ def picture(session: Session, name: str) -> NDArray[np.uint8]:
 
 
 def _seen(points: NDArray[np.float64], ego: EgoTruth) -> NDArray[np.float64]:
-    """Return points of the world as the ego sees them: forward, left."""
+    """Return points of the world in the ego's frame: distances forward and to the left."""
     dx, dy = points[:, 0] - ego.x, points[:, 1] - ego.y
     cos, sin = np.cos(ego.heading), np.sin(ego.heading)
     return np.column_stack([dx * cos + dy * sin, dy * cos - dx * sin])

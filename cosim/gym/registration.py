@@ -1,4 +1,4 @@
-"""Registers the environments with Gymnasium."""
+"""Registration of the environments with Gymnasium."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ except ImportError as error:
     raise InputError("cosim.gym needs Gymnasium: pip install gymnasium") from error
 
 ANY = "cosim/scenario-v0"
-"""Takes the scenario as its argument."""
+"""Name of the environment that takes the scenario as its argument."""
 NAMES = (*(f"cosim/{name}-v0" for name in library.names()), ANY)
 _ENTRY = "cosim.gym.environment:CrossingEnv"
 
 
 def register() -> None:
-    """Make the environments known; a second call changes nothing."""
+    """Register the environments; a second call changes nothing."""
     for name in NAMES:
         if name not in gymnasium.registry:
             scenario = name.removeprefix("cosim/").removesuffix("-v0")

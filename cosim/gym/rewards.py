@@ -1,4 +1,4 @@
-"""What a step is worth: terms with a meaning each, and the weights that add them up."""
+"""The reward of a step: a sum of weighted terms, each with its own meaning."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from cosim.gym.contact import Nearness
 from cosim.step.world import EgoTruth
 
 CLOSE = 1.5
-"""Distance below which passing a pedestrian costs [m]."""
+"""Below this distance, passing a pedestrian has a cost [m]."""
 HARD = 3.0
-"""Acceleration whose cost of comfort is 1 [m/s^2]."""
+"""Acceleration at which the comfort term costs 1 per second [m/s^2]."""
 LANE = 1.75
-"""Offset whose cost is 1 [m]."""
+"""Lateral offset at which the lane term costs 1 per second [m]."""
 
 WEIGHTS: Mapping[str, float] = {
     "progress": 1.0,
@@ -27,12 +27,12 @@ WEIGHTS: Mapping[str, float] = {
 
 
 def weights(given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return the default weights with those that are given.
+    """Return the default weights, replaced by those that are given.
 
     Raises
     ------
     InputError
-        For a term that there is not.
+        If a term does not exist.
     """
     unknown = [name for name in given or {} if name not in WEIGHTS]
     if unknown:
@@ -48,13 +48,14 @@ def terms(
     Parameters
     ----------
     before, now
-        The ego at its beginning and end.
+        The ego at the beginning and end of the interval.
     across
         Offset from the middle of the lane [m].
     near
-        How near it came to others.
+        How near the ego came to others.
     duration_s
-        Its length [s]; terms that last are multiplied by it, so that they do not depend on the step.
+        Length of the interval [s]; costs that accumulate over time are multiplied by it, so that they do not
+        depend on the step length.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A simulation that is driven one plan at a time, by whoever asks for the next one."""
+"""A simulation that advances one plan at a time, when its caller asks for the next one."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Session:
     Parameters
     ----------
     request
-        What is simulated; its controller drives nobody here.
+        The run to simulate; its controller drives no ego by itself here.
 
     Raises
     ------
     InputError
-        If it cannot be made, or this process has a simulation already.
+        If the simulation cannot be set up, or this process already has one.
     """
 
     def __init__(self, request: RunRequest) -> None:
@@ -40,34 +40,34 @@ class Session:
         self._opened.enter_context(rarely_collected())
         self._world = self._composition.world
         self.perceptions: dict[str, Perception] = {}
-        """Of the egos that are to plan now, by name."""
+        """Perceptions of the egos that have to plan now, by name."""
         self.snapshot: Snapshot | None = None
-        """The truth after the last step."""
+        """The true state of everybody after the last step."""
         self.over = False
 
     def driver(self, name: str) -> Controller:
-        """Return the run's own controller for an ego, for agents that leave the driving to it."""
+        """Return the run's own controller for an ego, for actions that leave the driving to it."""
         return self._composition.drivers[name]
 
     def look(self) -> Snapshot:
-        """Return the truth now."""
+        """Return the true state of everybody now."""
         self.snapshot = self._world.snapshot()
         return self.snapshot
 
     def sense(self) -> bool:
-        """Find out which egos are to plan now; return whether the simulation goes on."""
+        """Find the egos that have to plan now, and return whether the simulation goes on."""
         found = None if self.over else self._world.sense()
         self.over = found is None
         self.perceptions = {one.ego.name: one for one in found or ()}
         return not self.over
 
     def act(self, commands: Mapping[str, Command]) -> None:
-        """Tell egos what to do from now on; SUMO drives those that have been told nothing."""
+        """Give commands to the egos that have to plan now; SUMO drives those that get none."""
         for name in self.perceptions:
             self._world.act(name, commands.get(name, HAND_BACK))
 
     def advance(self) -> Snapshot:
-        """Move everything by one step, and return the truth after it."""
+        """Advance the simulation by one step, and return the true state after it."""
         self._world.advance()
         return self.look()
 

@@ -25,13 +25,14 @@ def parallel_env(
 ) -> ParallelCrossingEnv:
     """Return an environment with several agents, called ``ego_1``, ``ego_2``, … in order of appearance.
 
-    The parameters are those of :class:`cosim.gym.environment.CrossingEnv`, and ``agents``, how many egos
-    have one; SUMO drives the others. An agent appears when its ego does, and goes when its episode ends.
+    The parameters are those of :class:`cosim.gym.environment.CrossingEnv`, and ``agents``: the number of egos
+    that have an agent. SUMO drives the others. An agent appears with its ego and leaves when its episode
+    ends.
 
     Raises
     ------
     InputError
-        As the environment of one ego, and without PettingZoo.
+        As for the environment of one ego, or if PettingZoo is missing.
     """
     try:
         from cosim.gym.parallel import ParallelCrossingEnv

@@ -1,4 +1,4 @@
-"""``python -m cosim.suites``: what took its place, for those who know the program of earlier versions."""
+"""Tells users of ``python -m cosim.suites``, a program of earlier versions, what has replaced it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Test protocols as the rest of the tool sees them: suites, their cases, and verdicts on recorded runs."""
+"""Interface of the test protocols to the rest of the tool: suites, cases, and verdicts on recorded runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def names() -> tuple[str, ...]:
 
 
 def label(name: str) -> str:
-    """Return how a suite's results are to be called."""
+    """Return the label of a suite's results."""
     return tables.read_suite(name).label
 
 
@@ -31,12 +31,12 @@ def cases(name: str) -> Sequence[Case]:
 
     Parameters
     ----------
-    name : of the suite, with or without ``suite:``; ``NAME/CASE`` gives the one case
+    name : name of the suite, with or without ``suite:``; ``NAME/CASE`` selects one case
 
     Raises
     ------
     InputError
-        One line: there is no such suite or case.
+        If there is no such suite or case.
     """
     suite, _, case = name.removeprefix(references.PREFIX).partition("/")
     try:
@@ -54,7 +54,7 @@ def judge(folder: Path, case: Case) -> Verdict:
     Raises
     ------
     RecordingError
-        When the run cannot be read.
+        If the run cannot be read.
     """
     demand = Demand(
         case.group.rule,
@@ -67,7 +67,7 @@ def judge(folder: Path, case: Case) -> Verdict:
 
 
 def settled(judged: Iterable[tuple[Case, Verdict]]) -> list[tuple[Case, Verdict]]:
-    """Return the verdicts, those that ask for no worse a colour held against their standard cases."""
+    """Return the verdicts; cases that must not be worse than their standard case are compared with it."""
     pairs = list(judged)
     by_name = {(one.suite, one.group.name, one.ego_speed_kmh): verdict for one, verdict in pairs}
     found = []

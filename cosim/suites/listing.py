@@ -1,4 +1,4 @@
-"""The suites and their cases, as ``cosim list`` shows them."""
+"""Entries of the suites and their cases for ``cosim list``."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from sumo_scenarios.suites.tables import read_suite
 
 
 def suites() -> list[Entry]:
-    """Return the suites."""
+    """Return an entry for each suite."""
     return [_suite(name) for name in judging.names()]
 
 
 def cases(reference: str) -> list[Entry]:
-    """Return the cases of ``suite:NAME``, by the references that other commands take.
+    """Return an entry for each case of ``suite:NAME``, by the reference that other commands take.
 
     Raises
     ------

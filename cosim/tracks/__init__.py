@@ -1,1 +1,1 @@
-"""Real trajectories onto a network, and into the files of a recorded run."""
+"""Places real trajectories on a network and writes them as the files of a recorded run."""

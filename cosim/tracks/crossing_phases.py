@@ -1,4 +1,4 @@
-"""Who walks on a crossing, or is about to: what a simulation knows of pedestrians, from positions alone."""
+"""Which pedestrians walk on a crossing or wait for it, derived from their positions alone."""
 
 from __future__ import annotations
 
@@ -17,27 +17,28 @@ from cosim.arrays import FloatArray, IntArray
 from cosim.sumo.network import Network
 
 BESIDE_M = 0.5
-"""People walk beside the markings: a crossing is so much wider to either side."""
+"""Crossings are widened by this to either side, because people walk beside the markings [m]."""
 AHEAD_M = 4.0
-"""Who is nearer to the crossing that they walk on next waits for it, or comes to it."""
+"""Pedestrians at most this far from the next crossing that they walk on count as waiting for it [m]."""
 AHEAD_S = 60.0
 KERB_M, STANDING_MPS = 3.0, 0.3
-"""Who stands on a crossing so near to where they came onto it waits, too: kerbs are drawn roughly."""
+"""This near to where they came onto a crossing [m], pedestrians slower than this [m/s] still wait, because
+kerbs are drawn roughly."""
 SHORTEST_S = 0.5
-"""A shorter stay touches the edge of a crossing, and is no walk over it."""
+"""A shorter stay on a crossing only touches its edge and does not count as a walk over it [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Phases:
-    """Of samples of pedestrians; lists of length n."""
+    """Phases of n samples of pedestrians; lists of length n."""
 
     phase: list[str]
     crossing: list[str | None]
-    """Walked on or next."""
+    """Crossing that the pedestrian walks on or waits for; ``None`` for none."""
 
 
 class CrossingPhases:
-    """Knows the crossings of a network.
+    """Finds the phases of pedestrians at the crossings of a network.
 
     Parameters
     ----------
@@ -57,10 +58,10 @@ class CrossingPhases:
         self._tree = STRtree(strips)
 
     def of(self, people: pd.DataFrame, step_s: float) -> Phases:
-        """Return the phases of the samples, which are sorted by id and time.
+        """Return the phases of samples that are sorted by id and time.
 
-        A pedestrian waits when the next crossing that they walk on begins within 60 s and is near; it is
-        known from the track's future.
+        A pedestrian waits if they are near a crossing and walk onto it within 60 s, as the rest of the track
+        shows.
         """
         count = len(people)
         phase = [PedestrianPhase.WALKING.value] * count
@@ -88,14 +89,14 @@ class CrossingPhases:
         return Phases(phase, crossing)
 
     def _stood(self, walk: NDArray[np.object_], speed: FloatArray, first: int) -> int:
-        """Return how many samples at the begin of a walk are of who still stands at the kerb."""
+        """Return for how many samples at the beginning of a walk the pedestrian still stands at the kerb."""
         at_kerb = shapely.distance(walk, walk[0]) <= KERB_M
         left = int(np.argmin(at_kerb)) if not at_kerb.all() else len(walk)
         stands = np.flatnonzero(speed[first : first + left] < STANDING_MPS)
         return int(stands[-1]) + 1 if len(stands) and stands[-1] + 1 < len(walk) else 0
 
     def _on(self, points: NDArray[np.object_]) -> IntArray:
-        """Return the crossing whose axis is nearest, of those that a point is on; −1 for none."""
+        """Return the crossing that each point is on, −1 for none; of several, that with the nearest axis."""
         point, strip = self._tree.query(points, predicate="within")
         found = np.full(len(points), -1, dtype=np.int64)
         away = shapely.distance(points[point], self._axes[strip])
@@ -104,7 +105,7 @@ class CrossingPhases:
         return found
 
     def _walks(self, on: IntArray, step_s: float) -> list[tuple[int, int, int]]:
-        """Return first and last sample of each walk over a crossing, and which."""
+        """Return the first and last sample of each walk over a crossing, and the crossing's number."""
         walks = []
         for number in np.unique(on[on >= 0]).tolist():
             for first, last in stretches(on == number):
@@ -114,6 +115,6 @@ class CrossingPhases:
 
 
 def _last_stretch(near: NDArray[np.bool_]) -> slice:
-    """Return the samples at the end that are near without a break."""
+    """Return the unbroken stretch of near samples at the end."""
     away = np.flatnonzero(~near)
     return slice(int(away[-1]) + 1 if len(away) else 0, len(near))

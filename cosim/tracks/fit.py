@@ -1,4 +1,4 @@
-"""How well trajectories lie on a network, for each class; what does not fit at all is refused."""
+"""How well trajectories fit a network, for each class; trajectories that do not fit at all are refused."""
 
 from __future__ import annotations
 
@@ -14,36 +14,37 @@ from cosim.sumo.network import Network
 from cosim.tracks.lanes import SUMO_CLASS, LaneMatcher, Walkways
 
 MOVING_MPS = 1.0
-"""Vehicles that move faster have a heading."""
+"""Above this speed, a vehicle's heading is known [m/s]."""
 LANE_M, LANE_DEG, GROUND_M = 1.0, 20.0, 0.5
-"""On a lane: so near to its axis, and heading its way. On the ground for pedestrians: so near."""
+"""A vehicle is on a lane within this distance of its axis [m] and this angle of its direction [deg]; a
+pedestrian is on their ground within the last distance [m]."""
 LEAST_SHARE = 0.5
-"""Of all samples, on or within `OFF_M` of the network; with fewer the projection is wrong."""
+"""Share of samples that must lie within `OFF_M` of the network; with fewer, the projection is wrong."""
 OFF_M = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class ClassFit:
-    """Of the road users of one class."""
+    """How well the road users of one class fit the network."""
 
     kind: str
     n_tracks: int
     n_samples: int
-    """Moving ones; of pedestrians all."""
+    """Number of samples that count: those of moving vehicles, or all of pedestrians."""
     share_samples: float
-    """Within 1.0 m of a lane's axis and 20° of its heading; of pedestrians within 0.5 m of their ground."""
+    """Share within 1.0 m of a lane's axis and 20° of its heading, or within 0.5 m of pedestrians' ground."""
     share_tracks: float
-    """Tracks whose median sample is."""
+    """Share of tracks of which at least half of the samples are within these limits."""
     median_m: float
-    """Distance from the axis, or from the ground."""
+    """Median distance from the lane's axis, or from the pedestrians' ground [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """Samples on a network."""
+    """Samples placed on a network."""
 
     frame: pd.DataFrame
-    """With ``place`` (lane of a vehicle, ground of a pedestrian; empty: none), ``across_m``, ``along_m``."""
+    """Samples with ``place`` (lane or pedestrians' ground; empty for none), ``across_m`` and ``along_m``."""
     fits: tuple[ClassFit, ...]
 
 
@@ -52,14 +53,14 @@ def placed(frame: pd.DataFrame, network: Network, source: str) -> Placed:
 
     Parameters
     ----------
-    frame : as `cosim.tracks.resampling.on_clock` returns it
+    frame : samples as `cosim.tracks.resampling.on_clock` returns them
     network
-    source : for messages
+    source : name of the trajectories in messages
 
     Raises
     ------
     RecordingError
-        When less than half of the samples are on or near the network.
+        If less than half of the samples are on or near the network.
     """
     parts, fits, near, total = [], [], 0, 0
     worst: tuple[float, int] = (-1.0, 0)
@@ -124,7 +125,7 @@ def _fit(kind: str, part: pd.DataFrame, away: np.ndarray, good: np.ndarray, coun
 
 
 def as_rows(fits: tuple[ClassFit, ...]) -> list[Mapping[str, object]]:
-    """Return a row for each class, for a table or a file; what is undefined is absent."""
+    """Return a row for each class, for a table or a file; undefined values are ``None``."""
     return [
         {
             "class": one.kind,

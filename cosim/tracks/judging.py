@@ -1,4 +1,4 @@
-"""From trajectories and a network to the folder of a judged run: the same files as those of a simulation."""
+"""Turns trajectories and a network into the folder of a judged run, with the same files as a simulation."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ LEAST_PEDESTRIANS = 30
 
 @dataclass(frozen=True, slots=True)
 class TracksRequest:
-    """Request of a user for the judgement of trajectories."""
+    """A user's request to judge trajectories."""
 
     tracks: str
-    """File, or ``tasi`` for the recording in that package."""
+    """File with trajectories, or ``tasi`` for the recording in that package."""
     network: Path
-    """Network, or a SUMO configuration that names one."""
+    """SUMO network, or a SUMO configuration that names one."""
     crs: str | None = None
     bodies: str | None = None
-    """``assumed`` or ``recorded``; ``None``: as the layout deserves."""
+    """Sizes of bodies, ``assumed`` or ``recorded``; by default recorded if the layout has reliable ones."""
     out: Path | None = None
 
     def __post_init__(self) -> None:
@@ -78,9 +78,9 @@ class Judged:
     fits: tuple[ClassFit, ...]
     assumed_bodies: bool
     encounters: int
-    """Of vehicles and pedestrians."""
+    """Number of encounters of vehicles with pedestrians."""
     conflicts: int
-    """Those of severity serious or worse."""
+    """Number of encounters whose severity is serious or worse."""
 
 
 def read_on_network(request: TracksRequest) -> OnNetwork:
@@ -89,7 +89,7 @@ def read_on_network(request: TracksRequest) -> OnNetwork:
     Raises
     ------
     InputError
-        One line with the file, the row and what was expected.
+        If the input is bad; the message is one line with the file, the row and what was expected.
     """
     net_file = read_source(request.network).net_file
     location = read_location(net_file)
@@ -111,7 +111,7 @@ def judge(request: TracksRequest, thresholds: Thresholds | None = None) -> Judge
     Raises
     ------
     InputError
-        As `read_on_network`; no folder is left behind.
+        As for `read_on_network`; no folder is left behind.
     """
     folders.check(request.out)
     found = read_on_network(request)
@@ -138,9 +138,9 @@ def write_judged(
     ----------
     folder
     request, found
-    frame : samples of ``found`` to be written
+    frame : samples of ``found`` to write
     thresholds
-    scenario : name of the run's scenario; ``None``: that of the file
+    scenario : name of the run's scenario; by default that of the file
     """
     inputs = Inputs(
         scenario=scenario or _name(request),
@@ -176,7 +176,7 @@ def write_judged(
 
 
 def _again(request: TracksRequest) -> str:
-    """Return the command that judges the same again; no path of this machine is in it."""
+    """Return a command that repeats the judgement, without any path of this machine."""
     words = ["cosim", "analyse", request.file.name, "--network", request.network.name]
     for flag, value in (("--crs", request.crs), ("--bodies", request.bodies)):
         words += [] if value is None else [flag, value]

@@ -1,4 +1,4 @@
-"""Which lane a vehicle is on and which ground a pedestrian walks on, for many positions at once."""
+"""Finds the lanes of vehicles and the ground that pedestrians walk on, for many positions at once."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from cosim.arrays import FloatArray, IntArray
 from cosim.sumo.network import NetLane, Network
 
 REACH_M = 10.0
-"""A lane farther away is none."""
+"""Lanes farther away than this are ignored [m]."""
 PER_RAD_M = 2.0
-"""A lane counts as so much farther away for each radian by which its heading differs [m/rad]."""
+"""Distance added to a lane's for each radian by which its heading differs from the vehicle's [m/rad]."""
 CHUNK = 50_000
 
 SUMO_CLASS = {
@@ -28,12 +28,12 @@ SUMO_CLASS = {
     "bicycle": "bicycle",
     "pedestrian": "pedestrian",
 }
-"""Class of a road user -> SUMO's."""
+"""SUMO's vehicle class for each class of road users."""
 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """Lanes of positions; arrays of length n."""
+    """Lanes of n positions; arrays of length n."""
 
     lane: IntArray
     """Index into `names`; −1 for none."""
@@ -41,18 +41,18 @@ class Match:
     across: FloatArray
     """Distance from the lane's axis, positive to its left; nan without a lane [m]."""
     along: FloatArray
-    """From the lane's beginning [m]."""
+    """Distance along the lane from its beginning; nan without a lane [m]."""
     angle: FloatArray
-    """Heading relative to the lane's [rad]."""
+    """Heading relative to the lane's; nan without a lane [rad]."""
 
 
 class LaneMatcher:
-    """Finds the lane of vehicles of one class.
+    """Finds the lanes of vehicles of one class.
 
     Parameters
     ----------
     network
-    kind : class of the road users, of `SUMO_CLASS`
+    kind : class of the road users, a key of `SUMO_CLASS`
     """
 
     def __init__(self, network: Network, kind: str) -> None:
@@ -64,7 +64,7 @@ class LaneMatcher:
         self._tree = STRtree(pieces)
 
     def match(self, x: FloatArray, y: FloatArray, heading: FloatArray) -> Match:
-        """Return the lanes of positions whose headings are known [m], [rad]."""
+        """Return the lanes of vehicles at positions [m] with headings [rad]."""
         parts = [
             self._match(x[rows], y[rows], heading[rows])
             for rows in np.array_split(np.arange(len(x)), max(1, -(-len(x) // CHUNK)))
@@ -108,7 +108,7 @@ class LaneMatcher:
 
 
 def _segments(lanes: Sequence[NetLane]) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
-    """Return starts and ends of all straight pieces, whose they are, and how far along each begins."""
+    """Return starts and ends of all straight pieces, their lanes, and where each begins along its lane."""
     if not lanes:
         return np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, dtype=np.int64), np.zeros(0)
     starts = np.concatenate([lane.shape[:-1] for lane in lanes])
@@ -134,7 +134,7 @@ class Walkways:
         on_foot = [lane for lane in network.lanes.values() if lane.permissions.allows("pedestrian")]
         lanes = [lane for lane in on_foot if not lane.permissions.allows("passenger")]
         beside = {lane.edge for lane in lanes}
-        # Where a road has no lane for them alone, SUMO lets them walk on it: a living street, for instance.
+        # Where a road has no lane for pedestrians alone, as a living street, SUMO lets them walk on the road.
         lanes += [
             lane
             for lane in on_foot

@@ -1,4 +1,4 @@
-"""The samples that a simulation would record: those near crossings."""
+"""Selection of the samples that a simulation would record: those near crossings."""
 
 from __future__ import annotations
 

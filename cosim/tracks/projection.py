@@ -1,4 +1,4 @@
-"""Positions of any coordinate system onto a network: by its projection and offset."""
+"""Converts positions of any coordinate system to a network's, with its projection and offset."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from cosim.errors import InputError
 from cosim.sumo.network_file import opened
 
 NONE = ("!", "-", ".", "")
-"""How a network says that it has no projection."""
+"""Values of ``projParameter`` that mean that a network has no projection."""
 
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Where a network lies."""
+    """Where a network lies on the earth."""
 
     path: Path
     offset: tuple[float, float]
-    """Added to projected positions [m]."""
+    """Offset added to projected positions [m]."""
     projection: str
-    """As PROJ takes it; empty for none."""
+    """Projection as a PROJ string; empty for none."""
 
     def to_degrees(self, x: float, y: float) -> tuple[float, float]:
-        """Return longitude and latitude of a place in the network; nan where nobody knows."""
+        """Return longitude and latitude of a place in the network; nan if it has no projection."""
         if not self.projection:
             return np.nan, np.nan
         back = _transformer(self.projection, DEGREES)
@@ -40,12 +40,12 @@ class Location:
 
 
 def read_location(path: Path) -> Location:
-    """Return where a network lies.
+    """Read where a network lies.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or does not say.
+        If the file cannot be read, or has no ``<location>``.
     """
     try:
         for element in _locations(path):
@@ -68,14 +68,16 @@ def _locations(path: Path) -> Iterator[ElementTree.Element]:
 def onto_network(found: Trajectories, location: Location) -> Trajectories:
     """Return trajectories in a network's coordinates.
 
-    Headings turn by the angle between the two grids' north; speeds are those of the ground and stay.
+    Headings turn by the angle between the north directions of the two grids; speeds over ground do not
+    change.
 
     Raises
     ------
     InputError
-        When the network has no projection and the trajectories need one, or a system is unknown.
+        If the network has no projection and the trajectories need one, or a coordinate system is unknown.
     RecordingError
-        As `analysis.trajectories.reading.read_trajectories`, of positions in degrees.
+        If a position has no place in the network's projection, or for positions in degrees as in
+        `analysis.trajectories.reading.read_trajectories`.
     """
     if found.crs is None:
         return found
@@ -100,7 +102,7 @@ def onto_network(found: Trajectories, location: Location) -> Trajectories:
 
 
 def _turn(transform: Any, x: np.ndarray, y: np.ndarray) -> float:
-    """Return the angle by which a direction turns at the middle of the site [rad]."""
+    """Return the angle by which directions turn in the middle of the site [rad]."""
     at = float(np.median(x)), float(np.median(y))
     (x0, y0), (x1, y1) = transform(*at), transform(at[0] + 10.0, at[1])
     return float(np.arctan2(y1 - y0, x1 - x0))

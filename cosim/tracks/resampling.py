@@ -1,4 +1,4 @@
-"""Trajectories on one clock: all samples at whole steps, bodies of known size, no gaps."""
+"""Resampling of trajectories to one clock: samples at whole steps, bodies of known size, no gaps."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from cosim.arrays import FloatArray
 from cosim.errors import InputError
 
 LONGEST_GAP_S = 1.0
-"""Nothing is made up over a longer gap: the track goes on as another one."""
+"""Longest gap that is filled; after a longer one, the track continues as another track [s]."""
 SHORTEST_STEP_S, LONGEST_STEP_S = 0.02, 1.0
 SHORTEST_S = 0.5
-"""A shorter piece is left out."""
+"""Shorter pieces of a track are left out [s]."""
 BODIES_FROM = ("assumed", "recorded")
 
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """Whole steps."""
+    """Clock of whole steps."""
 
     step_s: float
 
@@ -37,7 +37,7 @@ def clock_of(found: Trajectories) -> Clock:
     Raises
     ------
     InputError
-        If that is too long for any judgement.
+        If the median is too short or too long for a judgement.
     """
     steps = found.frame.groupby("id", sort=False)["time_s"].diff().dropna()
     step = round(float(steps.median()), 4) if len(steps) else 0.0
@@ -50,20 +50,20 @@ def clock_of(found: Trajectories) -> Clock:
 
 
 def on_clock(found: Trajectories, clock: Clock, bodies: str | None = None) -> pd.DataFrame:
-    """Return the samples at whole steps: those that are there, straight lines in between.
+    """Return samples at whole steps, interpolated linearly between the recorded samples.
 
     Parameters
     ----------
     found
     clock
     bodies : ``assumed`` lengths and widths or the ``recorded`` ones (median of a track, assumed where there
-        is none); ``None``: as the layout deserves
+    is none); by default, recorded if the layout has reliable ones
 
     Returns
     -------
     DataFrame
         As `Trajectories.frame`, with ``step`` and ``acceleration_mps2``, sorted by id and time; a track with
-        a gap is several, named ``id``, ``id/2`` and so on.
+        a gap is split into several, named ``id``, ``id/2`` and so on.
     """
     frame = found.frame
     recorded = found.bodies_known if bodies is None else bodies == BODIES_FROM[1]
@@ -100,7 +100,7 @@ def _resampled(track: pd.DataFrame, clock: Clock) -> pd.DataFrame:
     steps = np.arange(first, int(np.floor(time[-1] / clock.step_s + 0.5)) + 1)
     at = steps * clock.step_s
     if len(steps) == len(time) and np.abs(at - time).max() <= 0.5 * clock.step_s:
-        # One sample a step: a constant shift of the clock is none of the road users.
+        # With one sample per step, a constant shift of the clock must not shift the road users.
         at = time
     columns = {name: np.interp(at, time, track[name]) for name in ("x_m", "y_m", "speed_mps")}
     heading = np.interp(at, time, np.unwrap(track["heading_rad"].to_numpy(np.float64)))

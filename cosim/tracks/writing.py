@@ -1,4 +1,4 @@
-"""Trajectories as the files of a recorded run without egos, so that everything reads them as one."""
+"""Writes trajectories as the files of a recorded run without egos, so that all tools can read them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from cosim.tracks.lanes import SUMO_CLASS
 from cosim.tracks.projection import Location
 
 DRIVER = "tracks"
-"""Who drove, where a simulated run names its controller."""
+"""Name written in place of a simulated run's controller."""
 
 
 def write_recording(
@@ -43,17 +43,17 @@ def write_recording(
 
     Parameters
     ----------
-    folder : empty
+    folder : empty folder
     frame : placed samples, as `cosim.tracks.fit.placed` returns them
     network, location
-    inputs : what the numbers depend on
+    inputs : inputs that the numbers depend on
     facts : further keys of ``run.json``
     """
     description = provenance.describe(inputs, SCHEMA_VERSION)
     write_json(folder / "run.json", description)
     for table in (EGOS, NEIGHBOURS, PLANS, TIMING):
         with closing(ParquetSink(folder / table.file, table.schema)):
-            pass  # nobody in it is an ego
+            pass  # no road user is an ego
     with closing(ParquetSink(folder / TRAFFIC.file, TRAFFIC.schema, TRAFFIC_PER_CHUNK)) as sink:
         for rows in _traffic(frame, network, inputs.step_s):
             sink.add_columns([rows[column.name] for column in TRAFFIC.columns])
@@ -75,7 +75,7 @@ def _cells(frame: pd.DataFrame) -> set[tuple[int, int]]:
 
 
 def _traffic(frame: pd.DataFrame, network: Network, step_s: float) -> list[dict[str, Any]]:
-    """Return the columns of traffic.parquet in chunks, by time, pedestrians first."""
+    """Return the columns of ``traffic.parquet`` in chunks, sorted by time with pedestrians first."""
     people = (frame["kind"] == PEDESTRIAN).to_numpy()
     phases = CrossingPhases(network).of(frame[people], step_s)
     frame = frame.assign(phase=None, crossing=None, is_vehicle=~people)

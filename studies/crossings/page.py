@@ -1,6 +1,6 @@
-"""``python -m studies.crossings.page STUDY``: the tables of the runs of ``studies/crossings/crossings.toml``.
+"""``python -m studies.crossings.page STUDY``: write the tables of ``studies/crossings/crossings.toml``.
 
-Writes ``study.csv`` and ``study.md`` into the folder of the study.
+It writes ``study.csv`` and ``study.md`` into the folder of the study.
 """
 
 from __future__ import annotations

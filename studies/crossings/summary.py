@@ -1,7 +1,7 @@
-"""The comparison of controllers at crossings: one row per scenario, demand and controller.
+"""Comparison of controllers at crossings: one row per scenario, demand and controller.
 
-Reads the CSV files of recorded runs only. A passage is an ego over a crossing with at least one
-pedestrian who entered the ego's path; clearances and times to collision are the smallest of a passage,
+It reads only the CSV files of recorded runs. A passage is an ego's drive over a crossing with at least one
+pedestrian who entered its path. Clearances and times to collision are the smallest of a passage,
 decelerations and jerks the largest.
 """
 
@@ -23,9 +23,9 @@ from analysis.thresholds import LOW_TTC_S
 KEYS = ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour", "controller"]
 BASELINE = "sumo"
 POOLED = ["scenario_id", "controller"]
-"""Keys of the rows over all demands."""
+"""Keys of rows that pool all demands."""
 PAIR = ["vehicles_per_hour", "pedestrians_per_hour", "seed"]
-"""What two runs of different controllers have in common when they are compared."""
+"""Columns by which runs of two controllers are paired."""
 
 
 def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -50,7 +50,7 @@ def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def passages(encounters: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per passage with somebody who entered the ego's path."""
+    """Return one row per passage with a pedestrian who entered the ego's path."""
     met = encounters[(encounters["entered"] == 1) & encounters["passage_id"].notna()]
     return (
         met.groupby([*KEYS, "seed", "passage_id"])
@@ -146,5 +146,5 @@ def _paired(runs: pd.DataFrame, base: pd.DataFrame) -> tuple[float, float, float
     if n < 2:
         return mean, np.nan, np.nan, n
     interval = mean_interval(difference)
-    # Without an interval all differences are equal, as they are for the baseline itself.
+    # Without an interval, all differences are equal, as for the baseline itself.
     return (mean, mean, mean, n) if interval is None else (mean, interval.low, interval.high, n)

@@ -49,7 +49,7 @@ _LINES = (
 
 
 def markdown(table: pd.DataFrame, pooled: pd.DataFrame) -> str:
-    """Return the tables as text: over all demands first, then each demand."""
+    """Return the tables as Markdown: first all demands together, then each demand."""
     blocks = [_block(f"{scenario}, all demands", group) for scenario, group in pooled.groupby("scenario_id")]
     for (scenario, vehicles, people), group in table.groupby(
         ["scenario_id", "vehicles_per_hour", "pedestrians_per_hour"]

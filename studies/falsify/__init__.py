@@ -1,1 +1,1 @@
-"""What breaks the controllers: the same search for each."""
+"""Study of what breaks the controllers: the same search for each."""

@@ -1,7 +1,7 @@
 """Searches for failures of several controllers on several scenarios with the same budget.
 
-``python -m studies.falsify runs/study-falsify docs/study-falsify.md`` makes the searches that are missing,
-one after the other, and writes the page from those that are finished. It may be interrupted and repeated.
+``python -m studies.falsify runs/study-falsify docs/study-falsify.md`` makes the missing searches one after
+the other, and writes the page from the finished ones. It may be interrupted and repeated.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ SCENARIOS = ("jaywalk_arterial", "bus_stop_occlusion", "signalised_junction", "m
 CONTROLLERS = ("vo_mpc", "aeb", "careful_driver", "sumo", "vo_paper")
 BUDGET = 30
 SEED = 9301
-"""Not used for anything else."""
+"""Seed that is used for nothing else."""
 
 
 def main(folder: Path, page: Path) -> None:
-    """Make what is missing, and write the page.
+    """Make the missing searches, and write the page.
 
     Parameters
     ----------
     folder
-        Of the searches.
+        Folder of the searches.
     page
         Markdown file.
     """

@@ -1,4 +1,4 @@
-"""The page of the study: failures per controller and scenario, and the kinds of ``vo_mpc``."""
+"""The page of the study: failures by controller and scenario, and the kinds of failures of ``vo_mpc``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from analysis.files import read_csv, write_text
 from analysis.markdown import table_of
 
 FINISHED = "kinds.csv"
-"""File of a search that is finished."""
+"""File that exists when a search is finished."""
 OURS = "vo_mpc"
 HEAD = (
     "# Study: what breaks the controllers\n\n"
@@ -23,14 +23,14 @@ HEAD = (
 
 
 def write_page(folder: Path, controllers: Sequence[str], scenarios: Sequence[str], page: Path) -> None:
-    """Write the page from the searches that are finished.
+    """Write the page from the finished searches.
 
     Parameters
     ----------
     folder
-        Of the searches.
+        Folder of the searches.
     controllers, scenarios
-        In the order of the table.
+        Names in the order of the table.
     page
         Markdown file.
     """
@@ -53,12 +53,12 @@ def write_page(folder: Path, controllers: Sequence[str], scenarios: Sequence[str
 
 
 def row(search: Path, controller: str, scenario: str) -> dict[str, Any]:
-    """Return the line of a search.
+    """Return the table row of a search.
 
     Parameters
     ----------
     search
-        Its folder.
+        Folder of the search.
     controller, scenario
     """
     trials = read_csv(search / "trials.csv")

@@ -1,6 +1,6 @@
-"""The papers whose experiments exist: each room of this folder has a module ``experiments``.
+"""Finds the papers' experiments: each subpackage here has a module ``experiments``.
 
-It says which ``PAPER`` it is, its ``TITLE``, and has ``run``.
+The module defines the number of the ``PAPER``, its ``TITLE`` and the function ``run``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from cosim.errors import InputError
 from studies.papers.claim import Claim
 
 EXTRA = ("matplotlib", "pymoo")
-"""Packages of the extra ``papers``; the experiments need both."""
+"""Packages of the extra ``papers``, which the experiments need."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,18 +29,18 @@ class Experiment:
     module: str
 
     def run(self, figures: Path) -> list[Claim]:
-        """Run them, write their figures into a folder and return what became of the claims."""
+        """Run the experiments, write their figures into a folder and return the claims with their results."""
         claims: list[Claim] = importlib.import_module(self.module).run(figures)
         return claims
 
 
 def found() -> tuple[Experiment, ...]:
-    """Return what there is, by paper.
+    """Return all experiments, sorted by paper.
 
     Raises
     ------
     InputError
-        Where a package of the extra ``papers`` is missing.
+        If a package of the extra ``papers`` is missing.
     """
     for package in EXTRA:
         if importlib.util.find_spec(package) is None:
@@ -50,12 +50,12 @@ def found() -> tuple[Experiment, ...]:
 
 
 def chosen(papers: Sequence[str]) -> tuple[Experiment, ...]:
-    """Return those of some papers, all of them for none.
+    """Return the experiments of the given papers; of all papers if none is given.
 
     Raises
     ------
     InputError
-        For a paper that has none.
+        If a paper has no experiments.
     """
     existing = found()
     known = {one.paper for one in existing}

@@ -1,4 +1,4 @@
-"""What a paper says, what we found, and whether the two agree."""
+"""Claims of a paper, our findings, and whether the two agree."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ from enum import StrEnum
 
 
 class Status(StrEnum):
-    """What became of a claim."""
+    """Result of checking a claim."""
 
     RESULT = "paper's result reproduced"
-    """A number or an event that the paper reports of its experiment comes out of ours."""
+    """Our experiment gives a number or an event that the paper reports of its own."""
     ARITHMETIC = "paper's arithmetic checked"
-    """It follows from the paper's printed numbers and equations, without any experiment."""
+    """The claim follows from the paper's printed numbers and equations, without any experiment."""
     FITTED = "fitted"
-    """It agrees, but a parameter or form was chosen so that it does: no independent evidence."""
+    """The claim holds, but a parameter or form was chosen so that it does: no independent evidence."""
     NOT_REPRODUCED = "not reproduced"
     OWN_CHECK = "own check"
-    """The paper does not say so; we checked it about our implementation or our reading, and it holds."""
+    """The paper does not claim this; we checked it of our implementation or our reading, and it holds."""
     OWN_CHECK_FAILED = "own check, does not hold"
 
 
 class Kind(StrEnum):
-    """Who says what a claim says, and where."""
+    """Origin of a claim."""
 
     RESULT = "result"
-    """The paper, of its experiments."""
+    """The paper claims it of its experiments."""
     ARITHMETIC = "arithmetic"
-    """The paper's printed numbers and equations."""
+    """It follows from the paper's printed numbers and equations."""
     OWN = "own"
-    """We, about our implementation or our reading; the paper says nothing of it."""
+    """We claim it of our implementation or our reading; the paper says nothing about it."""
 
 
 _HOLDS = {Kind.RESULT: Status.RESULT, Kind.ARITHMETIC: Status.ARITHMETIC, Kind.OWN: Status.OWN_CHECK}
@@ -43,16 +43,16 @@ class Claim:
     """``000``, ``002``, ``003`` or ``004``."""
     experiment: str
     claim: str
-    """What is said, in one sentence."""
+    """The claim in one sentence."""
     paper_value: str
-    """As the paper has it; empty where it gives none."""
+    """The paper's value; empty if it gives none."""
     our_value: str
     unit: str
     tolerance: str
-    """When the two count as equal."""
+    """Criterion by which the two values count as equal."""
     status: Status
     why: str
-    """What the status rests on: the assumption that was fitted, or what differs."""
+    """Reason for the status: the assumption that was fitted, or what differs."""
 
 
 def compared(
@@ -72,10 +72,10 @@ def compared(
 
     Parameters
     ----------
-    theirs, ours, tolerance : in the same unit
-    fitted : what was chosen so that they agree; empty when nothing was
-    why : what else a reader should know
-    kind : who says so
+    theirs, ours, tolerance : the paper's value, ours and the tolerance, in the same unit
+    fitted : what was chosen so that the values agree; empty if nothing was
+    why : further remarks for the reader
+    kind : origin of the claim
 
     >>> compared("004", "E1", "It stops.", theirs=29.0, ours=29.2, tolerance=0.5, unit="s").status
     <Status.RESULT: "paper's result reproduced">
@@ -100,13 +100,13 @@ def observed(
     why: str = "",
     kind: Kind = Kind.RESULT,
 ) -> Claim:
-    """Return a claim about an order or an event, which holds or does not.
+    """Return a claim about an order or an event, which holds or fails.
 
     Parameters
     ----------
-    holds : whether our run shows it, computed from the run
-    theirs, ours : what to show in the table
-    test : what decides, for instance ``ours smaller``
+    holds : whether the claim holds in our run, computed from the run
+    theirs, ours : texts for the table
+    test : criterion, for instance ``ours smaller``
     fitted, why, kind : as for :func:`compared`
     """
     status = _status(holds, fitted, kind)

@@ -1,4 +1,4 @@
-"""Run the experiments of several papers side by side and write what became of the claims."""
+"""Run the experiments of several papers in parallel and write the claims with their results."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ CLAIMS = "claims.csv"
 MOST_PROCESSES = 2
 
 Finished = Callable[[Experiment, float], None]
-"""Is told of each experiment that is done, and how long it took [s]."""
+"""Called with each finished experiment and the time that it took [s]."""
 Timed = tuple[list[Claim], float]
 
 
 def execute(experiments: Sequence[Experiment], folder: Path, finished: Finished) -> list[Claim]:
-    """Run experiments, write ``claims.csv`` and ``figures/*.png`` into an existing folder.
+    """Run experiments, and write ``claims.csv`` and ``figures/*.png`` into an existing folder.
 
     Parameters
     ----------
-    experiments : what to run; two at a time where there are two processors
-    folder : where to; ``claims.csv`` appears last, and whole or not at all
-    finished : for progress
+    experiments : experiments to run; two at a time if there are two processors
+    folder : folder for the files; ``claims.csv`` appears last, complete or not at all
+    finished : called after each experiment, to show progress
 
     Raises
     ------
@@ -50,7 +50,7 @@ def execute(experiments: Sequence[Experiment], folder: Path, finished: Finished)
 
 
 def _run_all(experiments: Sequence[Experiment], figures: Path, finished: Finished) -> list[Claim]:
-    """Return the claims in the order of the experiments, whichever is done first."""
+    """Return the claims in the order of the experiments, regardless of which finishes first."""
     jobs = min(len(experiments), MOST_PROCESSES, os.cpu_count() or 1)
     if jobs < 2:
         results = []
@@ -58,7 +58,7 @@ def _run_all(experiments: Sequence[Experiment], figures: Path, finished: Finishe
             results.append(_timed(one, figures))
             finished(one, results[-1][1])
         return [claim for claims, _ in results for claim in claims]
-    # Spawned, not forked: a fresh process has the state that it has anywhere else.
+    # Spawned, not forked, so that a process starts in the same state everywhere.
     pool = ProcessPool(jobs, max_tasks=1, context=get_context("spawn"))
     try:
         futures = [pool.schedule(_timed, args=(one, figures)) for one in experiments]

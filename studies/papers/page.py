@@ -1,4 +1,4 @@
-"""``make papers``: the documentation's page of the papers' claims, from a folder of their experiments.
+"""``make papers``: write the documentation's page of the papers' claims from a folder of their experiments.
 
 ``python -m studies.papers.page FOLDER DOCS`` copies the claims and the figures to ``DOCS/papers`` and writes
 ``DOCS/papers.md`` from them.
@@ -50,13 +50,13 @@ _HEADINGS = ("experiment", "claim", "paper", "ours", "unit", "tolerance", "statu
 
 
 def markdown(claims: Sequence[Claim], figures: Sequence[str], titles: Mapping[str, str]) -> str:
-    """Return the page.
+    """Return the page as Markdown.
 
     Parameters
     ----------
-    claims : in the order of the table
+    claims : claims in the order of the table
     figures : names of files in the folder ``papers`` beside the page, as ``<paper>-<what>.png``
-    titles : of the papers, by number
+    titles : titles of the papers, by number
     """
     papers = tuple(dict.fromkeys(claim.paper for claim in claims))
     parts = [_INTRODUCTION, _summary(claims, papers, titles)]

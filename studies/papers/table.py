@@ -1,4 +1,4 @@
-"""The table of claims as CSV and on the terminal."""
+"""The table of claims, as CSV and for the terminal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLUMNS = tuple(field.name for field in fields(Claim))
 
 
 def write_claims(path: Path, claims: Sequence[Claim]) -> None:
-    """Write the claims as CSV; the file appears whole or not at all."""
+    """Write the claims as CSV; the file appears complete or not at all."""
     write_csv(path, COLUMNS, [astuple(claim) for claim in claims])
 
 
@@ -27,7 +27,7 @@ def read_claims(path: Path) -> list[Claim]:
     Raises
     ------
     InputError
-        If it cannot be read, or is no such file.
+        If the file cannot be read, or is not a table of claims.
     """
     try:
         header, *rows = read_csv_rows(path)
@@ -39,7 +39,7 @@ def read_claims(path: Path) -> list[Claim]:
 
 
 def counts(claims: Sequence[Claim], titles: dict[str, str]) -> Table:
-    """Return how many claims of each paper have which status."""
+    """Return the number of claims with each status, by paper."""
     table = Table(box=box.MARKDOWN, title_justify="left")
     table.add_column("paper", no_wrap=True)
     table.add_column("")
@@ -52,7 +52,7 @@ def counts(claims: Sequence[Claim], titles: dict[str, str]) -> Table:
 
 
 def not_reproduced(claims: Sequence[Claim]) -> Table:
-    """Return the papers' claims that did not come out, each with the reason below it."""
+    """Return the papers' claims that were not reproduced, each with the reason below it."""
     table = Table(box=None, show_header=False, title="Not reproduced", title_justify="left", title_style="")
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")

@@ -1,1 +1,1 @@
-"""What becomes of everybody on a road when a share of its cars are egos: ``make study-penetration``."""
+"""Study of all road users when a share of the cars are egos: ``make study-penetration``."""

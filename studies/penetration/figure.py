@@ -1,4 +1,4 @@
-"""The figure of the page: what changes over the share of egos."""
+"""The figure of the page: measures over the share of egos."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from studies.penetration.outcomes import MEASURES, WHO, Outcome
 
 COLOURS = dict(zip(WHO, ("#333333", "#0072B2", "#D55E00"), strict=True))
 ASIDE = 0.015
-"""Intervals of the same share stand beside each other."""
+"""Offset in share by which intervals of the same share are drawn beside each other."""
 SHOWN = ("conflicts_per_1000_ped", "conflicts", "severe", "ped_delay", "vehicle_delay", "throughput")
 
 

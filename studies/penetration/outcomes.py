@@ -1,4 +1,4 @@
-"""The numbers of each run at each share, split by egos and everybody else."""
+"""The measures of each run at each share, split into egos and all other vehicles."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ ALL, EGOS, OTHERS = WHO = ("all", "egos", "others")
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One number of the page."""
+    """One measure of the page."""
 
     name: str
     title: str
     unit: str
     split: bool = True
-    """Whether egos and others have a value each."""
+    """Whether egos and others have separate values."""
 
 
 MEASURES = (
@@ -42,12 +42,12 @@ MEASURES = (
 )
 
 Values = Mapping[tuple[str, str], float]
-"""Measure and who → value; nan where it is not defined."""
+"""Values by measure and group of vehicles; nan if undefined."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One run."""
+    """The measures of one run."""
 
     scenario: str
     share: float
@@ -56,7 +56,7 @@ class Outcome:
 
 
 def outcomes(runs: Sequence[StudyRun]) -> list[Outcome]:
-    """Return the numbers of the valid runs, by scenario, share and seed."""
+    """Return the measures of the valid runs, sorted by scenario, share and seed."""
     found = [
         Outcome(run.scenario_id, float(run.setting.get("ego_share", 0.0)), run.seed, _values(run))
         for run in runs
@@ -92,7 +92,7 @@ def _values(run: StudyRun) -> Values:
 
 
 def _delays(folder: Path) -> Values:
-    """Return what vehicles lose against their limit for each kilometre driven near crossings [s/km]."""
+    """Return the time that vehicles lose against the speed limit per kilometre near crossings [s/km]."""
     columns = ["object_kind", "vehicle_class", "is_ego", "x_speed_mps", "y_speed_mps", "speed_limit_mps"]
     rows = pd.read_parquet(folder / TRAFFIC.file, columns=columns)
     rows = rows[(rows["object_kind"] == "vehicle") & (rows["vehicle_class"] != BICYCLE)]

@@ -1,7 +1,7 @@
-"""``python -m studies.penetration.page STUDY PAGE``: tables and figures over the share of egos.
+"""``python -m studies.penetration.page STUDY PAGE``: write tables and figures over the share of egos.
 
-Writes the tables of each scenario below the line ``## Tables`` of the page, which keeps what stands above
-it, and the figures beside the page.
+The tables of each scenario go below the line ``## Tables`` of the page, whose text above this line is kept,
+and the figures beside the page.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TABLES = "## Tables"
 
 
 def markdown(found: Sequence[Outcome]) -> str:
-    """Return a table for each measure in one scenario: a row a share, with 95 % intervals over seeds."""
+    """Return a table for each measure in one scenario, with a row per share and 95 % intervals over seeds."""
     return "\n".join(_table(measure, found) for measure in MEASURES)
 
 
@@ -49,7 +49,7 @@ def write_page(folder: Path, page: Path) -> None:
 
 
 def of(found: Sequence[Outcome], share: float, measure: str, who: str) -> dict[int, float]:
-    """Return the defined values at a share, by seed."""
+    """Return the defined values of a measure at a share, by seed."""
     values = {one.seed: one.values.get((measure, who), np.nan) for one in found if one.share == share}
     return {seed: value for seed, value in values.items() if np.isfinite(value)}
 

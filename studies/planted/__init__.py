@@ -1,1 +1,1 @@
-"""Does a screening find the one dangerous crossing of a town? ``make study-planted``."""
+"""Study of whether a screening finds the one dangerous crossing of a town: ``make study-planted``."""

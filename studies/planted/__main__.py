@@ -20,7 +20,7 @@ from studies.planted.town import DEFECTS, write_town
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Make what is missing of the replications; return 0 if all runs are good."""
+    """Make the missing replications; return 0 if all runs are good, else 3."""
     parser = argparse.ArgumentParser(prog="python -m studies.planted", description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--replications", type=int, default=50, help=f"made in blocks of {BLOCK}")

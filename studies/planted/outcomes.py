@@ -1,4 +1,4 @@
-"""What each replication found: the rank of the planted crossing, and false alarms."""
+"""Results of each replication: the rank of the planted crossing, and false alarms."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from analysis.screening.ranking import BY_RISK, RANK_BY, rank
 from studies.planted.town import PLANTED, Defect, crossing_of
 
 RUNS = 4
-"""Runs of a replication: the seeds of one screening."""
+"""Runs of a replication, with the seeds of one screening."""
 BLOCK = 5
-"""Replications that are made at once."""
+"""Number of replications that are made at once."""
 FIRST_SEED = 9601
 CHOSEN_ON = 5
-"""Of the first replications it was looked at how conflicts are best weighted; they count no longer."""
+"""Number of first replications on which the weights of conflicts were chosen; they do not count."""
 LEAST_PEDESTRIANS = 30.0
-"""As ``cosim screen`` has it."""
+"""Smallest number of pedestrians for a rank, as in ``cosim screen``."""
 
 
 def block_folder(folder: Path, defect: Defect, block: int) -> Path:
-    """Return where the runs of some replications are."""
+    """Return the folder with the runs of a block of replications."""
     return folder / defect.name / f"block-{block + 1:02d}"
 
 
@@ -35,21 +35,21 @@ class Replication:
     """One screening of one town."""
 
     seed: int
-    """The first of its runs."""
+    """Seed of its first run."""
     rank: float
-    """Of the crossing on the planted street, whether something is planted there or not."""
+    """Rank of the crossing on the planted street, whether or not a defect is planted there."""
     worse: BoolArray
-    """Which crossings are called significantly worse."""
+    """Whether each crossing is called significantly worse."""
     planted: int
-    """Number of that crossing among them."""
+    """Index of the planted street's crossing among them."""
     rates: tuple[float, float]
-    """Conflicts for each pedestrian on the planted crossing, and on all others."""
+    """Conflicts per pedestrian on the planted crossing, and on all others."""
     pedestrians: float
-    """Pedestrians on the crossing with the fewest."""
+    """Number of pedestrians on the crossing with the fewest."""
 
     @property
     def found(self) -> bool:
-        """Whether it ranks first, and alone."""
+        """Whether the planted crossing alone ranks first."""
         return self.rank == 1.0
 
     @property
@@ -59,14 +59,14 @@ class Replication:
 
     @property
     def false_alarms(self) -> int:
-        """Others that are."""
+        """Number of other crossings that are called significantly worse."""
         return int(self.worse.sum()) - self.called_worse
 
 
 def replications(folder: Path, defect: Defect) -> dict[str, list[Replication]]:
-    """Return the finished replications of a variant that count, for each measure that a rank may follow.
+    """Return the finished replications of a variant that count, for each measure of ranking.
 
-    Those with an invalid or missing run are left out, and those on which something was chosen.
+    Replications with an invalid or missing run are left out, and so are those on which weights were chosen.
     """
     first = FIRST_SEED + CHOSEN_ON * RUNS
     found: dict[str, list[Replication]] = {by: [] for by in RANK_BY}
@@ -79,7 +79,7 @@ def replications(folder: Path, defect: Defect) -> dict[str, list[Replication]]:
 
 
 def of_counts(counts: Counts, by: str = BY_RISK) -> Iterator[Replication]:
-    """Yield the replications that are whole among the runs of a block."""
+    """Yield the complete replications among the runs of a block."""
     names = [cells["crossing_id"] for cells in counts.crossings]
     planted = names.index(crossing_of(PLANTED))
     column = {seed: number for number, seed in enumerate(counts.seeds)}

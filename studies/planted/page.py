@@ -1,6 +1,6 @@
-"""``python -m studies.planted.page FOLDER PAGE``: the table of the replications that are finished.
+"""``python -m studies.planted.page FOLDER PAGE``: write the table of the finished replications.
 
-Writes it below the line ``## Table`` of the page, which keeps what stands above it.
+The table goes below the line ``## Table`` of the page; the text above this line is kept.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from studies.planted.town import DEFECTS, STREETS, Defect
 
 TABLE = "## Table"
 BARS = {"found": 0.90, "false_alarms": 0.05}
-"""Least share of replications that find the planted crossing; most crossings called worse for nothing."""
+"""Smallest share of replications that find the planted crossing, and largest share of false alarms."""
 WHOLE = 50 - CHOSEN_ON
-"""Replications of the whole study that count."""
+"""Number of replications of the complete study that count."""
 MEASURES = {
     BY_RISK: "Ranked by risk (as `cosim screen` does)",
     BY_CONFLICTS: "Ranked by conflicts alone (`--rank-by conflicts`)",
@@ -35,12 +35,12 @@ _HEADS = (
 
 
 def markdown(found: Mapping[str, Mapping[str, list[Replication]]]) -> str:
-    """Return for each measure a table with a row for each variant, and the verdict on the bars.
+    """Return for each measure a table with a row for each variant, and the verdict on the required shares.
 
     Parameters
     ----------
     found
-        The replications of each variant, by the measure that ranks follow.
+        The replications of each variant, by measure of ranking.
     """
     parts = [_part({name: made[by] for name, made in found.items()}, by) for by in MEASURES]
     return "\n".join(parts)
@@ -96,7 +96,7 @@ def _share(hits: int, of: int) -> str:
 
 
 def _verdict(found: Mapping[str, list[Replication]]) -> str:
-    """Return which bars are met, one line each."""
+    """Return which required shares are met, one line each."""
     lines = []
     for defect in DEFECTS:
         made = found[defect.name]
@@ -114,7 +114,7 @@ def _verdict(found: Mapping[str, list[Replication]]) -> str:
 
 
 def _decided(hits: int, of: int, made: int, at_least: float = 0.0, at_most: float = 1.0) -> str:
-    """Return whether a share keeps its bar; of a part of the study, only where the interval says so."""
+    """Return whether a share meets its requirement; for a part of the study, its whole interval has to."""
     ends = share_interval(hits, of)
     share = hits / of
     low, high = (share, share) if made >= WHOLE or ends is None else (ends.low, ends.high)

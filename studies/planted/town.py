@@ -1,7 +1,7 @@
-"""A town of twenty equal crossings, each on a street of its own, with or without one planted defect.
+"""A town of twenty equal crossings, each on its own street, with or without one planted defect.
 
-Streets do not meet, so that what happens on one is independent of the others and all but the planted one
-are the same. The town is a scenario folder of plain SUMO sources.
+Streets do not meet, so that each is independent of the others, and all but the planted one are equal. The
+town is a scenario folder of plain SUMO sources.
 """
 
 from __future__ import annotations
@@ -14,39 +14,39 @@ from analysis.files import write_text
 
 STREETS = 20
 PLANTED = 7
-"""Number of the street with the defect; any other would do as well."""
+"""Number of the street with the defect, chosen arbitrarily."""
 SPACING_M = 150.0
-"""More than a vehicle is followed away from a crossing."""
+"""Distance between streets, beyond the distance to which vehicles are recorded from a crossing [m]."""
 HALF_LENGTH_M = 90.0
 STOP_LINE_M = 3.0
-"""Stop line to crossing."""
+"""Distance from the stop line to the crossing [m]."""
 LIMIT_MPS = 13.89
 FASTER_MPS = 20.0 / 3.6
 PEDESTRIANS_PER_H = 600.0
 VEHICLES_PER_H = 400.0
-"""In each direction."""
+"""Vehicles per hour in each direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class Defect:
-    """What is wrong with the planted crossing."""
+    """A defect of the planted crossing."""
 
     name: str
     meaning: str
-    """As the page says it."""
+    """Description on the page."""
     signals: bool = False
     """Whether all crossings of the town have signals."""
     limit_mps: float = LIMIT_MPS
     driver: str = ""
-    """Attributes of the vehicles on the planted street."""
+    """Further attributes of the vehicle type on the planted street."""
     clearance_s: float | None = None
-    """Time from the end of the vehicles' green to the pedestrians' green there; ``None``: as elsewhere."""
+    """Time from the end of the vehicles' green to the pedestrians' green there; ``None`` as elsewhere [s]."""
 
 
 CLEARANCE_S, SHORT_S = 5.0, 1.0
-"""From the end of the vehicles' green to the pedestrians': 3 s of yellow and 2 s of red; and too short."""
+"""Time from the vehicles' to the pedestrians' green: 3 s of yellow and 2 s of red, and one too short [s]."""
 YELLOW_S, WALK_S, LEAVE_S, CYCLE_S = 3.0, 8.0, 9.0, 42.0
-"""Yellow of vehicles, green of pedestrians, time for the last of them (7.2 m at 0.8 m/s), and the cycle."""
+"""Vehicles' yellow, pedestrians' green, time for the last of them (7.2 m at 0.8 m/s), and the cycle [s]."""
 
 DEFECTS = (
     Defect("nothing", "nothing is planted"),
@@ -82,7 +82,7 @@ def crossing_of(street: int) -> str:
 
 
 def write_town(defect: Defect, folder: Path) -> Path:
-    """Write the sources of the town with that defect; return the folder, which is a scenario."""
+    """Write the sources of the town with this defect; return the folder, which is a scenario."""
     folder.mkdir(parents=True, exist_ok=True)
     streets = range(1, STREETS + 1)
     nodes, edges, crossings, programs, demand = ([] for _ in range(5))
@@ -168,7 +168,7 @@ def _demand(street: int, driver: str) -> list[str]:
 
 
 def _program(street: int, clearance_s: float) -> list[str]:
-    """Return the signal program of a street: vehicles, then pedestrians; its cycle is the same everywhere."""
+    """Return a street's signal program: vehicles, then pedestrians; the cycle is equal on all streets."""
     yellow = min(YELLOW_S, clearance_s)
     phases = (
         (CYCLE_S - clearance_s - WALK_S - LEAVE_S, "GGr"),

@@ -1,1 +1,1 @@
-"""Every test protocol with every controller, and the page of their verdicts."""
+"""Study of all test protocols with all controllers, and the page of their verdicts."""

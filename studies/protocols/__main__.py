@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ALL = "all"
-"""Instead of a name: every suite, or every controller."""
+"""Selects every suite or every controller, in place of a name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Drive them; return 0: passed, 1: a preventable case failed, 2: bad input, 3: a bad run."""
+    """Drive suites; return 0 if passed, 1 if a preventable case failed, 2 for bad input, 3 for a bad run."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     from cosim.errors import InputError, SimulationError

@@ -1,4 +1,4 @@
-"""Checks suites with controllers, and writes a ``protocol.csv`` of the verdicts for each suite."""
+"""Checks controllers with suites, and writes the verdicts of each suite into a ``protocol.csv``."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ RUN_TIMEOUT_S = 300.0
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """Suites that were driven."""
+    """Results of suites that were driven."""
 
     rows: Sequence[Row]
     files: Sequence[Path]
     exit_code: int
-    """As that of ``cosim check``."""
+    """Exit code as of ``cosim check``."""
 
 
 def drive(
@@ -37,17 +37,16 @@ def drive(
 
     Parameters
     ----------
-    suites : names
-    controllers : names
-    out : the check's folder; resumed there
-    part : only cases whose name has this in it or matches this pattern
-    jobs : runs at a time; ``None``: one a core
+    suites : names of suites
+    controllers : names of controllers
+    out : folder of the check, which is resumed if it exists
+    part : select only cases whose name contains this text or matches this pattern
+    jobs : number of runs at a time; by default one per core
 
     Raises
     ------
     InputError
-        For an unknown suite, case or controller, and a folder that holds something else; nothing is
-        simulated then.
+        For an unknown suite, case or controller, or a folder with other content; nothing is simulated then.
     """
     wishes = Wishes(controllers=tuple(controllers), part=part, run_timeout_s=RUN_TIMEOUT_S)
     request = CheckRequest(tuple(f"{SUITE}{name}" for name in suites), out, wishes=wishes, jobs=jobs)

@@ -1,4 +1,4 @@
-"""``python -m studies.protocols.page FOLDER PAGE``: the verdicts of all suites, below ``## Tables``.
+"""``python -m studies.protocols.page FOLDER PAGE``: write the verdicts of all suites below ``## Tables``.
 
 FOLDER holds, at any depth, one ``protocol.csv`` for each suite and set of controllers.
 """
@@ -22,12 +22,12 @@ Cells = dict[str, str]
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write the tables of everything in a folder.
+    """Write the tables of all verdicts in a folder.
 
     Raises
     ------
     AnalysisError
-        If there is nothing, or it cannot be read.
+        If there are no verdicts, or they cannot be read.
     """
     files = sorted(folder.rglob(FILE))
     if not files:
@@ -37,7 +37,7 @@ def write_page(folder: Path, page: Path) -> None:
 
 
 def markdown(rows: Sequence[Cells]) -> str:
-    """Return all tables."""
+    """Return all tables as Markdown."""
     controllers = sorted({row["controller"] for row in rows})
     suites = [name for name in suite_names() if any(row["suite"] == name for row in rows)]
     blocks = ["### All suites\n", _summary(rows, suites, controllers)]
@@ -52,7 +52,7 @@ def markdown(rows: Sequence[Cells]) -> str:
 
 
 def _summary(rows: Sequence[Cells], suites: Sequence[str], controllers: Sequence[str]) -> str:
-    """Return passed cases, preventable failures and the hardest braking of each controller."""
+    """Return the passed cases, preventable failures and hardest braking of each controller."""
     lines = [["controller", *suites, "preventable cases failed", "hardest braking [m/s²]"]]
     for name in controllers:
         own = [row for row in rows if row["controller"] == name]
@@ -79,7 +79,7 @@ def _groups(rows: Sequence[Cells], groups: Sequence[GroupTable], controllers: Se
 
 
 def _cell(rows: Sequence[Cells]) -> str:
-    """Return how many cases were passed, and of those with a contact or a fault the speed and what it was."""
+    """Return how many cases were passed, and for each with a contact or a fault, its speed and the reason."""
     if not rows:
         return ""
     told = [text for row in rows if (text := _told(row))]
@@ -115,7 +115,7 @@ def _scores(rows: Sequence[Cells], points: dict[str, dict[str, float]], controll
                     and row["group"].startswith(f"{part}_")
                     and row["share"] == share
                 ]
-                # A part that was not driven gives no sum.
+                # If a part was not driven, there is no sum.
                 gained = score(own, most) if own else math.nan
                 totals[name] += gained
                 texts.append(_points(gained, 3))

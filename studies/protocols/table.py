@@ -30,13 +30,13 @@ class Row:
     ego_speed_kmh: float
     pedestrian: str
     share: str
-    """Part of a rating that the case belongs to; empty where there is no rating."""
+    """Part of a rating that the case belongs to; empty if there is no rating."""
     verdict: Verdict | None
-    """``None``: there was no valid run."""
+    """The verdict; ``None`` without a valid run."""
     note: str = ""
 
     def cells(self) -> list[str]:
-        """Return the row as written: 0 and 1 for no and yes, empty where undefined."""
+        """Return the cells as written: 0 and 1 for no and yes, empty if undefined."""
         verdict = self.verdict
         about: list[str] = [""] * 8
         if verdict is not None:
@@ -70,7 +70,7 @@ def read(path: Path) -> list[dict[str, str]]:
     Raises
     ------
     AnalysisError
-        If it cannot be read, or has other columns.
+        If the file cannot be read, or has other columns.
     """
     try:
         heads, *rows = read_csv_rows(path) or [[]]
@@ -82,12 +82,12 @@ def read(path: Path) -> list[dict[str, str]]:
 
 
 def score(shares: Sequence[float], most: float) -> float:
-    """Return the points of some cases that weigh the same: most · mean of their shares.
+    """Return the points of cases with equal weights: ``most`` times the mean of their shares.
 
     Parameters
     ----------
-    shares : of each case's points, 0 where there was no valid run
-    most : what the cases give together
+    shares : share of each case's points, 0 without a valid run
+    most : highest points that the cases give together
 
     >>> score([1.0, 0.25], 2.0)
     1.25

@@ -1,1 +1,1 @@
-"""What a roadside unit buys where a bus hides pedestrians: ``make study-roadside``."""
+"""Study of the benefit of a roadside unit where a bus hides pedestrians: ``make study-roadside``."""

@@ -1,4 +1,4 @@
-"""What became of each driver with each sensing, where one thing hides people."""
+"""Results of each driver with each sensing, for each kind of obstacle that hides pedestrians."""
 
 from __future__ import annotations
 
@@ -14,37 +14,37 @@ from analysis.statistics.paired import compare_values
 from analysis.study.runs import StudyRun
 
 ORDER = ("perfect", "onboard", "roadside", "fused")
-"""Of the sensing models, on the page and in the figure."""
+"""Order of the sensing models on the page and in the figure."""
 
 Seeing = tuple[str, float | None]
-"""Sensing model, and the latency of its messages where it has some [ms]."""
+"""Sensing model, and the latency of its messages if it has any [ms]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One run's numbers."""
+    """The measures of one run."""
 
     seed: int
     encounters: int
-    """With people who were in the ego's path, or were touched."""
+    """Number of encounters with people who were in the ego's path or were touched."""
     contacts: int
     preventable: int
-    """Contacts that the reference driver would have prevented, whatever the ego was told."""
+    """Number of contacts that the reference driver would have prevented, regardless of the ego's sensing."""
     told: FloatArray
-    """How long the ego had been told of each of them when the conflict came [s]."""
+    """For each encounter, how long the ego had known of the pedestrian when the conflict came [s]."""
     delay: float
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One driver with one sensing, where one thing hides people."""
+    """Results of one driver with one sensing and one kind of obstacle."""
 
     hidden_by: str
     driver: str
     seeing: Seeing
     runs: int
     outcomes: tuple[Outcome, ...]
-    """Of the valid runs, by seed."""
+    """Outcomes of the valid runs, sorted by seed."""
 
     @property
     def encounters(self) -> int:
@@ -58,7 +58,7 @@ class Cell:
 
     @property
     def delay(self) -> float | None:
-        """Return the mean of the runs [s]."""
+        """Return the mean delay over the runs [s]."""
         return float(np.mean([one.delay for one in self.outcomes])) if self.outcomes else None
 
 
@@ -89,13 +89,13 @@ def cells(runs: Iterable[StudyRun]) -> list[Cell]:
 
 
 def seeing_of(run: StudyRun) -> Seeing:
-    """Return how the ego of a run comes to know of people."""
+    """Return how the ego of a run perceives people."""
     latency = run.setting.get("sensing.latency_ms")
     return run.setting["sensing"], None if latency is None else float(latency)
 
 
 def outcome_of(run: StudyRun) -> Outcome:
-    """Return the numbers of a valid run."""
+    """Return the measures of a valid run."""
     table = pd.read_csv(run.folder / ENCOUNTERS.file)
     met = table[(table["entered"] == 1) | (table["collision"] == 1)]
     touched = met[met["collision"] == 1]
@@ -110,7 +110,7 @@ def outcome_of(run: StudyRun) -> Outcome:
 
 
 def against(cell: Cell, base: Cell | None, what: str) -> str:
-    """Return the mean difference of two cells over the seeds that both have, with its 95 % interval.
+    """Return the mean difference between two cells over their common seeds, with its 95 % interval.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ COLOURS = {"perfect": "#777777", "onboard": "#D55E00", "roadside": "#0072B2", "f
 
 
 def draw(found: Sequence[Cell], path: Path) -> None:
-    """Draw contacts and delay over latency, a row of pictures for each thing that hides people."""
+    """Draw contacts and delay over latency, with two rows of axes for each kind of obstacle."""
     rows = list(dict.fromkeys(cell.hidden_by for cell in found))
     drivers = list(dict.fromkeys(cell.driver for cell in found))
     figure = Figure(figsize=(3.4 * len(drivers), 4.2 * len(rows)), layout="constrained")

@@ -1,6 +1,6 @@
-"""``python -m studies.roadside.page STUDY PAGE``: tables and figure of the runs of a study.
+"""``python -m studies.roadside.page STUDY PAGE``: write tables and figure of the runs of a study.
 
-Writes the tables below the line ``## Tables`` of the page, which keeps what stands above it, and the figure
+The tables go below the line ``## Tables`` of the page, whose text above this line is kept, and the figure
 beside the page.
 """
 
@@ -22,7 +22,7 @@ from studies.roadside.figure import draw
 
 TABLES = "## Tables"
 BASE = ("onboard", None)
-"""What every other sensing is compared with: a car that has only its own sensor."""
+"""Baseline of the comparisons: a car that has only its own sensor."""
 _HEADS = (
     "sensing",
     "latency [ms]",
@@ -39,7 +39,7 @@ _HEADS = (
 
 
 def markdown(found: Sequence[Cell]) -> str:
-    """Return one table for each driver and each thing that hides people."""
+    """Return one table for each driver and each kind of obstacle."""
     blocks = []
     for hidden_by, driver in dict.fromkeys((cell.hidden_by, cell.driver) for cell in found):
         mine = [cell for cell in found if (cell.hidden_by, cell.driver) == (hidden_by, driver)]

@@ -1,1 +1,1 @@
-"""What the choice of a solver changes in closed loop: ``make study-solvers``."""
+"""Study of how the choice of a solver affects the closed loop: ``make study-solvers``."""

@@ -31,7 +31,7 @@ def read(folder: Path) -> pd.DataFrame:
         if not about["valid"]:
             continue
         run = pd.read_csv(BytesIO(read_verified(path.with_name("runs.csv")))).iloc[0]
-        # Which solver ran is what the run counted, not what was asked for.
+        # Take the solver that the run counted, not the one that was requested.
         (solver, solves), *others = about["solvers"].items()
         assert not others, f"{path}: several solvers ran"
         rows.append(
@@ -57,7 +57,7 @@ def read(folder: Path) -> pd.DataFrame:
 
 
 def lines(runs: pd.DataFrame) -> list[dict[str, str]]:
-    """Return a line for each controller and solver; times are medians over the runs."""
+    """Return a table row for each controller and solver; times are medians over the runs."""
     found = []
     for (controller, solver), group in runs.groupby(["controller", "solver"]):
         total = group.sum(numeric_only=True)

@@ -1,1 +1,1 @@
-"""A whole town screened: ``make study-town``."""
+"""Study that screens a whole town: ``make study-town``."""

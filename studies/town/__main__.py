@@ -25,7 +25,7 @@ SCREENING, TOWN = "screening", "town"
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Make what is missing, and rank the crossings; return 0 if all runs are good."""
+    """Make the missing runs and rank the crossings; return 0 if all runs are good, else 3."""
     parser = argparse.ArgumentParser(prog="python -m studies.town", description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seeds", default="9801-9810")

@@ -1,7 +1,7 @@
-"""``python -m studies.town.page FOLDER PAGE``: what the screening of a town took and found, with a map.
+"""``python -m studies.town.page FOLDER PAGE``: write effort and results of a town's screening, with a map.
 
-Writes it below the line ``## Results`` of the page, which keeps what stands above it, and the map beside the
-page.
+The text goes below the line ``## Results`` of the page, whose text above this line is kept, and the map
+beside the page.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from studies.town.__main__ import SCREENING
 RESULTS = "## Results"
 SHOWN = 10
 BESIDE_M = 100.0
-"""So much of the roads is drawn around the crossings."""
+"""Margin of the map around the crossings [m]."""
 
 Cells = Mapping[str, str]
 
 
 def write_page(folder: Path, page: Path) -> None:
-    """Write what a town's screening took and found.
+    """Write the effort and the results of a town's screening.
 
     Raises
     ------
     StudyError
-        If nothing is ranked yet.
+        If the crossings are not ranked yet.
     """
     out = folder / SCREENING
     runs = find_run_folders(out)
@@ -108,7 +108,7 @@ def _worst(crossings: Sequence[Cells]) -> str:
 
 
 def draw(areas: Sequence[Area], crossings: Sequence[Cells], path: Path) -> None:
-    """Draw the crossings on the roads near them, coloured by their risk; hollow ones are not ranked."""
+    """Draw the crossings on the roads near them, coloured by risk; hollow circles are not ranked."""
     figure = Figure(figsize=(8.0, 8.0), dpi=120, layout="constrained")
     axes = figure.subplots()
     for area in areas:

@@ -1,1 +1,1 @@
-"""The study of whether the simulation of the Braunschweig junction is like the street."""
+"""Study of whether the simulation of the Braunschweig junction is like the real street."""

@@ -15,7 +15,7 @@ from sumo_scenarios.sumocfg import read_sumocfg
 
 
 def main() -> None:
-    """Judge it in a process of its own on one core, and print what that took."""
+    """Judge the recording in a separate process on one core, and print the time and memory that it took."""
     sumocfg = library.load("braunschweig").sumocfg
     assert sumocfg is not None, "braunschweig is a packaged configuration"
     core = {min(os.sched_getaffinity(0))}

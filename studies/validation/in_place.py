@@ -1,7 +1,7 @@
-"""Controllers in the place of each real car that came near a pedestrian or bicycle.
+"""Drives controllers in place of each real car that came near a pedestrian or bicycle.
 
-``python -m studies.validation.in_place FOLDER [NAME=VALUE ...]`` drives what is missing and prints the
-tables. It may be interrupted and repeated. ``controllers=vo_mpc,aeb`` and ``cars=5`` make less of it.
+``python -m studies.validation.in_place FOLDER [NAME=VALUE ...]`` makes the missing drives and prints the
+tables. It may be interrupted and repeated. ``controllers=vo_mpc,aeb`` and ``cars=5`` reduce the work.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ from studies.validation.signals import (
 
 SCENARIO, CONTROLLERS = "braunschweig", ("vo_mpc", "aeb", "sumo")
 NEAR_M = 10.0
-"""Between the centres of two bodies."""
+"""Distance between the centres of two bodies within which they are near [m]."""
 LONGEST_S = 600.0
-"""Of one drive, by the clock."""
+"""Longest wall-clock time of one drive [s]."""
 DRIVEN = "driven.csv"
-"""Of one drive; written last."""
+"""File with the numbers of one drive, which is written last."""
 HEADS = (
     *("people", "people_reacting", "contacts", "contacts_reacting", "conflicts", "conflicts_reacting"),
     *("bicycles", "bicycles_reacting", "bicycles_struck", "overlaps", "overlaps_reacting"),
@@ -62,7 +62,7 @@ HEADS = (
 
 
 def near_cars(frame: pd.DataFrame) -> list[str]:
-    """Return the cars that came near a pedestrian or bicycle while they were on their way, in order."""
+    """Return the cars that moved and came near a pedestrian or bicycle, sorted."""
     near: set[str] = set()
     others = dict(tuple(frame[frame["kind"].isin([PEDESTRIAN, "bicycle"])].groupby("step")))
     for step, cars in frame[frame["kind"] == "car"].groupby("step"):
@@ -76,14 +76,14 @@ def near_cars(frame: pd.DataFrame) -> list[str]:
 
 
 def left_out(car: str, found: OnNetwork, inferred: Sequence[Inferred]) -> str:
-    """Return why no ego takes the place of a car; empty where one does."""
+    """Return why no ego replaces a car; empty if one does."""
     made = movement_of(found.placed.frame[found.placed.frame["id"] == car], found)
     known = {one.movement for one in inferred if one.known}
     return "" if made is None or made[1] in known else "the signal of its movement is not known"
 
 
 def drive_all(folder: Path, controllers: Sequence[str], most: int) -> str:
-    """Make the drives that are missing, and return the tables."""
+    """Make the missing drives, and return the tables."""
     with TemporaryDirectory() as work:
         site = read_site(SCENARIO, Path(work))
         found = read_on_network(TracksRequest(dlr.PACKAGED, site.net_file))
@@ -118,7 +118,7 @@ def _drive(out: Path, car: str, controller: str, site: Site, found: OnNetwork, b
     if out.is_dir():
         shutil.rmtree(out)
     print(f"{controller} in the place of {car}", file=sys.stderr, flush=True)
-    # A crash of SUMO ends its process; the tracks, which are in memory, are not read again.
+    # In a process of its own, in case SUMO crashes; forked, so that the tracks need not be read again.
     process = get_context("fork").Process(target=_driven, args=(out, car, controller, site, found, begin_s))
     process.start()
     process.join(LONGEST_S)
@@ -145,14 +145,14 @@ def _driven(out: Path, car: str, controller: str, site: Site, found: OnNetwork, 
 def judged(
     folder: Path, found: OnNetwork, begin_s: float, met: Sequence[tuple[bool, str]]
 ) -> dict[str, float]:
-    """Return the numbers of one drive.
+    """Return the measures of one drive.
 
     Parameters
     ----------
-    folder : of the drive
-    found : tracks
-    begin_s : time of the recording at which the drive begins [s]
-    met : of each encounter with a pedestrian, whether they could react, and its severity
+    folder : folder of the drive
+    found : recorded tracks on the network
+    begin_s : time in the recording at which the drive begins [s]
+    met : for each encounter with a pedestrian, whether they could react, and its severity
     """
     egos = pd.read_parquet(folder / "run" / "egos.parquet")
     off = off_recorded(folder / "scenario", egos)
@@ -197,7 +197,7 @@ def judged(
 
 
 def recorded_end(folder: Path) -> float:
-    """Return when the real car of a drive left the recording, in the scenario's time [s]."""
+    """Return when the real car of a drive left the recording, in scenario time [s]."""
     with (folder / "scenario" / OWN).open(encoding="utf-8") as file:
         return float(file.read().split()[-1].split(",")[0])
 
@@ -261,7 +261,7 @@ def _page(
 
 
 def main(words: Sequence[str]) -> None:
-    """Read the command line, drive, and print."""
+    """Read the command line, make the drives, and print the tables."""
     said = dict(word.split("=", 1) for word in words[1:])
     controllers = tuple(said.get("controllers", ",".join(CONTROLLERS)).split(","))
     print(drive_all(Path(words[0]), controllers, int(said.get("cars", 10**6))))

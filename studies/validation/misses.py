@@ -1,4 +1,4 @@
-"""Why samples of real tracks miss the network: ``python -m studies.validation.misses`` prints tables.
+"""Why samples of real tracks do not fit the network: ``python -m studies.validation.misses`` prints tables.
 
 The aims are those of `cosim.tracks.fit`: a moving car within 1.0 m of a lane's axis and 20° of its heading, a
 pedestrian within 0.5 m of their ground. Each sample that misses its aim is counted under the first cause that
@@ -22,9 +22,9 @@ from cosim.tracks.lanes import LaneMatcher, Walkways
 from cosim.validation.site import read_site
 
 CHANGING_S = 2.0
-"""So long before and after the nearest lane becomes another one of the same edge, a car changes lanes."""
+"""A car changes lanes this long before and after its nearest lane changes within the same edge [s]."""
 DRAWN_M = 0.5
-"""A lane whose cars are so far off its axis, in the median, is drawn elsewhere than they drive."""
+"""Beyond this median distance of cars from its axis, a lane is drawn elsewhere than they drive [m]."""
 CHANGING, DRAWN, INSIDE = (
     "changing lanes",
     "the lane is drawn elsewhere than cars drive",
@@ -34,7 +34,7 @@ HEADING, ELSE = "heading more than 20° off", "none of these"
 
 
 def cars(found: OnNetwork) -> pd.DataFrame:
-    """Return the moving samples of cars: ``missed``, ``cause``, and ``inside``, within their lane's width."""
+    """Return samples of moving cars with ``missed``, ``cause`` and ``inside``: within the lane's width."""
     lanes = found.network.lanes
     frame = found.placed.frame
     frame = frame[frame["kind"] == "car"].reset_index(drop=True)
@@ -66,7 +66,7 @@ def cars(found: OnNetwork) -> pd.DataFrame:
 
 
 def pedestrians(found: OnNetwork) -> pd.DataFrame:
-    """Return the samples of pedestrians with ``missed``, ``cause``, and ``away``: from their ground [m]."""
+    """Return samples of pedestrians with ``missed``, ``cause`` and ``away``: distance to their ground [m]."""
     frame = found.placed.frame
     people = frame[frame["kind"] == PEDESTRIAN].reset_index(drop=True)
     nearest, away = Walkways(found.network).nearest(people["x_m"].to_numpy(), people["y_m"].to_numpy())
@@ -83,7 +83,7 @@ def pedestrians(found: OnNetwork) -> pd.DataFrame:
 
 
 def tables(found: OnNetwork) -> str:
-    """Return what the page says of samples that miss their aim."""
+    """Return the page's text about samples that miss their aim."""
     driving, walking = cars(found), pedestrians(found)
     whole = driving["inside"].mean()
     worst = walking.groupby("id")["missed"].sum().sort_values()

@@ -15,7 +15,7 @@ ALL, CALIBRATION = "all", "calibration"
 
 
 def markdown(folder: Path) -> str:
-    """Return everything below the heading of the results."""
+    """Return the text below the heading of the results."""
     rows = read_csv(folder / ALL / "validation.csv")
     record = read_json(folder / ALL / "validation.json")
     blocks = [
@@ -120,7 +120,7 @@ def _comparison(rows: Sequence[Mapping[str, str]]) -> str:
 
 
 def _verdicts(rows: Sequence[Mapping[str, str]]) -> list[str]:
-    """Return what is like the street, what is not, and what cannot be said, a list each."""
+    """Return three lists: what is like the street, what is not, and what the data cannot say."""
     titles = {
         "indistinguishable": "Like the street, as far as these data can tell",
         "different": "Not like the street",

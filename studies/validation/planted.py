@@ -1,7 +1,7 @@
-"""Do intervals cover what was planted? ``python -m studies.validation.planted`` prints the table.
+"""Do intervals cover the planted values? ``python -m studies.validation.planted`` prints the table.
 
-Recordings are made in which pedestrians choose gaps by a known logit, walk at known speeds, and cars follow
-at known headways; the estimators of ``cosim calibrate`` have to find them.
+In synthetic recordings, pedestrians choose gaps by a known logit model and walk at known speeds, and cars
+follow at known headways. The estimators of ``cosim calibrate`` have to recover these values.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from analysis.validation.estimators import estimates
 from analysis.validation.observed import Observed
 
 REPEATS, FIRST_SEED = 100, 1001
-"""Seeds from 1 on were used while the estimators were made."""
+"""Number of recordings, and first seed; seeds from 1 on were used to develop the estimators."""
 CRITICAL_GAP_S, SLOPE = 5.0, 1.5
 WALKING_MPS, WALKING_SD_MPS = 1.35, 0.2
 HEADWAY_S, HEADWAY_SD_S = 2.2, 0.35
@@ -31,16 +31,16 @@ PLANTED = {
     "walking_speed_sd": WALKING_SD_MPS,
     "time_headway": HEADWAY_S,
 }
-"""Truth of what is covered."""
+"""True values of the estimated parameters."""
 CROSSING = Area(":c", "crossing", "unmarked", 4.0, np.array([[0.0, -4.0], [0.0, 4.0]]))
 PEOPLE, STEP_S, SPEED_MPS = 80, 0.1, 10.0
 BEHIND_M, ROAD_M = 12.0, 8.0
 EFFECT, GROUP = 0.2, 393
-"""A difference of a fifth of a standard deviation, and the road users a side that show it with 80 %."""
+"""Difference in standard deviations, and number of road users per side that show it with a power of 80 %."""
 
 
 def recording(seed: int) -> Observed:
-    """Return a recording of a street with a crossing, in which everything is known."""
+    """Return a recording of a street with a crossing, of which all parameters are known."""
     rng = np.random.default_rng(seed)
     passing = np.cumsum(np.concatenate([[5.0], rng.exponential(4.0, 40 * PEOPLE) + 1.0]))
     people = []
@@ -60,7 +60,7 @@ def recording(seed: int) -> Observed:
 
 
 def _entry(arrival: float, passing: np.ndarray, rng: np.random.Generator) -> float:
-    """Return when somebody steps onto the crossing: at the begin of the first gap that they accept."""
+    """Return when a pedestrian steps onto the crossing: at the beginning of the first accepted gap [s]."""
     begin = arrival
     for end in passing[passing > arrival]:
         if rng.random() < 1.0 / (1.0 + np.exp(-SLOPE * (end - begin - CRITICAL_GAP_S))):
@@ -73,7 +73,7 @@ def _walk(name: str, arrival: float, entry: float, speed: float) -> pd.DataFrame
     stands = np.arange(arrival, entry + 0.5 * STEP_S, STEP_S)
     walks = np.arange(1, int(ROAD_M / speed / STEP_S)) * STEP_S
     time = np.concatenate([stands, stands[-1] + walks])
-    # One step beyond the entry: the first sample on the crossing is then within the accepted gap.
+    # One step after the entry, so that the first sample on the crossing lies within the accepted gap.
     moving = np.concatenate([np.zeros(len(stands)), np.full(len(walks), speed)])
     phase = ["waiting"] * len(stands) + ["crossing"] * len(walks)
     y = np.concatenate([np.full(len(stands), -4.0), -4.0 + walks * speed])
@@ -89,7 +89,7 @@ def _pass(name: str, time: float) -> pd.DataFrame:
 
 
 def _followers(rng: np.random.Generator) -> list[pd.DataFrame]:
-    """Return pairs of cars, far from the crossing, each with a headway of its own."""
+    """Return pairs of cars far from the crossing, each pair with its own headway."""
     found = []
     steps = np.arange(60)
     for number in range(60):
@@ -113,7 +113,7 @@ def covers(found: Estimate, truth: float) -> bool:
 
 
 def coverage(repeats: int = REPEATS) -> Mapping[str, int]:
-    """Return in how many repeats each interval covers what was planted."""
+    """Return in how many repeats each interval covers the planted value."""
     counts = dict.fromkeys(PLANTED, 0)
     for seed in range(FIRST_SEED, FIRST_SEED + repeats):
         found = estimates(recording(seed))

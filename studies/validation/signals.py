@@ -1,8 +1,8 @@
-"""Which recorded signal shows which movement of a junction: inferred by when vehicles stop and go.
+"""Infers which recorded signal belongs to which movement of a junction, from when vehicles stop and go.
 
-The dataset numbers its signals and does not say where they stand. A movement is all lanes of an approach that
-turn the same way. Its signal, one of those that show yellow, is the one that was not red when its vehicles
-passed the stop line and not green while they stood there.
+The dataset numbers its signals without their positions. A movement is all lanes of an approach that turn the
+same way. Its signal is that one of those with yellow phases which agrees best with its vehicles: it is not
+red when they pass the stop line, and not green while they stand there.
 """
 
 from __future__ import annotations
@@ -23,28 +23,28 @@ from analysis.trajectories.table import PEDESTRIAN
 from cosim.tracks.judging import OnNetwork
 
 STOP, READY, GREEN, YELLOW = 3, 4, 5, 7
-"""Recorded states; numbered as in SAE J2735, which the dataset does not say but the agreement does."""
+"""Recorded states, numbered as in SAE J2735; the dataset does not say so, but the agreement confirms it."""
 LEAST_AGREEMENT, LEAST_PASSAGES = 0.95, 5
-"""Otherwise a movement has no signal."""
+"""Smallest agreement and number of passages; below either, a movement has no known signal."""
 STANDING_MPS, FROM_LINE_M = 0.3, 8.0
-"""Vehicles that stand so near to the stop line, with their front, are first in the queue."""
+"""Vehicles slower than this [m/s] whose front is this near to the stop line [m] are first in the queue."""
 LOOK_S, AHEAD_S = 0.5, 4.0
 Movement = tuple[str, str]
-"""Edge of the approach, direction as SUMO says it."""
+"""Edge of the approach, and SUMO's direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Signal of a movement."""
+    """Inferred signal of a movement."""
 
     movement: Movement
     passages: int
     standing: int
     signal: int
     on_green: float
-    """Share of passages on green, on yellow, or on red and yellow."""
+    """Share of passages on green, on yellow, or on red with yellow."""
     not_on_green: float
-    """Share of the instants of standing vehicles without green."""
+    """Share of the instants of standing vehicles at which the signal is not green."""
 
     @property
     def agreement(self) -> float:
@@ -53,12 +53,12 @@ class Inferred:
 
     @property
     def known(self) -> bool:
-        """Whether the movement can be given this signal."""
+        """Whether the evidence suffices to give the movement this signal."""
         return self.passages >= LEAST_PASSAGES and self.agreement >= LEAST_AGREEMENT
 
 
 def read_states(archive: Path) -> pd.DataFrame:
-    """Return the states of the signals: a row for each second of the recording, a column for each signal."""
+    """Return the states of the signals: one row per second of the recording, one column per signal."""
     with zipfile.ZipFile(archive) as files:
         (name,) = (one for one in files.namelist() if "/traffic_lights/" in one and one.endswith(".csv"))
         table = pd.read_csv(files.open(name))
@@ -68,17 +68,18 @@ def read_states(archive: Path) -> pd.DataFrame:
 
 
 def infer(found: OnNetwork, states: pd.DataFrame) -> list[Inferred]:
-    """Return the best signal of each movement that vehicles made; movements in order."""
+    """Return the best signal of each movement that vehicles made, sorted by movement."""
     passed, stood = observed(found)
     best = []
     for movement, times in sorted(passed.items()):
         waits = stood.get(movement, [])
         candidates = []
         for number in map(int, states.columns[(states == YELLOW).any()]):
-            # States are recorded once a second, so that some pass on what was red and yellow before.
+            # States are recorded once a second, so that some vehicles pass while red and yellow is still
+            # recorded.
             green = np.isin(_at(states, number, times), (GREEN, YELLOW, READY))
             red = _at(states, number, waits) != GREEN
-            # Without anybody who stood there, half of the agreement is unknown.
+            # If no vehicle stood there, half of the agreement is unknown.
             shares = float(green.mean()), float(red.mean()) if len(waits) else 0.5
             candidates.append(Inferred(movement, len(times), len(waits), number, *shares))
         best.append(max(candidates, key=lambda one: (one.agreement, -one.signal)))
@@ -86,7 +87,7 @@ def infer(found: OnNetwork, states: pd.DataFrame) -> list[Inferred]:
 
 
 def observed(found: OnNetwork) -> tuple[dict[Movement, list[float]], dict[Movement, list[float]]]:
-    """Return when vehicles passed the stop line of each movement, and when they stood first at it [s]."""
+    """Return when vehicles passed each movement's stop line, and when they stood first in its queue [s]."""
     frame, lanes = found.placed.frame, found.network.lanes
     every = max(1, round(LOOK_S / found.step_s))
     passed: dict[Movement, list[float]] = {}
@@ -109,14 +110,14 @@ def observed(found: OnNetwork) -> tuple[dict[Movement, list[float]], dict[Moveme
 
 
 def movement_of(track: pd.DataFrame, found: OnNetwork) -> tuple[int, Movement] | None:
-    """Return the sample at which a vehicle passed its first signal, and its movement, if it did."""
+    """Return the sample at which a vehicle passed its first signal, and its movement; ``None`` for none."""
     signalled, lanes = _signalled(found), found.network.lanes
     places = track["place"].to_list()
     for row in range(1, len(places)):
         before = lanes.get(places[row - 1])
         if before is None or before.internal or places[row] not in signalled:
             continue
-        # Beginnings of ways lie over each other: that counts on which most of what follows is.
+        # Paths overlap where they begin, so the direction of most of the following samples counts.
         after = places[row : row + int(AHEAD_S / found.step_s)]
         movements = [signalled[one].movement for one in after if one in signalled]
         directions = [direction for edge, direction in movements if edge == before.edge]
@@ -132,7 +133,7 @@ class _Link:
 
 
 def _signalled(found: OnNetwork) -> Mapping[str, _Link]:
-    """Return the ways with a signal by their first lane inside the junction."""
+    """Return the connections with a signal, by their first lane inside the junction."""
     lanes = found.network.lanes
     return {
         one.via[0]: _Link((lanes[one.source].edge, one.direction), one.signal_index)
@@ -155,9 +156,9 @@ def write_program(
     span: tuple[float, float],
     begin_s: float,
 ) -> Path:
-    """Write the recorded phases as a program of SUMO's traffic light.
+    """Write the recorded phases as a program of SUMO's traffic light, and return the file.
 
-    Movements without a known signal give way; so do crossings, as recorded people obey nothing.
+    Movements without a known signal give way. So do crossings, because recorded people obey no signal.
 
     Parameters
     ----------
@@ -166,9 +167,9 @@ def write_program(
     inferred
     states
     span
-        Part of the recording [s].
+        Beginning and end of the part of the recording [s].
     begin_s
-        Simulated time at which it begins.
+        Simulated time at which this part begins [s].
     """
     known = {one.movement: one.signal for one in inferred if one.known}
     light, letters = _green_letters(found.location.path)
@@ -196,7 +197,7 @@ def _letter(state: int, green: str) -> str:
 
 
 def _green_letters(net_file: Path) -> tuple[str, list[str]]:
-    """Return the traffic light, and for each of its links whether green means priority, ``G``, or ``g``."""
+    """Return the traffic light, and for each link its letter of green: ``G`` with priority, ``g`` without."""
     opened = gzip.open if net_file.suffix == ".gz" else open
     with opened(net_file) as file:
         root = ElementTree.parse(file).getroot()

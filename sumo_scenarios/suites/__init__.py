@@ -1,1 +1,1 @@
-"""Pedestrian test protocols: parameter tables, and what makes scenarios of them."""
+"""Pedestrian test protocols: their parameter tables, and the scenarios built from them."""

@@ -1,8 +1,7 @@
-"""A case of a test protocol as a scenario like any other.
+"""Builds ordinary scenarios from the cases of test protocols.
 
-The road is straight but for an ego that turns, its speed limit is the test speed, and the ego comes at that
-speed. The pedestrian's
-place is so far that the ego has driven steadily for a while before it matters.
+The road is straight unless the ego turns, and the ego drives at the speed limit, which is the test speed. The
+pedestrian is so far away that the ego has driven steadily for a while before it has to react.
 """
 
 from __future__ import annotations
@@ -18,20 +17,20 @@ from sumo_scenarios.suites.tables import FOLDER
 ROAD = FOLDER / "road"
 WARMUP_S = 1.0
 APPROACH_S = 9.0
-"""Time that the ego takes from where it appears to the pedestrian's place."""
+"""Time that the ego takes from where it appears to the pedestrian's place [s]."""
 APPEARS_M = 10.0
-"""Where the ego has reached the road, at the latest."""
+"""Position by which the ego is on the road at the latest [m]."""
 AFTERWARDS_S = 12.0
-"""For the ego to stop, and for the pedestrian to get out of its way."""
+"""Time for the ego to stop and for the pedestrian to leave its path [s]."""
 CLOSING_S = 6.0
-"""Pedestrians along the ego's path set off when the ego would catch up with them in this time."""
+"""Pedestrians who walk along the ego's path set off when it would catch up with them in this time [s]."""
 EGO_WIDTH_M = 1.8
 FRONT_M = 3.55
-"""Of an ego, from the rear axle to the front bumper."""
+"""Distance from an ego's rear axle to its front bumper [m]."""
 RADIUS_M = 0.25
-"""Of pedestrians."""
+"""Radius of pedestrians [m]."""
 PARKED_BEFORE_M = 1.0
-"""From the front of the nearer parked car to the line that the pedestrian walks on."""
+"""Distance from the front of the nearer parked car to the line that the pedestrian walks on [m]."""
 NEARER_LENGTH_M = 4.5
 PARKED_APART_M = 1.0
 FOREVER_S = 1e4
@@ -45,7 +44,7 @@ IDEAL_BUT_FOR_SIGHT = {
     "confirm_hits": 1,
     "confirm_looks": 1,
 }
-"""Sensing that knows everything but what stands behind a parked car."""
+"""Ideal sensing, except that parked cars hide what is behind them."""
 
 
 def load_case(reference: str) -> Scenario:
@@ -85,15 +84,15 @@ def scenario_of(case: Case) -> Scenario:
 
 
 def place_of(case: Case) -> float:
-    """Return where along the road the pedestrian is met, or sets off along it [m]."""
+    """Return where along the road the ego meets the pedestrian, or where they set off along it [m]."""
     return APPEARS_M + APPROACH_S * case.ego_speed_kmh / 3.6
 
 
 def walking_time(case: Case, way: float) -> float:
-    """Return how long the pedestrian takes from standing still over a way [s].
+    """Return how long the pedestrian takes from standstill over a distance ``way`` [s].
 
-    Over the distance s with constant acceleration the mean speed is half of v: t = (way + s) / v beyond s,
-    and t = 2 √(way · s) / v within.
+    Over the acceleration distance s, the mean speed is half of v: t = (way + s) / v beyond s, and t = 2 √(way
+    · s) / v within it.
     """
     speed, ramp = case.group.pedestrian_speed_kmh / 3.6, case.group.acceleration_distance_m
     return 2.0 * math.sqrt(way * ramp) / speed if way < ramp else (way + ramp) / speed
@@ -135,7 +134,7 @@ def _table(case: Case) -> dict[str, Any]:
 
 
 def _pedestrian(case: Case, place: float) -> dict[str, Any]:
-    """Return the row of ``[[pedestrians]]``."""
+    """Return the case's row of ``[[pedestrians]]``."""
     group = case.group
     side = -1.0 if group.comes_from == "right" else 1.0
     row: dict[str, Any] = {
@@ -158,7 +157,7 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
         return row | {"start": {"ego_distance_m": _turning_distance(case)}}
     if group.motion == "crossing":
         return row | {"start": {"overlap": group.overlap, "ego_speed_mps": case.ego_speed_kmh / 3.6}}
-    # As for a pedestrian who walks on to the near side of the ego, except that this one stops.
+    # As for a pedestrian who walks on and meets the near side of the ego, but this one stops.
     near = walking_time(case, begin - 0.5 * EGO_WIDTH_M)
     distance = RADIUS_M + near * case.ego_speed_kmh / 3.6
     stop = {"stop_after_m": begin - _beside(case), "stay_s": FOREVER_S}
@@ -168,8 +167,9 @@ def _pedestrian(case: Case, place: float) -> dict[str, Any]:
 def _turning_distance(case: Case) -> float:
     """Return the distance along the lane at which the pedestrian sets off before a turning ego [m].
 
-    As for an overlap, but that the front bumper is seen at its place along the lane. With the rear axle on
-    the circle that is R · atan(f / R) ahead of it, not the f by which it will be ahead behind the turn.
+    This is the distance for an overlap, except that the front bumper's position is measured along the lane.
+    While the rear axle is on the turning circle of radius R, the bumper is R · atan(f / R) ahead of it along
+    the lane, and not f as after the turn.
     """
     assert case.group.turn_radius_m is not None
     assert case.group.start_distance_m is not None
@@ -181,7 +181,7 @@ def _turning_distance(case: Case) -> float:
 
 
 def _beside(case: Case) -> float:
-    """Return the lateral distance of the pedestrian from the middle of the ego's path [m]."""
+    """Return the lateral distance from the middle of the ego's path to the pedestrian [m]."""
     if case.group.beside_m is not None:
         return 0.5 * EGO_WIDTH_M + case.group.beside_m + RADIUS_M
     assert case.group.overlap is not None
@@ -189,9 +189,9 @@ def _beside(case: Case) -> float:
 
 
 def _head_start(case: Case) -> float:
-    """Return the distance at which a pedestrian on the ego's path sets off to be reached CLOSING_S later [m].
+    """Return the ego's distance when a pedestrian on its path sets off, to be reached CLOSING_S later [m].
 
-    Less the ramp's s = v · t_ramp − s, the pedestrian has walked v · t − s by then, with the front bumper r
+    With the acceleration distance s, the pedestrian has walked v · t − s by then, and the front bumper is r
     behind them.
     """
     ego, walker = case.ego_speed_kmh / 3.6, case.group.pedestrian_speed_kmh / 3.6

@@ -10,52 +10,52 @@ from sumo_scenarios.suites.tables import GroupTable, read_suite
 from sumo_scenarios.suites.tables import names as suite_names
 
 PREFIX = "suite:"
-"""How a reference begins."""
+"""Prefix of a reference."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """An ego that comes at a speed, a pedestrian, and what is asked of the ego."""
+    """An ego at a test speed, a pedestrian, and what the protocol requires of the ego."""
 
     suite: str
     group: GroupTable
     ego_speed_kmh: float
     highest_impact_kmh: float | None = None
-    """Allowed by rule ``impact_speed``."""
+    """Highest impact speed that rule ``impact_speed`` allows [km/h]."""
 
     @property
     def name(self) -> str:
-        """Name within its suite."""
+        """Name of the case within its suite."""
         return f"{self.group.name}_{self.ego_speed_kmh:g}kmh"
 
     @property
     def avoidance_only(self) -> bool:
-        """Whether every contact is red: an ego that turns is slow."""
+        """Whether every contact is red, as for turning egos, which are slow."""
         return self.group.motion == "turning"
 
     @property
     def reference(self) -> str:
-        """What to give instead of a scenario's name."""
+        """Reference to the case, accepted in place of a scenario's name."""
         return f"{PREFIX}{self.suite}/{self.name}"
 
     @property
     def scenario_name(self) -> str:
-        """The reference as a scenario is named in files and folders."""
+        """Name of the case's scenario in files and folders."""
         return f"{self.suite}.{self.name}"
 
     @property
     def description(self) -> str:
-        """One line for a list."""
+        """One-line description for a list."""
         return f"{self.group.description}; ego {self.ego_speed_kmh:g} km/h"
 
 
 def is_reference(text: str) -> bool:
-    """Tell whether a text means a suite or one of its cases."""
+    """Return whether a text refers to a suite or one of its cases."""
     return text.startswith(PREFIX)
 
 
 def reference_of(scenario_name: str) -> str:
-    """Return the reference to the case that has this name in files and folders; any other name as it is."""
+    """Return the reference to the case with this name in files and folders; return other names unchanged."""
     suite, _, name = scenario_name.partition(".")
     return f"{PREFIX}{suite}/{name}" if name and suite in suite_names() else scenario_name
 
@@ -78,7 +78,7 @@ def cases(suite: str) -> tuple[Case, ...]:
 
 
 def find(reference: str) -> Case:
-    """Return the case that ``suite:NAME/CASE`` means.
+    """Return the case that ``suite:NAME/CASE`` refers to.
 
     Raises
     ------

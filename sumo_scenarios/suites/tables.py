@@ -1,4 +1,4 @@
-"""What a suite's parameter table may hold; every other key is an error."""
+"""Keys that a suite's parameter table may have; every other key is an error."""
 
 from __future__ import annotations
 
@@ -23,46 +23,47 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class Table(BaseModel):
-    """A TOML table whose keys are all known."""
+    """A TOML table without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 class GroupTable(Table):
-    """Cases that differ in the ego's speed alone."""
+    """Cases that differ only in the ego's speed."""
 
     name: str
     description: str
     speeds_kmh: Annotated[list[Positive], Field(min_length=1)]
     rule: Rule
     motion: Motion = "crossing"
-    """``crossing`` the ego's path, ``stopping`` short of it, walking or ``standing`` ``along`` it;
-    ``turning``: the ego turns, and the pedestrian crosses the road that it turns into."""
+    """The pedestrian walks across the ego's path (``crossing``), stops short of it (``stopping``), walks
+    ``along`` it or stands on it (``standing``); or the ego turns and the pedestrian crosses the road that it
+    turns into (``turning``)."""
     comes_from: Literal["right", "left"] = "right"
     overlap: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Point of impact if the ego keeps its speed: share of its width, from the pedestrian's side."""
+    """Point of impact if the ego keeps its speed, as a share of its width from the pedestrian's side."""
     beside_m: NotNegative | None = None
-    """Instead of an overlap: lateral distance from the ego's side to where the pedestrian walks or stops."""
+    """Alternative to ``overlap``: distance from the ego's side to where the pedestrian walks or stops [m]."""
     pedestrian_speed_kmh: NotNegative = 0.0
     start_distance_m: Positive | None = None
-    """Distance of the pedestrian's start from the middle of the ego's path."""
+    """Distance of the pedestrian's start from the middle of the ego's path [m]."""
     acceleration_distance_m: NotNegative = 0.0
     turns: Literal["left", "right", ""] = ""
-    """Where the ego turns to, in a quarter of a circle; motion ``turning``."""
+    """Side to which the ego turns by a quarter of a circle, for motion ``turning``."""
     turn_radius_m: Positive | None = None
-    """There is a road for each of the protocol's radii."""
+    """Radius of the turn; there is a road for each of the protocol's radii [m]."""
     obstructed: bool = False
-    """Two parked cars hide the pedestrian."""
+    """Whether two parked cars hide the pedestrian."""
     highest_impact_kmh: list[NotNegative] = []
-    """For rule ``impact_speed``: what is allowed at each of the speeds."""
+    """For rule ``impact_speed``: highest allowed impact speed at each test speed [km/h]."""
     standard: str = ""
-    """For rule ``no_worse``: the group whose colours must not be better."""
+    """For rule ``no_worse``: group whose colours the cases have to match at least."""
     share: Literal["standard", "extended", "robustness", ""] = ""
     """Part of a rating that the group belongs to."""
 
     @model_validator(mode="after")
     def fitting(self) -> GroupTable:
-        """Check that the motion has what it needs, and that there is one limit for each speed."""
+        """Check that the motion has the keys it needs, and that there is one limit for each speed."""
         if (self.overlap is None) == (self.beside_m is None):
             raise ValueError(f"group '{self.name}': expected exactly one of overlap, beside_m")
         if (self.motion == "stopping") != (self.beside_m is not None) and self.motion != "along":
@@ -91,16 +92,16 @@ class SuiteTable(Table):
 
     title: str
     label: str
-    """How results are to be called."""
+    """Label of the suite's results."""
     source: str
-    """Key in docs/references.md."""
+    """Key of the source in docs/references.md."""
     points: dict[str, dict[str, NotNegative]] = {}
-    """Of a rating: by the beginning of groups' names, the most that each share gives."""
+    """For a rating: highest points of each share, by the prefix of the groups' names."""
     groups: Annotated[list[GroupTable], Field(min_length=1)]
 
     @model_validator(mode="after")
     def named_once(self) -> SuiteTable:
-        """Check the names."""
+        """Check that names of groups are unique and that standards exist."""
         names = [group.name for group in self.groups]
         for group in self.groups:
             if names.count(group.name) > 1:

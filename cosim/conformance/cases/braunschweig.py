@@ -1,7 +1,7 @@
-"""The measured intersection that ships with SUMO: real lanes, signals, trucks, bicycles, pedestrians.
+"""Cases on a real intersection that ships with SUMO, with signals, trucks, bicycles and pedestrians.
 
-Cars of the demand are recorded as SUMO drives them. In a second run the same cars are taken over and driven
-along what was recorded, at the same times, so that the traffic around them stays the same.
+A first run records some cars of the demand while SUMO drives them. A second run takes over the same cars and
+drives them along their recorded positions at the same times, so that the traffic around them stays the same.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from cosim.sumo.placement import Executed, Placement
 STEP = 0.05
 STEPS = 1200
 SHORTEST = 200
-"""Cars seen for fewer steps than this are left alone."""
+"""Only cars seen for more than this many steps are taken over."""
 EVERY = 3
-"""Of the others, one in so many is an ego."""
+"""One in this many of these cars becomes an ego."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Recorded:
 
 
 class NativeEverywhere:
-    """``setSpeed`` and ``changeSublane`` also inside junctions and over lane ends."""
+    """A driver that uses ``setSpeed`` and ``changeSublane`` even in junctions and across lane ends."""
 
     def __init__(self, sumo: Any, step: float) -> None:
         self._sumo = sumo
@@ -62,7 +62,7 @@ class NativeEverywhere:
         vehicle.changeSublane(name, place.across - vehicle.getLateralLanePosition(name))
 
     def executed(self, name: str) -> Executed:
-        """Return where it is."""
+        """Return the vehicle's position, speed and lane in SUMO."""
         vehicle = self._sumo.vehicle
         x, y = vehicle.getPosition(name)
         return Executed(x, y, vehicle.getSpeed(name), vehicle.getLaneID(name))
@@ -99,7 +99,7 @@ def _record() -> dict[str, Recorded]:
 
 
 def _weave(pose: Pose, number: int, amplitude: float) -> Pose:
-    """Put the car beside where it was, to one side and then the other."""
+    """Return the pose shifted sideways, alternately to the left and to the right."""
     aside = amplitude * math.sin(0.4 * number * STEP)
     return pose._replace(x=pose.x - aside * math.sin(pose.heading), y=pose.y + aside * math.cos(pose.heading))
 
@@ -147,7 +147,7 @@ def _replay(egos: dict[str, Recorded], make: Callable[[Any], Driver], amplitude:
 
 
 def _city(make: Callable[[Any], Driver]) -> Values:
-    """Drive exactly as recorded (lanes, routes), and weaving by 0.5 m (positions, routes)."""
+    """Drive exactly as recorded (to compare lanes and routes) and weaving by 0.5 m (positions and routes)."""
     egos = _record()
     straight, weaving = _replay(egos, make, 0.0), _replay(egos, make, 0.5)
     return {

@@ -1,4 +1,4 @@
-"""An ego that leaves its way, and an ego whose route is changed from outside."""
+"""Cases of an ego that leaves its path, and of an ego whose route another program changes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from cosim.sumo.placement import Placement
 
 STEP = 0.1
 BEFORE_BEND = 170.0
-"""The junction begins 20 m further on [m]."""
+"""Position at which the ego starts, 20 m before the junction [m]."""
 
 
 class _Hinted(Moved):
-    """Moved to where it is, with the lane as a hint that it would be on."""
+    """A driver that moves the ego to its true position, with its last known lane as a hint."""
 
     def drive(self, name: str, front_x: float, front_y: float, heading: float, speed: float) -> None:
         """Say where the vehicle has to be after the next step."""
@@ -30,7 +30,7 @@ class _Hinted(Moved):
 
 
 def _straight_on(driver: str) -> Values:
-    """Drive straight on where the way turns right, as a car that is too fast for its bend."""
+    """Drive straight on where the route turns right, like a car that is too fast for the bend."""
     with scene("junction", _traffic("wx xs", BEFORE_BEND), step=STEP) as sumo:
         wait_for(sumo, "ego")
         chosen: Driver = _Hinted(sumo) if driver == "hinted" else Placement(sumo, STEP)

@@ -1,4 +1,4 @@
-"""Effects of ``moveToXY`` on lanes, routes, signals and the next run."""
+"""Cases on the effects of ``moveToXY`` on lanes, routes, signals and the next run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STEP = 0.1
 
 
 def _drive_through(driver: str) -> Values:
-    """Drive a native car's way through a junction again, 1 m beside the lanes' centres."""
+    """Drive an ego through a junction along the recorded poses of a native car."""
     ways = (("wx xe", 1), ("wx xe", 2), ("wx xs", 1), ("wx xn", 2))
     steps = matched = 0
     kept = True
@@ -40,7 +40,7 @@ def _traffic(edges: str, lane: int) -> str:
 
 
 def _recorded(edges: str, lane: int) -> tuple[list[Pose], list[str]]:
-    """Return where a native car is after each step, and on which lane."""
+    """Return the pose and the lane of a native car after each step."""
     poses, lanes = [], []
     with scene("junction", _traffic(edges, lane), step=STEP) as sumo:
         wait_for(sumo, "ego")
@@ -74,7 +74,7 @@ def _swerve(hinted: bool) -> Values:
 
 
 def _leak(step_after: bool) -> Values:
-    """Run twice in this process; in the first run the last thing is a move."""
+    """Run twice in this process; the first run ends with a move."""
     traffic = """<route id="r" edges="ab bc"/>
         <vehicle id="ego" type="ego" route="r" depart="0" departLane="2" departPos="100" departSpeed="10"/>"""
     seen: list[bool] = []
@@ -107,7 +107,7 @@ def _red() -> Values:
 
 
 def _red_native() -> Values:
-    """The same with setSpeed alone, under the mode that lets SUMO brake."""
+    """Drive towards the same red light with ``setSpeed`` alone, in the speed mode that lets SUMO brake."""
     with scene("signal", _RED, step=STEP) as sumo:
         _before_red(sumo)
         sumo.vehicle.setSpeedMode("ego", 31)

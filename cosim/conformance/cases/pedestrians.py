@@ -1,4 +1,4 @@
-"""Reactions of SUMO's pedestrians to an ego."""
+"""Cases on how SUMO's pedestrians react to an ego."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ STEP = 0.1
 LANE_END = 298.0
 """Where the crossing begins in the nets ``crossing`` and ``zebra`` [m]."""
 CHANGE = 3.2
-"""Distance of the lanes [m]."""
+"""Distance between the centres of the two lanes [m]."""
 DISTANCES = (80.0, 60.0, 40.0, 25.0)
-"""From the middle of a lane change to the crossing [m]."""
+"""Distances from the middle of a lane change to the crossing [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,21 +39,21 @@ class Encounter:
 
 @dataclass(slots=True)
 class Seen:
-    """Behaviour of the pedestrian."""
+    """What the pedestrian did."""
 
     waits_at: float = math.inf
     """Time at which the pedestrian first stands before the crossing [s]."""
     steps_on_at: float = math.inf
-    """Time at which the pedestrian is on the crossing [s]."""
+    """Time at which the pedestrian is first on the crossing [s]."""
     ego_then: float = math.inf
     """Position of the ego's front bumper at that time [m]."""
     closest: float = math.inf
-    """Smallest distance of the pedestrian's centre from the ego's body [m]."""
+    """Smallest distance between the pedestrian's centre and the ego's body [m]."""
     trace: list[tuple[float, float]] = field(default_factory=list)
 
 
 def driver_of(sumo: Any, way: str) -> Driver:
-    """Return the driver of that name, one of those that the cases compare."""
+    """Return the driver of this name, one of the drivers that the cases compare."""
     match way:
         case "hybrid":
             return Placement(sumo, STEP)
@@ -95,7 +95,7 @@ def _meet(encounter: Encounter, way: str) -> Seen:
 
 
 def _stop_short(way: str) -> Values:
-    """The ego stops 6 m before the lane's end; the pedestrian arrives a little earlier."""
+    """Stop the ego 6 m before the lane's end; the pedestrian arrives a little earlier."""
     stop = Encounter(position=200.0, speed=10.0, brakes_at=(92.0 - 1.0 - 100.0 / 6.0) / 10.0, duration=90.0)
     seen = _meet(stop, way)
     return {
@@ -115,7 +115,7 @@ def _route(edges: str) -> Values:
 
 
 def _lane_changes(way: str) -> Values:
-    """Lane changes of 3 s to either side, centred at several distances before a waiting pedestrian."""
+    """Change lanes in 3 s to either side, centred at several distances before a waiting pedestrian."""
     early, closest = 0, math.inf
     latest = -math.inf
     for distance in DISTANCES:
@@ -136,7 +136,7 @@ def _lane_changes(way: str) -> Values:
 
 
 def _traces(way: str) -> Values:
-    """Largest distance of the pedestrian from their position when a native car does the same."""
+    """Return how far the pedestrian deviates at most from their path for a native car, per manoeuvre [m]."""
     values: dict[str, float] = {}
     speed, position = 12.0, 90.0
     middle = (LANE_END - 40.0 - position) / speed
@@ -166,9 +166,10 @@ def _apart(one: list[tuple[float, float]], other: list[tuple[float, float]]) -> 
 
 
 def _turning(way: str) -> tuple[float, float]:
-    """The same for a right turn over a zebra: a native car's poses, driven again.
+    """Return this distance for a right turn across a zebra crossing; the ego repeats a native car's poses.
 
-    Also returns how close the native car comes to the pedestrian; from far away it would show nothing.
+    Also return how close the native car comes to the pedestrian [m]: a car that stays far away would prove
+    nothing.
     """
     worst, closest = 0.0, math.inf
     for departs in (2.0, 4.0, 8.0):

@@ -1,4 +1,4 @@
-"""SUMO's reports: collisions, gaps, detectors, trip information."""
+"""Cases on what SUMO reports: collisions, gaps, detectors and trip information."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STEP = 0.1
 
 
 def _collisions(defaults: bool) -> Values:
-    """Ram a slow car from behind, and drive into crossing traffic, with a moved ego."""
+    """Let a moved ego hit a slow car from behind, and drive into crossing traffic."""
     rear_end = """
         <route id="r" edges="ab bc"/>
         <vehicle id="ego" type="ego" route="r" depart="0"
@@ -49,7 +49,7 @@ def _collisions(defaults: bool) -> Values:
 
 
 def _gap(corrected: bool) -> Values:
-    """Three cars at known distances."""
+    """Compare SUMO's gaps between three cars with the true ones."""
     traffic = """<route id="r" edges="ab bc"/>
         <vehicle id="ego" type="ego" route="r" depart="0"
                  departLane="1" departPos="100" departSpeed="10"/>
@@ -76,7 +76,7 @@ def _gap(corrected: bool) -> Values:
 
 
 def _outputs(way: str) -> dict[str, str]:
-    """Return what detectors and trip information say of an ego that changes lanes beyond a boundary."""
+    """Return what detectors and tripinfo report of an ego that changes lanes after an edge boundary."""
     traffic = """<route id="r" edges="ab bc"/>
         <vehicle id="ego" type="ego" route="r" depart="0" departLane="1" departPos="150" departSpeed="10"
                  arrivalPos="300"/>"""
@@ -130,7 +130,7 @@ def _compared(way: str) -> Values:
 
 
 def _same(one: str, other: str) -> bool:
-    """Return whether two printed values are the same, numbers up to one unit of their last digit."""
+    """Return whether two printed values are the same; numbers may differ by one unit of their last digit."""
     try:
         return abs(float(one) - float(other)) < 0.0101
     except ValueError:

@@ -1,4 +1,4 @@
-"""Reactions of neighbours to an ego that is in two lanes."""
+"""Cases on how neighbours react to an ego that straddles two lanes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STEP = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Meeting:
-    """An ego and a faster neighbour from behind, who does not change lanes."""
+    """An ego and a faster neighbour that comes from behind and does not change lanes."""
 
     net: str = "straight"
     ego_lane: int = 1
@@ -33,12 +33,12 @@ class Meeting:
     duration: float = 25.0
     sublane: bool = True
     moved_steps: tuple[int, int] = (0, 0)
-    """Steps from the first up to the second in which hybrid is kept from driving natively."""
+    """First step (included) and last step (excluded) between which hybrid is kept from driving natively."""
     dither: float = DITHER
 
 
 class Hesitant(Placement):
-    """Hybrid that moves the ego in some steps where it need not."""
+    """The hybrid method, made to move the ego in some steps in which it could drive it natively."""
 
     def __init__(self, sumo: Any, meeting: Meeting) -> None:
         super().__init__(sumo, STEP, Method.HYBRID, meeting.dither)

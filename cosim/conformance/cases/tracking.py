@@ -1,4 +1,4 @@
-"""Accuracy with which SUMO's ego follows the plant."""
+"""Cases on how accurately SUMO's ego follows the plant."""
 
 from __future__ import annotations
 

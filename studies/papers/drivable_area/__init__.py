@@ -1,1 +1,1 @@
-"""The drivable-area paper: its scenes, rides, claims and figures."""
+"""The drivable-area paper: scenes, rides, claims and figures."""

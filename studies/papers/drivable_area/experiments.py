@@ -1,4 +1,4 @@
-"""The experiments of the drivable-area paper: four situations, planned and driven, against braking."""
+"""Experiments of the drivable-area paper: four situations, planned and driven, compared with braking."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ TITLE = "Drivable area, entropy and NSGA-II, against emergency braking"
 BRAKE = f"friction {FRICTION:g}, dead time 0.1 s and ramp 0.2 s, which are not given"
 UNPUBLISHED = "the pedestrian's start, the places, φ, the mass and the seeds are not published"
 STARTS = np.arange(-0.5, 4.01, 0.5)
-"""Where pedestrians might have started, from the right edge [m]."""
+"""Possible starts of the pedestrian, measured from the right edge [m]."""
 OTHER_WALKER = 1.0
-"""A start that leaves more room [m]."""
+"""A start of the pedestrian that leaves more room [m]."""
 EXACT = 0.1
 """Relative tolerance of costs."""
 
 
 def run(figures: Path) -> list[Claim]:
-    """Run all experiments, draw the figures and return what became of the claims."""
+    """Run all experiments, draw the figures and return the claims with their results."""
     rides = {one.name: rides_in(one) for one in SITUATIONS}
     found = {one.name: chosen(one, EntropyMode.SHANNON) for one in SITUATIONS}
     printed = {one.name: chosen(one, EntropyMode.PAPER) for one in SITUATIONS}
@@ -72,7 +72,7 @@ def run(figures: Path) -> list[Claim]:
 
 
 def _braking_claims() -> list[Claim]:
-    """Return what AEB does if it brakes at once."""
+    """Return the claims about AEB that brakes at once."""
     return [
         observed(
             PAPER,
@@ -91,7 +91,7 @@ def _braking_claims() -> list[Claim]:
 
 
 def _text_claims() -> list[Claim]:
-    """Return what the text says of the distances, against the set-up and Table 2."""
+    """Return the claims of the text about the distances, compared with the set-up and Table 2."""
     first, second, third, fourth = SITUATIONS
     unlike = "set-up, section 5.2 and Table 2 fit 20 m for A1 and A2; this paragraph says the opposite"
 
@@ -135,7 +135,7 @@ def _text_claims() -> list[Claim]:
 
 
 def _count_claims() -> list[Claim]:
-    """Return how many of the grid's candidates are possible."""
+    """Return the claims about how many of the grid's candidates are feasible."""
     experiment = "12 · 14 candidates"
     counts = [possible(one, WALKER, -1.0) for one in SITUATIONS]
     limited = [possible(one, WALKER, -1.0, within_friction=True) for one in SITUATIONS]
@@ -184,7 +184,7 @@ def _count_claims() -> list[Claim]:
 
 
 def _cost_claims(one: Situation, verdict: Verdict) -> list[Claim]:
-    """Return the costs of the candidate that the paper found."""
+    """Return the claims about the costs of the paper's candidate."""
     row, costs = one.found, verdict.costs[0]
     met = float(at_the_table(one, when=EntropyAt.MEETING).costs[0, 2])
     experiment = f"{one.name}, candidate of Table 2"
@@ -220,7 +220,7 @@ def _cost_claims(one: Situation, verdict: Verdict) -> list[Claim]:
 
 
 def _sum_claims() -> list[Claim]:
-    """Return what the table's own numbers add up to, and what AEB's costs should be."""
+    """Return the claims about the sums of the table's own numbers, and about AEB's costs."""
     weights = CostWeights()
     claims = []
     for one in SITUATIONS:
@@ -258,7 +258,7 @@ def _sum_claims() -> list[Claim]:
 
 
 def _distance_claims() -> list[Claim]:
-    """Return whether one pedestrian explains the column cost_d, for each reading of C_vs."""
+    """Return the claims on whether one pedestrian explains the column cost_d, for each reading of C_vs."""
     starts = np.linspace(-3.0, 8.0, 551)
     reached = {way: np.array([nearest(one, starts, way) for one in SITUATIONS]) for way in (1.0, -1.0)}
     claims = []
@@ -303,7 +303,7 @@ Found = tuple[Front, Verdict, int] | None
 
 
 def _choice_claims(one: Situation, shannon: Found, printed: Found) -> list[Claim]:
-    """Return what our search chooses."""
+    """Return the claims about the candidate that our search chooses."""
     claims = []
     for mode, found in ((EntropyMode.SHANNON, shannon), (EntropyMode.PAPER, printed)):
         experiment = f"{one.name}, NSGA-II, entropy {mode.value}"
@@ -341,7 +341,7 @@ def _choice_claims(one: Situation, shannon: Found, printed: Found) -> list[Claim
 
 
 def _physics_claim(one: Situation, verdict: Verdict) -> Claim:
-    """Return whether a car can drive the candidate that the paper found."""
+    """Return the claim that a car can drive the paper's candidate."""
     lateral = float(verdict.lateral[0])
     return observed(
         PAPER,

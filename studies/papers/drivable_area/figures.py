@@ -40,11 +40,11 @@ PERSON: Final = "#009E73"
 GREY: Final = "#999999"
 
 Fronts = Mapping[str, tuple[Front, Verdict, int] | None]
-"""By situation."""
+"""Front, verdict and chosen candidate of each situation, by its name."""
 
 
 def draw_candidates(path: Path, found: Fronts) -> None:
-    """Draw the paths of the grid, coloured by their least cost, the chosen one and that of Table 2."""
+    """Draw the paths of the grid, coloured by their least cost, the chosen path and the path of Table 2."""
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
     scale = ScalarMappable(Normalize(0.0, 0.15), "cividis")
     panels = figure.subplots(4, 1, sharex=True)
@@ -89,7 +89,7 @@ def _draw_surroundings(axes: Axes, one: Situation) -> None:
 
 
 def draw_speeds(path: Path, found: Fronts) -> None:
-    """Draw the speeds over time: trapezoid and cubic to Table 2's final speed, and the chosen one."""
+    """Draw speeds over time: trapezoid and cubic to Table 2's final speed, and the chosen speed."""
     figure = Figure(figsize=(8.0, 5.5), layout="constrained")
     for axes, one in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, SITUATIONS, strict=True):
         table = at_the_table(one)
@@ -118,7 +118,7 @@ def draw_speeds(path: Path, found: Fronts) -> None:
 
 
 def draw_curvatures(path: Path, found: Fronts) -> None:
-    """Draw the curvature over the way, and what the tyres allow at the speed there."""
+    """Draw the curvature along the path, and the limit of the tyres at the speed there."""
     figure = Figure(figsize=(8.0, 5.5), layout="constrained")
     for axes, one in zip(figure.subplots(2, 2).flat, SITUATIONS, strict=True):
         table, chosen = at_the_table(one), found[one.name]
@@ -148,7 +148,7 @@ def draw_curvatures(path: Path, found: Fronts) -> None:
 
 
 def draw_fronts(path: Path, found: Fronts) -> None:
-    """Draw the fronts: curvature against distance, coloured by the entropy."""
+    """Draw the Pareto fronts: curvature against distance, coloured by entropy."""
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     panels = figure.subplots(2, 2)
     scale = ScalarMappable(Normalize(0.0, 0.05), "cividis")
@@ -169,7 +169,7 @@ def draw_fronts(path: Path, found: Fronts) -> None:
 
 
 def draw_rides(path: Path, rides: Mapping[str, tuple[Ride, Ride, Ride]]) -> None:
-    """Draw path, speed and distance to the pedestrian in closed loop."""
+    """Draw path, speed and distance to the pedestrian of the closed-loop rides."""
     figure = Figure(figsize=(11.0, 8.5), layout="constrained")
     names = ("AEB", "drivable_area, beyond friction", "drivable_area, within friction")
     styles = ((GREY, "-"), (THEIRS, "--"), (OURS, "-"))

@@ -30,16 +30,16 @@ from studies.papers.drivable_area.scenes import (
 )
 
 BEHIND = 10.0
-"""So far beyond the pedestrian the time is taken [m]."""
+"""The time of a ride is taken at this distance beyond the pedestrian [m]."""
 
 
 @dataclass(slots=True)
 class Ride:
-    """A closed loop on the road without SUMO, and what came of it."""
+    """A closed-loop ride on the road without SUMO, and its record."""
 
     times: list[float]
     truth: list[tuple[float, float, float, float]]
-    """Front x, front y, heading, speed."""
+    """Front x, front y, heading and speed after every step [m, m, rad, m/s]."""
     walker: list[tuple[float, float]]
     statuses: list[str]
     body: Body
@@ -47,11 +47,11 @@ class Ride:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Take note of a plan."""
+        """Record a plan's status."""
         self.statuses.append(plan.status)
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Take note of a step."""
+        """Record the state after a step."""
         ego = snapshot.egos[0]
         self.times.append(snapshot.time)
         self.truth.append((ego.x, ego.y, ego.heading, ego.speed))
@@ -74,7 +74,7 @@ class Ride:
 
     @property
     def clearance(self) -> float:
-        """Least distance; negative on contact [m]."""
+        """Smallest distance between car and pedestrian; negative on contact [m]."""
         return float(self.clearances.min())
 
     @property
@@ -84,7 +84,7 @@ class Ride:
         return float(self.track[3][touched[0]]) if len(touched) else None
 
     def passes(self, place: float) -> float:
-        """Return when the front has driven so far from where it was; inf if it does not [s]."""
+        """Return when the front has travelled the distance ``place``; inf if it never does [s]."""
         beyond = np.flatnonzero(self.track[0] >= place + self.body.front)
         return self.times[beyond[0]] if len(beyond) else float("inf")
 
@@ -111,17 +111,17 @@ def driven(situation: Situation, controller: str, **parameters: object) -> Ride:
 
 @dataclass(frozen=True, slots=True)
 class Rides:
-    """One situation in closed loop."""
+    """The closed-loop rides of one situation."""
 
     brake: Ride
     loose: Ride
-    """The method, with candidates beyond the friction limit."""
+    """The paper's method with candidates beyond the friction limit."""
     strict: Ride
-    """The method within it."""
+    """The paper's method within the friction limit."""
 
 
 def rides_in(one: Situation) -> Rides:
-    """Return the rides of AEB and of the method, with and without the limit of friction."""
+    """Return the rides of AEB and of the method, with and without the friction limit."""
     return Rides(
         driven(one, "aeb", friction=FRICTION, dead_time_s=DEAD_TIME, ramp_s=RAMP),
         driven(one, "drivable_area", friction=FRICTION, progress_weight=0.0, within_friction=False),
@@ -130,7 +130,7 @@ def rides_in(one: Situation) -> Rides:
 
 
 def ride_claims(one: Situation, rides: Rides) -> list[Claim]:
-    """Return what came of the closed loops."""
+    """Return the claims about the closed-loop rides."""
     experiment = f"{one.name}, closed loop"
     brakes, loose, strict = rides.brake, rides.loose, rides.strict
     collides = not np.isfinite(one.brake.distance)

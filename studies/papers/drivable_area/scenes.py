@@ -22,14 +22,14 @@ NUMBER = "002"
 FRICTION = 0.8
 GRIP = FRICTION * GRAVITY
 DEAD_TIME, RAMP = 0.1, 0.2
-"""Of the brake [s]."""
+"""Dead time and ramp of the brake [s]."""
 LANE_WIDTH = 3.1
 OWN = 0.5 * LANE_WIDTH
-"""The lane's centre line, from the right edge: the offset of the paper's AEB, which only brakes [m]."""
+"""Centre line of the ego's lane from the right edge: the offset of the paper's AEB, which only brakes [m]."""
 WALKER = 2.4
-"""Where the pedestrian starts, from the right edge [m]."""
+"""Start of the pedestrian, measured from the right edge [m]."""
 PACE = 1.25
-"""[m/s]"""
+"""Walking speed of the pedestrian [m/s]."""
 START = f"the pedestrian's start, {WALKER:g} m from the edge and walking to the right, which is not given"
 SEED = 1
 BUDGET = Budget(population=32, generations=25)
@@ -40,7 +40,7 @@ class Row:
     """One row of Table 2."""
 
     offset: float
-    """y_final [m]"""
+    """y_final [m]."""
     speed_kmh: float
     """v_s"""
     curvature: float
@@ -53,24 +53,24 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """One of A(1) to A(4), and what the paper's method found there."""
+    """One of the situations A(1) to A(4), and the result of the paper's method."""
 
     name: str
     distance: float
-    """To the pedestrian [m]."""
+    """Distance to the pedestrian [m]."""
     speed_kmh: float
     found: Row
     brake: Row
-    """What AEB did."""
+    """Result of AEB."""
 
     @property
     def speed(self) -> float:
-        """Return the first speed [m/s]."""
+        """Return the speed at the start [m/s]."""
         return self.speed_kmh / 3.6
 
     @property
     def braking(self) -> TrapezoidalBraking:
-        """Return how AEB stops."""
+        """Return the braking with which AEB stops."""
         return self.braking_to(0.0)
 
     def braking_to(self, final_speed: float) -> TrapezoidalBraking:
@@ -79,7 +79,7 @@ class Situation:
 
     @property
     def gap(self) -> float:
-        """Return what AEB leaves if it brakes at once; negative is a contact [m]."""
+        """Return the gap that AEB leaves if it brakes at once; negative for a contact [m]."""
         return self.distance - self.braking.distance
 
 
@@ -95,7 +95,7 @@ SITUATIONS = (
 RULES = Rules(
     full_braking=True, within_friction=False, margin=0.0, edge_margin=0.0, horizon=6.0, step=0.05, walks=32
 )
-"""As the paper has it: full braking, no look at what the tyres hold."""
+"""Rules of the paper: full braking, without regard to the tyres' friction."""
 
 
 def problem(situation: Situation, start: float = WALKER, way: float = -1.0) -> Scene:
@@ -103,9 +103,9 @@ def problem(situation: Situation, start: float = WALKER, way: float = -1.0) -> S
 
     Parameters
     ----------
-    situation : which
-    start : of the pedestrian, from the right edge [m]
-    way : +1 walks to the left, −1 to the right
+    situation : one of the four situations
+    start : start of the pedestrian from the right edge [m]
+    way : +1 if the pedestrian walks to the left, −1 to the right
     """
     return Scene(
         shape=Shape(Body(), disc_radius=1.6),
@@ -125,7 +125,7 @@ def problem(situation: Situation, start: float = WALKER, way: float = -1.0) -> S
 
 
 def verdict(scene: Scene, rules: Rules, offset: FloatArray, speed: FloatArray, seed: int = SEED) -> Verdict:
-    """Return what becomes of candidates."""
+    """Return the verdict on candidates."""
     noise = np.random.default_rng(seed).standard_normal((len(rules.times), len(scene.people.x), rules.walks))
     return judge(scene, rules, offset, speed, noise)
 
@@ -135,7 +135,7 @@ def at_the_table(
     mode: EntropyMode = EntropyMode.PAPER,
     when: EntropyAt = EntropyAt.LARGEST,
 ) -> Verdict:
-    """Return what becomes of the candidate that the paper's method found."""
+    """Return the verdict on the candidate that the paper's method found."""
     row = situation.found
     return verdict(
         problem(situation),
@@ -152,20 +152,20 @@ def grid(situation: Situation) -> tuple[FloatArray, FloatArray]:
 
 
 def possible(situation: Situation, start: float, way: float, *, within_friction: bool = False) -> int:
-    """Return how many candidates of the grid touch nobody, and with the switch, stay within the friction."""
+    """Return how many candidates of the grid touch nobody and, if asked, stay within the friction limit."""
     scene, rules = problem(situation, start, way), replace(RULES, within_friction=within_friction, step=0.02)
     nobody_random = np.zeros((len(rules.times), 0, 1))
     return int(judge(scene, rules, *grid(situation), nobody_random).feasible.sum())
 
 
 def nearest(situation: Situation, start: FloatArray, way: float, *, reacts: bool = True) -> FloatArray:
-    """Return how near the table's candidate, or a car that goes on as before, comes to pedestrians [m].
+    """Return how near the table's candidate, or a car that does not react, comes to each pedestrian [m].
 
     Parameters
     ----------
-    start : of pedestrians that are alone each, from the right edge, shape (n,) [m]
+    start : starts of pedestrians, each alone on the road, from the right edge, shape (n,) [m]
     way : +1 walks to the left, −1 to the right
-    reacts : whether the car drives the candidate
+    reacts : whether the car drives the table's candidate
     """
     row = situation.found
     offset, speed = (row.offset, row.speed_kmh / 3.6) if reacts else (OWN, situation.speed)

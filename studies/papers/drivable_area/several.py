@@ -1,4 +1,4 @@
-"""A1 to A4 with several pedestrians, the paper's future work: what is chosen, and whom it comes near."""
+"""A1 to A4 with several pedestrians, the paper's future work: the chosen candidates and their distances."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from studies.papers.drivable_area.scenes import (
 )
 
 OTHERS: Final = ((1.5, -1.0, 1.0), (4.0, 3.5, -1.0))
-"""Two more pedestrians: further along [m], across [m], and which way they walk."""
+"""Two more pedestrians: distance beyond the first [m], lateral start [m], and direction of walking."""
 PROGRESS = 0.1
-"""Weight of the speed that is lost; without it standing costs nothing and is always chosen."""
+"""Weight of lost speed; without it, standing costs nothing and is always chosen."""
 Chosen = tuple[Front, Verdict, int]
 
 
 def walkers(one: Situation) -> Walkers:
-    """Return the paper's pedestrian and two more."""
+    """Return the paper's pedestrian and the two others."""
     x = [one.distance, *(one.distance + more for more, _, _ in OTHERS)]
     y = [WALKER, *(across for _, across, _ in OTHERS)]
     ways = [-1.0, *(way for *_, way in OTHERS)]
@@ -44,7 +44,7 @@ def walkers(one: Situation) -> Walkers:
 
 
 def chosen_among_several(one: Situation) -> Chosen | None:
-    """Return what is found for all of them, with Shannon's entropy and a price of lost speed."""
+    """Return the result for all three pedestrians, with Shannon's entropy and a cost of lost speed."""
     rules = replace(RULES, entropy=EntropyMode.SHANNON, weights=CostWeights(progress=PROGRESS))
     scene = replace(problem(one), people=walkers(one))
     upper = np.array([3.5, one.speed])
@@ -52,7 +52,7 @@ def chosen_among_several(one: Situation) -> Chosen | None:
 
 
 def several_claims(found: Mapping[str, Chosen | None]) -> list[Claim]:
-    """Return, for each situation, whether the chosen candidate touches nobody."""
+    """Return the claims, one per situation, that the chosen candidate touches nobody."""
     claims = []
     for one in SITUATIONS:
         chosen = found[one.name]
@@ -80,7 +80,7 @@ def several_claims(found: Mapping[str, Chosen | None]) -> list[Claim]:
 
 
 def draw_several(path: Path, found: Mapping[str, Chosen | None]) -> None:
-    """Draw the front's paths, the chosen one and the three pedestrians."""
+    """Draw the paths of the front, the chosen path and the three pedestrians."""
     figure = Figure(figsize=(9.0, 9.0), layout="constrained")
     for axes, one in zip(figure.subplots(4, 1), SITUATIONS, strict=True):
         chosen = found[one.name]

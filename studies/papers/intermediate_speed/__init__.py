@@ -1,1 +1,1 @@
-"""The intermediate-speed paper: its drives, claims and figures."""
+"""The intermediate-speed paper: drives, claims and figures."""

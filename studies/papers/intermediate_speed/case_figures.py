@@ -1,4 +1,4 @@
-"""The six cases of the intermediate speed, and the classic planner's chatter seen close up."""
+"""Figures of the six cases of the intermediate speed, and of the classic planner's chatter in detail."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ CASES: Final = {
     "5": (10.0, 8.0, 5.0),
     "6": (4.0, 4.0, 5.0),
 }
-"""A gap [m], the speed and the obstacle's speed [m/s] of each case."""
+"""Gap [m], speed and the obstacle's speed [m/s] of each case."""
 
 
 def cases(limits: PlanningLimits) -> dict[str, str]:
-    """Return the case that each of the situations is planned as."""
+    """Return the case that the planner assigns to each situation."""
     return {name: plan_intermediate(Situation(*state), limits).case for name, state in CASES.items()}
 
 

@@ -1,4 +1,4 @@
-"""Drives behind one obstacle on the road without SUMO, and what can be measured of them."""
+"""Drives behind one obstacle on the road without SUMO, and their measures."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from cosim.step.toy_world import ToyWorld
 from cosim.step.world import Snapshot
 
 IDEAL = replace(CAR_DRIVE, drive_lag=0.0)
-"""Actuators that obey at once."""
+"""Actuators that react without delay."""
 SAMPLE = 0.01
-"""How finely a drive is recorded [s]."""
+"""Time between two samples of a drive [s]."""
 STEP = 0.1
 """Time between two perceptions [s]."""
 GAP = 200.0
-"""To the obstacle at the start [m]."""
+"""Distance to the obstacle at the start [m]."""
 LENGTH = 4.5
-"""Of the obstacle [m]."""
+"""Length of the obstacle [m]."""
 NO_LIMIT = 30.0
-"""Speed limit of the road: the planner's own top speed is lower [m/s]."""
+"""Speed limit of the road, above the planner's own top speed [m/s]."""
 SETTLED = 0.1
-"""A speed that differs by less from the obstacle's has settled [m/s]."""
+"""A speed has settled if it differs from the obstacle's by at most this [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """One choice of what the paper does not tell."""
+    """One choice of the parameters that the paper does not give."""
 
     top_speed: float = 40.0 / 3.6
     """[m/s]"""
@@ -49,11 +49,11 @@ class Parameters:
 
     @property
     def deceleration(self) -> float:
-        """Return what leads from the top speed to a stop in the paper's 16 s [m/s^2]."""
+        """Return the deceleration that leads from the top speed to a stop in the paper's 16 s [m/s^2]."""
         return self.top_speed / 16.0
 
     def limits(self) -> PlanningLimits:
-        """Return them as limits, with ideal actuators."""
+        """Return the parameters as planning limits, with ideal actuators."""
         return PlanningLimits(
             acceleration=self.acceleration,
             deceleration=self.deceleration,
@@ -63,7 +63,7 @@ class Parameters:
         )
 
     def of_controller(self, actuator_delay: float) -> Mapping[str, Any]:
-        """Return them as a controller's parameters."""
+        """Return the parameters as those of a controller."""
         return {
             "acceleration_mps2": self.acceleration,
             "deceleration_mps2": self.deceleration,
@@ -76,21 +76,21 @@ class Parameters:
 
 @dataclass(slots=True)
 class SampledRoad(ToyWorld):
-    """The road without SUMO, recorded between the steps, with commands that take effect late."""
+    """The road without SUMO, recorded between the steps, where commands take effect with a delay."""
 
     dead_time: float = 0.0
-    """From a command until the drive begins to follow it [s]."""
+    """Time from a command until the drive begins to follow it [s]."""
     samples: list[tuple[float, float, float, float]] = field(init=False, default_factory=list)
-    """Time, front bumper, speed, acceleration [s, m, m/s, m/s^2]."""
+    """Time, position of the front bumper, speed and acceleration [s, m, m/s, m/s^2]."""
     _given: list[tuple[float, Command]] = field(init=False, default_factory=list)
 
     def act(self, name: str, command: Command) -> None:
-        """Follow a command from a dead time from now on."""
+        """Follow a command after the dead time."""
         ToyWorld.act(self, name, command)
         self._given.append((self.time, command))
 
     def advance(self) -> None:
-        """Move on by one step."""
+        """Advance by one step."""
         for part in range(round(self.step / SAMPLE)):
             now = self.time + part * SAMPLE
             given, command = self._in_effect(now - self.dead_time)
@@ -100,7 +100,7 @@ class SampledRoad(ToyWorld):
         self.time = round(self.time + self.step, 9)
 
     def _in_effect(self, time: float) -> tuple[float, Command]:
-        """Return the last command given until a time, and when that was."""
+        """Return the last command given up to a time, and when it was given."""
         while len(self._given) > 1 and self._given[1][0] <= time + 1e-9:
             del self._given[0]
         if self._given[0][0] <= time + 1e-9:
@@ -110,16 +110,16 @@ class SampledRoad(ToyWorld):
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """One drive, sampled."""
+    """Samples of one drive."""
 
     time: FloatArray
     gap: FloatArray
-    """From bumper to bumper [m]."""
+    """Gap from bumper to bumper [m]."""
     speed: FloatArray
     acceleration: FloatArray
     obstacle_speed: FloatArray
     planned: tuple[tuple[float, FloatArray], ...] = ()
-    """Some of the speed plans: when made, and speeds at ``plan_times`` from then."""
+    """Some of the speed plans: the time of planning, and the speeds at ``plan_times`` after it."""
     plan_times: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def first_braking(self) -> float:
@@ -127,11 +127,11 @@ class Driven:
         return float(self.time[np.argmax(self.acceleration < -0.05)]) - SAMPLE
 
     def stands_from(self) -> float:
-        """Return when the ego stands for good [s]."""
+        """Return when the ego stops for the last time [s]."""
         return float(self.time[np.flatnonzero(self.speed > 1e-6)[-1]])
 
     def settles(self) -> float:
-        """Return when the speed differs from the obstacle's for the last time [s]; inf if at the end."""
+        """Return when the speed last differs from the obstacle's [s]; inf if it still does at the end."""
         off = np.flatnonzero(np.abs(self.speed - self.obstacle_speed) > SETTLED)
         return float(self.time[off[-1]]) if off[-1] + 1 < len(self.time) else float("inf")
 
@@ -140,7 +140,7 @@ class Driven:
         return float(self.speed[np.searchsorted(self.time, time - 1e-6)])
 
     def after(self, time: float) -> Driven:
-        """Return the part after a time."""
+        """Return the part of the drive after a time."""
         late = self.time > time
         return Driven(
             self.time[late],
@@ -151,7 +151,7 @@ class Driven:
         )
 
     def rms_acceleration(self) -> float:
-        """Return the root of the mean squared acceleration [m/s^2]."""
+        """Return the root mean square of the acceleration [m/s^2]."""
         return float(np.sqrt(np.mean(self.acceleration**2)))
 
     def range_of_speed(self) -> float:
@@ -159,20 +159,20 @@ class Driven:
         return float(np.ptp(self.speed))
 
     def switches(self) -> int:
-        """Return how often the ego changes between speeding up and slowing down."""
+        """Return how often the ego switches between speeding up and slowing down."""
         signs = np.sign(np.where(np.abs(self.acceleration) > 0.05, self.acceleration, 0.0))
         signs = signs[signs != 0.0]
         return int(np.count_nonzero(np.diff(signs)))
 
     def largest_jerk(self) -> float:
-        """Return the largest change of the acceleration, over a plan interval [m/s^3]."""
+        """Return the largest jerk, averaged over a plan interval [m/s^3]."""
         apart = round(STEP / SAMPLE)
         return float(np.abs(self.acceleration[apart:] - self.acceleration[:-apart]).max() / STEP)
 
 
 @dataclass(slots=True)
 class _Plans:
-    """Keeps some of the plans."""
+    """Record of some of the plans."""
 
     every: float = 5.0
     kept: list[tuple[float, FloatArray]] = field(default_factory=list)
@@ -181,22 +181,22 @@ class _Plans:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Keep a plan if it is time to."""
+        """Keep a plan if enough time has passed since the last one."""
         if not self.kept or perception.ego.time >= self.kept[-1][0] + self.every - 1e-9:
             self.kept.append((perception.ego.time, plan.speed))
             self.times = plan.times
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Nothing to keep: the road samples itself."""
+        """Do nothing: the road samples itself."""
 
 
 def steady(place: float, speed: float) -> Motion:
-    """Return the motion of something that has always had one speed."""
+    """Return a motion at constant speed."""
     return lambda time: (place + speed * time, 0.0, speed, 0.0)
 
 
 def slowing(place: float, speed: float, deceleration: float, begin: float) -> Motion:
-    """Return the motion of something that brakes to a stop from a time on."""
+    """Return a motion that brakes to a stop from the time ``begin`` on."""
 
     def at(time: float) -> tuple[float, float, float, float]:
         braked = min(max(time - begin, 0.0), speed / deceleration)
@@ -222,14 +222,14 @@ def driven(
 
     Parameters
     ----------
-    controller : its name
-    motion : makes the motion of the obstacle's front bumper from its place at the start
-    parameters : of the controller
-    speed : of the ego at the start [m/s]
-    duration, dead_time : [s]
-    drive : actuators; ideal ones if not given
-    gap : at the start [m]
-    limit : of the road [m/s]
+    controller : name of the controller
+    motion : function from the obstacle's start to the motion of its front bumper
+    parameters : parameters of the controller
+    speed : speed of the ego at the start [m/s]
+    duration, dead_time : duration of the drive, and dead time of the actuators [s]
+    drive : actuators; ideal by default
+    gap : gap at the start [m]
+    limit : speed limit of the road [m/s]
     """
     moves = motion(Body().front + gap + LENGTH)
     road = SampledRoad(
@@ -249,7 +249,7 @@ def driven(
 
 
 def past_pedestrian(controller: str, parameters: Mapping[str, Any]) -> Driven:
-    """Drive towards somebody who crosses a zebra; the gap is that to the stop line, in metres."""
+    """Drive towards a pedestrian who uses a zebra crossing; the gap is the distance to the stop line [m]."""
     place = 60.0
 
     def walks(time: float) -> tuple[float, float, float, float]:
@@ -272,13 +272,13 @@ def past_pedestrian(controller: str, parameters: Mapping[str, Any]) -> Driven:
 def planned_through(
     planner: Planner, limits: PlanningLimits, obstacle_speed: float, period: float, duration: float = 90.0
 ) -> Driven:
-    """Drive the plans alone, made anew every period by ideal actuators without a controller around them.
+    """Drive the planner's speed profiles with ideal actuators and no controller, replanned every period.
 
     Parameters
     ----------
-    planner, limits : what plans
-    obstacle_speed : [m/s]
-    period, duration : [s]
+    planner, limits : planner and its limits
+    obstacle_speed : speed of the obstacle [m/s]
+    period, duration : period of replanning, and duration of the drive [s]
     """
     inside = SAMPLE * np.arange(1, round(period / SAMPLE) + 1)
     way, speed = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""The experiments of the intermediate-speed paper: standing and moving obstacle, two planners, a delay."""
+"""Experiments of the intermediate-speed paper: standing and moving obstacle, two planners, a delay."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ TITLE = "Trapezoidal speed planning by an intermediate speed"
 SLOW = 5.0
 """Speed of the moving obstacle [m/s]."""
 DEAD_TIME, LAG = 0.3, 0.4
-"""Of the actuators in the experiments with a delay [s]."""
+"""Dead time and lag of the actuators in the experiments with a delay [s]."""
 FITTED = "top speed and decelerations, which the paper does not give, chosen for 13 s and 29 s"
 BEYOND = "not in the paper, which names it as future work"
 DELAYED = "not in the paper; dead time 0.3 s, lag 0.4 s, one pair of values tried"
@@ -44,14 +44,14 @@ FAMILIES = (
     Parameters(top_speed=45.0 / 3.6, acceleration=1.2),
     Parameters(top_speed=36.0 / 3.6, acceleration=4.0),
 )
-"""Other choices with the same 13 s and 29 s."""
+"""Other parameters that also give the paper's 13 s and 29 s."""
 PERIODS = (0.05, 0.1, 0.5, 1.0)
-"""[s]"""
+"""Periods of replanning [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """One planner before a standing and behind a moving obstacle."""
+    """Drives of one planner before a standing and behind a moving obstacle."""
 
     standing: Driven
     moving: Driven
@@ -59,7 +59,7 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Delayed:
-    """The new planner with slow actuators, planned in three ways."""
+    """Drives of the new planner with slow actuators, planned in three ways."""
 
     naive: Pair
     event: Pair
@@ -67,7 +67,7 @@ class Delayed:
 
 
 def run(figures: Path) -> list[Claim]:
-    """Run all experiments, draw the figures and return what became of the claims."""
+    """Run all experiments, draw the figures and return the claims with their results."""
     classic, new, delayed, smooth = classic_drives(), new_drives(), delayed_drives(), smooth_drives()
     claims = [
         *_standing_claims("classic", classic.standing),

@@ -21,11 +21,11 @@ GREEN: Final = "#009E73"
 GREY: Final = "#777777"
 
 Line = tuple[str, str, Driven]
-"""Name, colour and drive."""
+"""Name, colour and drive of a line in a figure."""
 
 
 def draw_experiments(path: Path, classic: Pair, new: Pair) -> None:
-    """Draw the four experiments, with the speeds that were planned on the way."""
+    """Draw the four experiments, with some of the planned speeds."""
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
     columns = (("standing obstacle", "standing"), ("obstacle at 5 m/s", "moving"))
     grid = figure.subplots(3, 2, sharex="col")
@@ -64,7 +64,7 @@ def draw_delay(path: Path, delayed: Delayed) -> None:
 
 
 def draw_smooth(path: Path, plain: Driven, smooth: Driven) -> None:
-    """Draw the drives behind the moving obstacle with and without a limit of the jerk."""
+    """Draw the drives behind the moving obstacle with and without a jerk limit."""
     figure = Figure(figsize=(6.4, 7.0), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
     _draw(axes, [("no limit", VERMILION, plain), ("jerk of at most 1 m/s³", BLUE, smooth)])
@@ -75,7 +75,7 @@ def draw_smooth(path: Path, plain: Driven, smooth: Driven) -> None:
 
 def _draw(axes: Sequence[Axes], lines: Sequence[Line]) -> None:
     """Draw gap, speed and acceleration of several drives behind the same obstacle."""
-    # Lines that lie on each other stay visible: the first ones are wider.
+    # The first lines are wider, so that lines on top of each other stay visible.
     for (name, color, drive), width in zip(lines, (2.4, 1.4, 0.8), strict=False):
         axes[0].plot(drive.time, drive.gap, color=color, linewidth=width)
         axes[1].plot(drive.time, drive.speed, color=color, linewidth=width, label=name)

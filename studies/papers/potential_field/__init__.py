@@ -1,1 +1,1 @@
-"""The potential-field paper: its scenes, spread of directions, claims and figures."""
+"""The potential-field paper: scenes, spread of directions, claims and figures."""

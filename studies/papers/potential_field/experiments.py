@@ -1,4 +1,4 @@
-"""The experiments of the potential-field paper: directions, safe distances, four scenes, two ellipses."""
+"""Experiments of the potential-field paper: directions, safe distances, four scenes, two ellipses."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ PAPER = "003"
 TITLE = "Potential field with a variable ellipse, and pedestrians' choice of direction"
 
 SLIGHTLY = 1.5
-"""Up to this factor is "slightly larger"."""
+"""Values larger by up to this factor count as "slightly larger"."""
 STARTS = "start points (the table is lost) and gains, tuned on these claims"
 ONLY_STARTS = "start points (the table is lost), chosen so that only scene 3 has an axis below 15 m"
 
 Pair = tuple[Track, Track]
-"""Fixed and variable axis."""
+"""Tracks with the fixed and the variable axis."""
 
 
 def run(figures: Path) -> list[Claim]:
-    """Run all experiments, draw the figures and return what became of the claims."""
+    """Run all experiments, draw the figures and return the claims with their results."""
     paths = {scene.name: (planned(scene, FIXED_AXIS), planned(scene, scene.long_axis)) for scene in SCENES}
     rides = {scene.name: (driven(scene, "fixed"), driven(scene, "variable")) for scene in SCENES}
     claims = [*_direction_claims(), *_distance_claims()]
@@ -158,7 +158,7 @@ def _scene_claims(experiment: str, scene: Scene, pair: Pair) -> list[Claim]:
     third = scene.name == "3"
     ratio = variable.highest_curvature / fixed.highest_curvature
 
-    # The paper plans paths; that a car with a heading and lags drives them is our own check.
+    # The paper plans paths; whether a car with a heading and lags can drive them is our own check.
     kind = Kind.OWN if "driven" in experiment else Kind.RESULT
 
     def claim(text: str, holds: bool, ours: str, unit: str = "", test: str = "") -> Claim:
@@ -214,14 +214,14 @@ def _scene_claims(experiment: str, scene: Scene, pair: Pair) -> list[Claim]:
 
 
 def _moving_claims() -> list[Claim]:
-    """Return the claims of scene 3 with an obstacle that moves with the pedestrian."""
+    """Return the claims of scene 3 if the obstacle of the field moves with the pedestrian."""
     scene = SCENES[2]
     pair = planned(scene, FIXED_AXIS, moving=True), planned(scene, scene.long_axis, moving=True)
     return _scene_claims("scene 3, path, field moves with the pedestrian", scene, pair)
 
 
 def _grid_claims(found: Orders, *, moving: bool) -> list[Claim]:
-    """Return how generic the claims are: the same scenes with gains that were tuned on nothing."""
+    """Return claims on how general the results are: the same scenes with untuned gains."""
     experiment = f"{found.count} untuned gain sets, field {'moves' if moving else 'at the conflict point'}"
 
     def claim(text: str, holds: np.ndarray, share: float, fitted: str = ONLY_STARTS) -> Claim:
@@ -256,7 +256,7 @@ def _grid_claims(found: Orders, *, moving: bool) -> list[Claim]:
 
 
 def _spread_claims(fixed: Directions, variable: Directions) -> list[Claim]:
-    """Return what becomes of the example's pedestrian, whose direction is drawn from the model."""
+    """Return claims about the example's pedestrian, whose direction is drawn from the model."""
     experiment = "direction drawn from the model, start (50, 4)"
     gains = "gains, tuned on the four scenes"
 

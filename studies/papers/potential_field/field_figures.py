@@ -1,4 +1,4 @@
-"""The parts of the potential (Figs 3, 4, 6 of the paper), car and pedestrian on the way (Figs 12 to 15)."""
+"""Figures of the potential's parts (Figs 3, 4, 6 of the paper), and of car and pedestrian (Figs 12 to 15)."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from studies.papers.potential_field.scenes import (
 CAR: Final = "#D55E00"
 PERSON: Final = "#009E73"
 INSTANTS = 9
-"""At which car and pedestrian are drawn; the fifth is the meeting."""
+"""Number of instants at which car and pedestrian are drawn; at the fifth they are level."""
 USED: Final = Gains()
 
 
 def draw_parts(path: Path) -> None:
-    """Draw each part of the potential alone, with the gains used: over the road, and of the ellipse."""
+    """Draw each part of the potential alone, with the gains in use: those of the road, and the ellipse."""
     figure = Figure(figsize=(10.0, 6.0), layout="constrained")
     grid = figure.subplots(2, 3)
     y = np.linspace(-3.7, 3.7, 201)
@@ -96,7 +96,7 @@ def _draw_instants(axes: Axes, scene: Scene, track: Track) -> None:
     x, y, heading = (np.interp(times, track.times, one) for one in (track.x, track.y, track.heading))
     walked = scene.places(times)
     half, side = 0.5 * CAR_LENGTH, 0.5 * CAR_WIDTH
-    # A pentagon, as in the paper: the point shows which way the car goes.
+    # A pentagon, as in the paper: its point shows the direction of travel.
     outline = np.array([(-half, -side), (half - 1.0, -side), (half, 0.0), (half - 1.0, side), (-half, side)])
     for k in range(INSTANTS):
         cosine, sine = np.cos(heading[k]), np.sin(heading[k])
@@ -119,7 +119,7 @@ def _draw_instants(axes: Axes, scene: Scene, track: Track) -> None:
 
 
 def _potential(x: FloatArray, y: FloatArray, **gains: float | FloatArray) -> FloatArray:
-    """Return the potential of scene 1 with some of the gains alone."""
+    """Return the potential of scene 1 with only the given gains."""
     nothing = {"onwards": 0.0, "centre": 0.0, "edge": 0.0, "line": 0.0, "obstacle": 0.0}
     scene = SCENES[0]
     return np.asarray(field_of(scene, scene.long_axis, Gains(**{**nothing, **gains})).potential(x, y))

@@ -22,11 +22,11 @@ PERSON: Final = "#009E73"
 SHOWN_TO: Final = 110.0
 
 Pairs = Mapping[str, tuple[Track, Track]]
-"""Fixed and variable axis, by scene."""
+"""Tracks with the fixed and the variable axis, by scene."""
 
 
 def draw_directions(path: Path) -> None:
-    """Draw the probability of every direction, for several scales of the choice."""
+    """Draw the probability of each direction, for several scales of the choice model."""
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     axes = figure.add_subplot()
     for scale, style in ((0.02, ":"), (0.05, "-"), (0.1, "--")):
@@ -46,7 +46,7 @@ def draw_directions(path: Path) -> None:
 
 
 def draw_fields(path: Path, paths: Pairs, rides: Pairs) -> None:
-    """Draw the potential across the road, planned and driven paths."""
+    """Draw the potential on the road, with planned and driven paths."""
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
     for axes, scene in zip(figure.subplots(4, 1, sharex=True), SCENES, strict=True):
         _draw_field(axes, scene)
@@ -86,7 +86,7 @@ def draw_curvatures(path: Path, paths: Pairs) -> None:
 
 
 def draw_distances(path: Path, rides: Pairs) -> None:
-    """Draw the distance between the bodies over time, as driven."""
+    """Draw the distance between the bodies over time in the driven scenes."""
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     for axes, scene in zip(figure.subplots(2, 2, sharex=True).flat, SCENES, strict=True):
         for track, color, name in zip(
@@ -102,7 +102,7 @@ def draw_distances(path: Path, rides: Pairs) -> None:
 
 
 def _draw_field(axes: Axes, scene: Scene) -> None:
-    """Draw the potential without the pull onwards, which would hide the rest."""
+    """Draw the potential without the forward pull, which would hide the rest."""
     x, y = np.meshgrid(np.linspace(0.0, SHOWN_TO, 221), np.linspace(-3.7, 3.7, 149))
     shape = field_of(scene, scene.long_axis, Gains(onwards=0.0))
     potential = shape.potential(x, y)

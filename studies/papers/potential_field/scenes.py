@@ -1,7 +1,7 @@
-"""The four scenes of the potential-field paper: planned as paths, and driven on the road without SUMO.
+"""The four scenes of the potential-field paper, planned as paths and driven on the road without SUMO.
 
-The paper's frame: x along the road from where the middle of the car begins, y to the left of the line
-between the two lanes, the car in the left one.
+In the paper's frame, x is along the road from where the car's middle starts, and y to the left of the line
+between the two lanes. The car is in the left lane.
 """
 
 from __future__ import annotations
@@ -50,20 +50,20 @@ SAFE: Final = side_distance(PEDESTRIAN_RADIUS, CAR_WIDTH, MARGIN)
 PATH_STEP = 0.25
 PATH_STEPS = 480
 AVOIDING = 0.1
-"""Further than this from the lane's centre line the car has begun to avoid [m]."""
+"""The car has begun to avoid when it is farther than this from its lane's centre line [m]."""
 DURATION = 4.5
 CONTROLLER = "potential_field"
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Where a pedestrian begins, and in which direction they walk.
+    """A pedestrian's start and direction of walking.
 
     Parameters
     ----------
     name : number in the paper
     x, y : start, in the paper's frame [m]
-    angle : between the directions of the car and the pedestrian [rad]; ``None`` if they stand
+    angle : angle between the directions of car and pedestrian [rad]; ``None`` if the pedestrian stands
     """
 
     name: str
@@ -73,7 +73,7 @@ class Scene:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Velocity of the pedestrian, who begins on the left [m/s]."""
+        """Velocity of the pedestrian, who starts on the left [m/s]."""
         if self.angle is None:
             return 0.0, 0.0
         return velocity(self.angle, WALKING_SPEED, from_left=True)
@@ -85,7 +85,7 @@ class Scene:
 
     @property
     def conflict(self) -> tuple[float, float]:
-        """Where that is, in the paper's frame [m]."""
+        """Position of the pedestrian at that time, in the paper's frame [m]."""
         return self.x + self.velocity[0] * self.meeting, self.y + self.velocity[1] * self.meeting
 
     @property
@@ -95,7 +95,7 @@ class Scene:
         return float(distance_to_shift(SPEED, shift, LATERAL_ACCELERATION)[0])
 
     def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return where the pedestrian is at times [m]."""
+        """Return the pedestrian's positions at given times [m]."""
         return self.x + self.velocity[0] * times, self.y + self.velocity[1] * times
 
 
@@ -105,12 +105,12 @@ SCENES: Final = (
     Scene("3", 50.0, 3.0, math.radians(90.0)),
     Scene("4", 50.0, 4.0, math.radians(150.0)),
 )
-"""The table of starts is lost; these fit what the text says of each scene."""
+"""Starts that fit the paper's text on each scene, since the table of starts is lost."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """Where the middle of the car was in a scene, K instants, in the paper's frame."""
+    """Positions of the car's middle in a scene at K instants, in the paper's frame."""
 
     scene: Scene
     times: FloatArray
@@ -122,12 +122,12 @@ class Track:
 
     @cached_property
     def highest_curvature(self) -> float:
-        """Largest curvature, whichever way [1/m]."""
+        """Largest curvature to either side [1/m]."""
         return float(np.abs(self.bends).max())
 
     @property
     def lateral_acceleration(self) -> float:
-        """What that is at the scenes' speed [m/s²]."""
+        """Lateral acceleration at the largest curvature and the scenes' speed [m/s²]."""
         return self.highest_curvature * SPEED**2
 
     @cached_property
@@ -139,32 +139,32 @@ class Track:
 
     @property
     def clearance(self) -> float:
-        """Smallest of them [m]."""
+        """Smallest distance between the bodies [m]."""
         return float(self.distances.min())
 
     @property
     def begins(self) -> float:
-        """Where the car begins to avoid [m]; inf if it does not."""
+        """Position at which the car begins to avoid [m]; inf if it does not."""
         off = np.flatnonzero(np.abs(self.y - CENTRE) > AVOIDING)
         return float(self.x[off[0]]) if len(off) else math.inf
 
     @property
     def side(self) -> str:
-        """On which side of the pedestrian the car passes."""
+        """Side on which the car passes the pedestrian."""
         level = float(np.interp(self.scene.conflict[0], self.x, self.y))
         return "left" if level > CENTRE else "right"
 
     @property
     def beyond_edge(self) -> float:
-        """How far the body juts out beyond the road at most; negative if it does not [m]."""
+        """Largest distance by which the body extends beyond the road; negative if it stays on it [m]."""
         half = 0.5 * (CAR_LENGTH * np.abs(np.sin(self.heading)) + CAR_WIDTH * np.cos(self.heading))
         return float((np.abs(self.y) + half).max() - EDGE)
 
     def falls_then_rises(self) -> bool:
-        """Say whether the distance between the middles has one minimum, at the fifth of nine instants.
+        """Return whether the distance between the centres has one minimum, at the fifth of nine instants.
 
-        The instants are evenly spaced, the fifth of them the one at which a car that keeps its lane is level
-        with the pedestrian. The paper shows nine and does not say when they are.
+        The instants are evenly spaced; at the fifth, a car that keeps its lane is level with the pedestrian.
+        The paper shows nine instants without their times.
         """
         instants = np.linspace(0.0, 2.0 * self.scene.meeting, 9)
         px, py = self.scene.places(instants)
@@ -178,9 +178,9 @@ def field_of(scene: Scene, long_axis: float, gains: Gains, *, moving: bool = Fal
 
     Parameters
     ----------
-    scene, gains : which
+    scene, gains : scene and gains of the field
     long_axis : σ_x [m]
-    moving : the obstacle moves with the pedestrian; else it is where they will be met
+    moving : whether the obstacle moves with the pedestrian; otherwise it stays at the conflict point
     """
     place = (scene.x, scene.y) if moving else scene.conflict
     obstacle = standing(*(np.array([value]) for value in (*place, long_axis, SAFE)))
@@ -191,12 +191,12 @@ def field_of(scene: Scene, long_axis: float, gains: Gains, *, moving: bool = Fal
 
 
 def planned(scene: Scene, long_axis: float, gains: Gains | None = None, *, moving: bool = False) -> Track:
-    """Return the path down the field of a scene, driven at constant speed by a point."""
+    """Return the path that descends the field of a scene, followed by a point at constant speed."""
     return tracks(scene, field_of(scene, long_axis, gains or Gains(), moving=moving), 1)[0]
 
 
 def tracks(scene: Scene, shape: Field, count: int) -> list[Track]:
-    """Return the paths down several fields of a scene."""
+    """Return the paths that descend several fields of a scene."""
     start = np.zeros(count), np.full(count, CENTRE)
     x, y = descend(shape, *start, SPEED, PATH_STEP, PATH_STEPS)
     times = np.linspace(0.0, PATH_STEPS * PATH_STEP / SPEED, PATH_STEPS + 1)
@@ -207,7 +207,7 @@ def tracks(scene: Scene, shape: Field, count: int) -> list[Track]:
 
 @dataclass(slots=True)
 class _Record:
-    """Keeps what a run of the loop says."""
+    """Record of a run of the loop."""
 
     snapshots: list[Snapshot] = field(default_factory=list)
     statuses: list[str] = field(default_factory=list)
@@ -222,17 +222,17 @@ class _Record:
 
 
 def driven(scene: Scene, axis: str) -> Track:
-    """Return what the controller makes of a scene: the vehicle has lags and limits, and plans every 0.1 s.
+    """Return the controller's track in a scene; the vehicle has lags and limits, and plans every 0.1 s.
 
     Parameters
     ----------
-    scene : which
-    axis : "variable" or "fixed"
+    scene : scene to drive
+    axis : ``variable`` or ``fixed``
 
     Raises
     ------
     RuntimeError
-        If the controller used a fallback: then it is not the method that was tried.
+        If the controller used a fallback, so that the run does not test the method.
     """
     body = body_of(CAR_LENGTH, CAR_WIDTH)
     middle = body.front - 0.5 * body.length

@@ -1,4 +1,4 @@
-"""How far the potential-field paper's claims depend on the gains, and on the direction of the pedestrian."""
+"""How much the potential-field paper's claims depend on the gains and on the pedestrian's direction."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ EXAMPLE_START = (50.0, 4.0)
 
 @dataclass(frozen=True, slots=True)
 class Orders:
-    """Which of the paper's claims hold for each gain set, shape (sets,) each."""
+    """Which of the paper's claims hold for each gain set; arrays of shape (sets,)."""
 
     curvature: dict[str, BoolArray]
-    """By scene: smaller with the variable axis, in scene 3 larger."""
+    """Whether the curvature is smaller with the variable axis (in scene 3 larger), by scene."""
     begins: BoolArray
-    """Earlier with the variable axis, in scene 3 later; all four scenes."""
+    """Whether avoidance begins earlier with the variable axis (in scene 3 later) in all four scenes."""
     left: BoolArray
-    """Scene 3 is passed on the left with both, the others on the right."""
+    """Whether both axes pass on the left in scene 3 and on the right in the others."""
     untouched: BoolArray
-    """Nobody is touched in any scene, variable axis."""
+    """Whether nobody is touched in any scene with the variable axis."""
     on_road: BoolArray
-    """The body stays on the road in all scenes, variable axis."""
+    """Whether the body stays on the road in all scenes with the variable axis."""
 
     @property
     def everything(self) -> BoolArray:
-        """All of that together."""
+        """Whether all claims hold."""
         orders = np.all(list(self.curvature.values()), axis=0)
         return np.asarray(orders & self.begins & self.left & self.untouched & self.on_road)
 
@@ -62,17 +62,17 @@ class Orders:
 
 
 def gain_grid() -> Gains:
-    """Return 108 gain sets that were not tuned on anything."""
+    """Return 108 untuned gain sets."""
     sets = np.array(list(itertools.product(CENTRE_GAINS, OBSTACLE_GAINS, EDGE_GAINS, LINE_GAINS)))
     return Gains(1.0, sets[:, 0], sets[:, 1], sets[:, 2], sets[:, 3], np.full(len(sets), LINE_WIDTH))
 
 
 def orders(*, moving: bool) -> Orders:
-    """Return what holds for which gain set.
+    """Return which claims hold for each gain set.
 
     Parameters
     ----------
-    moving : the obstacle moves with the pedestrian; else it is where they will be met
+    moving : whether the obstacle moves with the pedestrian; otherwise it stays at the conflict point
     """
     gains = gain_grid()
     count = len(np.asarray(gains.centre))
@@ -85,7 +85,7 @@ def orders(*, moving: bool) -> Orders:
     )
 
     def smaller(name: str, value: Callable[[Track], float]) -> BoolArray:
-        """Say where the variable axis has the smaller value; in scene 3, the larger one."""
+        """Return for which gain sets the variable axis has the smaller value (in scene 3, the larger)."""
         there = np.array([value(track) for track in variable[name]])
         here = np.array([value(track) for track in fixed[name]])
         return there > here if name == "3" else there < here
@@ -111,14 +111,14 @@ def orders(*, moving: bool) -> Orders:
 
 @dataclass(frozen=True, slots=True)
 class Directions:
-    """What becomes of a pedestrian who walks in any of the 121 directions."""
+    """Results for a pedestrian who walks in each of the 121 directions."""
 
     probabilities: FloatArray
-    """Of the directions, for the paper's example."""
+    """Probabilities of the directions in the paper's example."""
     clearance: FloatArray
-    """Smallest distance [m]."""
+    """Smallest distance between the bodies [m]."""
     beyond_edge: FloatArray
-    """How far the body juts out beyond the road [m]."""
+    """Largest distance by which the body extends beyond the road [m]."""
 
     @property
     def touched(self) -> float:
@@ -127,15 +127,14 @@ class Directions:
 
     @property
     def off_road(self) -> float:
-        """Probability that the body juts out beyond the road."""
+        """Probability that the body extends beyond the road."""
         return float(self.probabilities[self.beyond_edge > 0.0].sum())
 
 
 def directions(*, variable: bool) -> Directions:
-    """Return what the tuned field does with the paper's example, if the pedestrian walks in any direction.
+    """Return the results of the tuned field in the paper's example, for every direction of walking.
 
-    The direction is known from the first step, as in the four scenes: the conflict point is that of the
-    walking direction.
+    As in the four scenes, the direction is known from the first step, and the conflict point follows from it.
     """
     scenes = [Scene("example", *EXAMPLE_START, float(angle)) for angle in ANGLES]
     axes = [scene.long_axis if variable else FIXED_AXIS for scene in scenes]

@@ -1,1 +1,1 @@
-"""The velocity-obstacle paper: its scenes, rides, independent solver, claims and figures."""
+"""The velocity-obstacle paper: scenes, rides, independent solver, claims and figures."""

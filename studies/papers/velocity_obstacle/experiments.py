@@ -1,4 +1,4 @@
-"""The experiments of the velocity-obstacle paper: accelerate, brake, change lanes; programs and search."""
+"""Experiments of the velocity-obstacle paper: accelerate, brake, change lanes; programs and search."""
 
 from __future__ import annotations
 
@@ -26,37 +26,37 @@ PAPER = "000"
 TITLE = "Velocity obstacles: a car avoids a crossing pedestrian by speed or by a change of lane"
 
 STARTS, SEED = 8, 1
-"""Of the independent solver."""
+"""Number of starts and seed of the independent solver."""
 SHARE = 0.01
-"""A driven scene is as good as the optimum within this share."""
+"""A driven scene counts as optimal if its cost is within this share of the optimum."""
 LISTED = "the pedestrian's sample i is taken at i seconds; at i − 1 seconds other claims fail"
 SMALL, LARGE = GeneticBudget(60, 60), GeneticBudget(100, 100)
 
 
 @dataclass(frozen=True, slots=True)
 class Optima:
-    """What is known of one straight scene."""
+    """Optima of one straight scene."""
 
     scene: Scene
     ahead: AvoidancePlan
     behind: AvoidancePlan
     independent: dict[int, Answer]
     exact: dict[int, Answer]
-    """With the distance over time in place of a cone at every step."""
+    """Solutions with the distance over time in place of a cone at every step, by passing class."""
 
     @property
     def best(self) -> AvoidancePlan:
-        """The cheaper class."""
+        """The optimum of the cheaper passing class."""
         return min((self.ahead, self.behind), key=lambda plan: plan.cost)
 
     @property
     def best_exact(self) -> float:
-        """Least objective with distances."""
+        """Least objective with distances in place of cones."""
         return min(answer.cost for answer in self.exact.values())
 
 
 def run(figures: Path) -> list[Claim]:
-    """Run all experiments, draw the figures and return what became of the claims."""
+    """Run all experiments, draw the figures and return the claims with their results."""
     first, second = (_optima(scene) for scene in (E1, E2))
     claims = [*_accelerating(first), *_braking(second)]
     for one in (first, second):
@@ -262,7 +262,7 @@ def _cone_claims(one: Optima) -> Iterable[Claim]:
 
 
 def _driven_claims(one: Optima) -> Iterable[Claim]:
-    """Return what the controllers do with the scene, behind actuators."""
+    """Return the claims about the controllers in the scene, with actuators."""
     ahead, place = one.ahead.cost < one.behind.cost, one.scene.crossing_y
     meant = "before" if ahead else "after"
     for name in ("vo_paper", "vo_ga"):
@@ -328,7 +328,7 @@ def _more(cost: float, best: float) -> str:
 
 
 def _otherwise(scene: Scene, behind: int) -> AvoidancePlan:
-    """Return the optimum of a class with the pedestrian's first sample at the start."""
+    """Return the optimum of a passing class if the pedestrian's first sample is at the start."""
     return scenes.optimum(scenes.problem(scene, listed_at=scenes.LISTED_AT_ZERO), behind)
 
 

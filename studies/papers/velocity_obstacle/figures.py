@@ -22,7 +22,7 @@ PERSON: Final = "#000000"
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A motion to draw; x to the right and y forward, as in the paper."""
+    """A motion to draw, with x to the right and y forward as in the paper."""
 
     name: str
     time: FloatArray
@@ -30,9 +30,9 @@ class Motion:
     y: FloatArray
     speed: FloatArray
     heading: FloatArray
-    """From the x-axis [rad]."""
+    """Heading from the x-axis [rad]."""
     stepped: bool = True
-    """Whether the acceleration is constant over steps."""
+    """Whether the acceleration is constant within each step."""
 
 
 def of_states(name: str, states: FloatArray) -> Motion:
@@ -84,7 +84,7 @@ def draw_motions(path: Path, scene: Scene, motions: Sequence[Motion]) -> None:
 
 
 def draw_spread(path: Path, spreads: Mapping[str, Spread]) -> None:
-    """Draw what the genetic algorithm found with each seed, beside the programs' optimum."""
+    """Draw the genetic algorithm's result for each seed, and the optimum of the programs."""
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     costs, paths = figure.subplots(1, 2, width_ratios=(3, 2))
     for index, (name, one) in enumerate(spreads.items()):

@@ -1,4 +1,4 @@
-"""Experiment 3 of the velocity-obstacle paper: the change of lane, and its reference without avoidance."""
+"""Experiment 3 of the velocity-obstacle paper: the lane change, and its reference without avoidance."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E3, risk_perc
 PAPER, NAME = "000", "E3"
 STARTS, SEED = 6, 1
 TOTAL = 43.0
-"""Distance that the paper's car drives in all [m]."""
+"""Total distance that the paper's car drives [m]."""
 SEPTIC_BEGINS = 13.5
-"""Where the paper's reference begins to change lanes [m]."""
+"""Position at which the paper's reference begins to change lanes [m]."""
 FIRST_SPEED = 5.5
-"""Of the paper's car when it begins to change lanes, at y = 7.5 m after one step [m/s]."""
+"""Speed of the paper's car when it begins to change lanes, at y = 7.5 m after one step [m/s]."""
 SHARE = 0.01
 FORCED = "the end (right lane, straight on, y = 43 m), which the paper's problem does not ask for"
 
 
 def lane_change_claims() -> list[Claim]:
-    """Return what became of the claims about the change of lane."""
+    """Return the claims about the lane change with their results."""
     forced = scenes.optimum(scenes.lane_change(scenes.DEGREES, along=TOTAL), BEHIND)
     return [
         *_free_end(),
@@ -118,7 +118,7 @@ def _free_end() -> Iterable[Claim]:
 
 
 def _paper_run(forced: AvoidancePlan) -> Iterable[Claim]:
-    """Return the claims about the paper's run, against the one with its end forced."""
+    """Return the claims about the paper's run, compared with our run with a forced end."""
     speeds, across = forced.states[3], forced.states[1]
     still = int(np.flatnonzero(np.abs(across) < 1e-6)[-1])
     straight = float(forced.states[0, still])
@@ -224,7 +224,7 @@ def _risk(forced: AvoidancePlan) -> Iterable[Claim]:
 
 
 def _ends_given() -> Iterable[Claim]:
-    """Return the least objectives with the end in the lane on the right, against the independent solver."""
+    """Return the claims on least objectives that end in the right lane, against the independent solver."""
     for unit, weight in (("radians", 1.0), ("degrees", scenes.DEGREES)):
         for what, behind, side in (("ahead", AHEAD, 1.0), ("behind", BEHIND, -1.0)):
             task = Task(E3.steps, E3.first_y, side, steers=True, steering_weight=weight, end_x=scenes.LANE)
@@ -265,7 +265,7 @@ def _programs_a_step() -> Iterable[Claim]:
 
 
 def _fastest_behind(cone: Cone) -> float:
-    """Return the highest speed after the first step that keeps behind the pedestrian's cone [m/s]."""
+    """Return the highest speed after the first step that stays behind the pedestrian's cone [m/s]."""
     one = of_class(scenes.problem(E3, cone=cone), BEHIND)
     speeds = np.linspace(0.0, scenes.START_SPEED, 7501)
     inputs = np.zeros((len(speeds), 2, E3.steps))

@@ -1,7 +1,7 @@
 """The velocity-obstacle paper's problem solved by another method: SciPy's SLSQP from many starts.
 
-It shares nothing with the controllers: the paper's own frame (x right, y forward), its own Euler steps,
-cones as angles. Each passing class is a problem of its own.
+It shares no code with the controllers: it uses the paper's frame (x right, y forward), its own Euler steps,
+and cones as angles. Each passing class is a problem of its own.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ STEERING_LIMIT = np.deg2rad(9.4)
 TURN_LIMIT = np.deg2rad(10.0)
 SPEED_LIMIT, CHANGE_LIMIT = 15.0, 8.0
 FEASIBLE = 1e-5
-"""A start whose end violates a constraint by more is none [m, m/s, rad]."""
+"""Starts whose solution violates a constraint by more than this are discarded [m, m/s, rad]."""
 WHEEL_UNIT = 0.02
-"""Changes of the wheel angle are searched in this unit, as large as those of the speed [rad]."""
+"""Unit of the searched changes of the wheel angle, so that they are as large as those of the speed [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,15 +29,15 @@ class Task:
 
     steps: int
     pedestrian_y: float
-    """At 1 s, at x = 6 m [m]."""
+    """y of the pedestrian at 1 s, when they are at x = 6 m [m]."""
     side: float
-    """+1: passed on the left of the line of sight, ahead of the pedestrian; −1: behind them."""
+    """+1 to pass on the left of the line of sight, ahead of the pedestrian; −1 to pass behind them."""
     exact: bool = False
-    """Distances over time instead of a cone at every step."""
+    """Whether distances over time replace a cone at every step."""
     steers: bool = False
     steering_weight: float = 1.0
     end_x: float | None = None
-    """Lane to end in, straight on and with straight wheels [m]."""
+    """Lane in which to end, with straight heading and wheels [m]."""
     radius: float = 2.0
     speed: float = 7.5
     wheelbase: float = 2.6
@@ -49,9 +49,9 @@ class Answer:
 
     cost: float
     changes: FloatArray
-    """Of the speed, then of the wheel angle [m/s, rad]."""
+    """Changes of the speed, then of the wheel angle [m/s, rad]."""
     feasible: int
-    """Starts that ended feasible."""
+    """Number of starts that ended feasible."""
 
 
 def best_of(task: Task, starts: int, seed: int) -> Answer:
@@ -60,8 +60,8 @@ def best_of(task: Task, starts: int, seed: int) -> Answer:
     Parameters
     ----------
     task : what to solve
-    starts : how many; they go over to some speed in the first step and are disturbed
-    seed : of the disturbances
+    starts : number of starts; each changes to another speed in the first step, with disturbances
+    seed : seed of the disturbances
 
     Raises
     ------
@@ -83,7 +83,7 @@ def best_of(task: Task, starts: int, seed: int) -> Answer:
     found = 0
     for index in range(starts):
         begin = np.zeros(size)
-        # From clearly slower to clearly faster, in turn.
+        # The starts range from clearly slower to clearly faster.
         begin[0] = np.linspace(-4.0, 5.0, starts)[index]
         begin[:n] += drawn.normal(0.0, 0.1, n)
         begin[n:] = drawn.normal(0.0, 0.5, size - n)
@@ -140,7 +140,7 @@ def _margins(z: FloatArray, task: Task) -> FloatArray:
     dx, dy = 7.0 - times - x, task.pedestrian_y - 1.0 + times - y
     if task.exact:
         apart = _least_distances(dx, dy) - task.radius
-        # Which class: where the vehicle is when the pedestrian walks through x = 0, at 7 s.
+        # The class depends on where the vehicle is when the pedestrian walks through x = 0, at 7 s.
         passed = np.array([task.side * -dy[7]])
         avoided = np.concatenate((apart, passed))
     else:
@@ -149,14 +149,14 @@ def _margins(z: FloatArray, task: Task) -> FloatArray:
         course = np.arctan2(vy[1:] - 1.0, vx[1:] + 1.0)
         distance = np.hypot(dx[1:], dy[1:])
         half = np.arcsin(np.minimum(task.radius / distance, 1.0))
-        # The sine keeps one side of the cone and goes on smoothly when the pedestrian is behind.
+        # The sine keeps to one side of the cone and stays smooth when the pedestrian is behind.
         avoided = np.concatenate((np.sin(task.side * (course - sight) - half), distance - task.radius))
     turn = np.diff(heading)
     return np.concatenate((avoided, speed[1:], SPEED_LIMIT - speed[1:], TURN_LIMIT - turn, TURN_LIMIT + turn))
 
 
 def _least_distances(dx: FloatArray, dy: FloatArray) -> FloatArray:
-    """Return how near both come within each step, on straight lines."""
+    """Return the smallest distance within each step, for motion in straight lines [m]."""
     step_x, step_y = np.diff(dx), np.diff(dy)
     squared = step_x**2 + step_y**2
     share = np.clip(-(dx[:-1] * step_x + dy[:-1] * step_y) / squared, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""The velocity-obstacle paper's scenes driven by the controllers, behind actuators, without SUMO."""
+"""The velocity-obstacle paper's scenes driven by the controllers, with actuators but without SUMO."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TOP_SPEED = 15.0
 
 @dataclass(slots=True)
 class Track:
-    """Where a ride was after every step; rear axle."""
+    """Positions of the rear axle after every step of a ride."""
 
     rows: list[tuple[float, float, float, float]] = field(default_factory=list)
     solved: bool = True
@@ -31,11 +31,11 @@ class Track:
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
     ) -> None:
-        """Take note of a fallback."""
+        """Record a fallback."""
         self.solved &= plan.solved
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """Keep time, place and speed."""
+        """Record time, position and speed."""
         if self.world is not None:
             plant = self.world.plant
             self.rows.append((snapshot.time, plant.x, plant.y, plant.speed))
@@ -46,19 +46,19 @@ class Track:
         return np.array(self.rows).T
 
     def reaches(self, along: float) -> float:
-        """Return when it is at a place; inf for never [s]."""
+        """Return when the car reaches a position along the road; inf for never [s]."""
         time, x, *_ = self.columns
         return float(np.interp(along, x, time)) if x[-1] >= along else float("inf")
 
 
 def ride(scene: Scene, controller: str, duration: float = 14.0, **parameters: Any) -> Track:
-    """Drive a scene: the speed limit is the speed at the start, so that there is nothing to catch up with.
+    """Drive a scene; the speed limit equals the initial speed, so that the car has no reason to accelerate.
 
     Parameters
     ----------
-    scene : which; the pedestrian's first sample is at 1 s
-    controller, parameters : of the catalogue
-    duration : [s]
+    scene : scene to drive; the pedestrian's first sample is at 1 s
+    controller, parameters : controller of the catalogue, and its parameters
+    duration : duration of the ride [s]
     """
     begun = -6.0 - LISTED_AT_ONE
     person = ToyPedestrian("pedestrian", walk(scene.first_y - LISTED_AT_ONE, begun, 1.0, 1.0))

@@ -1,6 +1,6 @@
-"""The scenes of the velocity-obstacle paper, and its controller driven in its own discrete world.
+"""The scenes of the velocity-obstacle paper, and drives of its controller in the paper's discrete world.
 
-The paper's x points to the right and its y forward; here ``along`` is its y and ``across`` its −x.
+The paper's x points to the right and its y forward; here, ``along`` is its y and ``across`` its −x.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ WHEELBASE = 2.6
 START_SPEED = 7.5
 RADIUS = 2.0
 HCM_RADIUS = 1.34
-"""The Highway Capacity Manual's, which the paper's text names before it takes 2 m [m]."""
+"""Radius of the Highway Capacity Manual, which the paper's text mentions before it uses 2 m [m]."""
 LANE = 3.5
-"""Distance between two lanes' centres; the paper gives none [m]."""
+"""Distance between the centres of two lanes, which the paper does not give [m]."""
 DEGREES = (180.0 / np.pi) ** 2
-"""Weight of a change of the wheel angle when it counts as much in degrees as one of the speed in m/s."""
+"""Weight with which a change of the wheel angle by 1° counts as much as one of the speed by 1 m/s."""
 CONVERGED = 60
-"""Programs after which a plan counts as the optimum."""
+"""Number of programs after which a plan counts as the optimum."""
 AHEAD, BEHIND = 0, 1
-"""Passing classes of one pedestrian: how many are let pass."""
+"""Passing classes of one pedestrian: the number of pedestrians who pass first."""
 
 LISTED_AT_ONE = 1.0
-"""Convention B: sample i of the pedestrian is at i seconds."""
+"""Convention B: sample i of the pedestrian is at i seconds [s]."""
 LISTED_AT_ZERO = 0.0
-"""Convention A: sample 1 is at the start."""
+"""Convention A: sample 1 of the pedestrian is at the start [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +57,12 @@ E3 = Scene("E3", 12, 40.0, 46.0)
 
 
 def people(scene: Scene, radius: float = RADIUS, listed_at: float = LISTED_AT_ONE) -> People:
-    """Return the pedestrian at the ends of the steps; passing ahead of them means passing on their left.
+    """Return the pedestrian at the ends of the steps; to pass ahead of them means to pass on their left.
 
     Parameters
     ----------
-    scene : which
-    radius : of vehicle and pedestrian together [m]
+    scene : the experiment
+    radius : radius of vehicle and pedestrian together [m]
     listed_at : time of the first listed sample [s]
     """
     walked = STEP * np.arange(1.0, scene.steps + 1.0) - listed_at
@@ -95,12 +95,12 @@ def problem(
 
 
 def lane_change(steering_weight: float, *, along: float | None = None) -> AvoidanceProblem:
-    """Return experiment 3 with the end of a change of lane to the right.
+    """Return experiment 3 with an end in the right lane.
 
     Parameters
     ----------
     steering_weight : w of the objective [(m/s)^2/rad^2]
-    along : where it is to end along the road; ``None``: anywhere [m]
+    along : position of the end along the road; ``None`` for anywhere [m]
     """
     end = End(E3.steps, along=along, across=-LANE, heading=0.0, steering=0.0)
     return problem(E3, steers=True, steering_weight=steering_weight, end=end)
@@ -113,13 +113,13 @@ def optimum(one: AvoidanceProblem, behind: int) -> AvoidancePlan:
 
 
 def driven_cost(one: AvoidanceProblem, passes: int, *, simple_starts: bool = True) -> float:
-    """Return J of a drive with the horizon that is left, both classes planned anew at every step [(m/s)^2].
+    """Return J of a drive that replans both classes at every step, over the remaining horizon [(m/s)^2].
 
     Parameters
     ----------
     one : the scene's problem
     passes : quadratic programs per class and step
-    simple_starts : begin each from the best of simple plans as well, not from the last plan alone
+    simple_starts : whether to start also from the best of simple plans, not only from the last plan
     """
     inputs: list[FloatArray] = []
     state = one.start
@@ -149,7 +149,7 @@ def _solve_plainly(one: AvoidanceProblem, behind: int, passes: int, last: FloatA
 
 
 def _rest(one: AvoidanceProblem, step: int, state: FloatArray) -> AvoidanceProblem:
-    """Return the problem that is left after some steps."""
+    """Return the remaining problem after some steps."""
     p = one.people
     left = People(
         p.along[:, step:], p.across[:, step:], p.along_speed[:, step:], p.across_speed[:, step:], p.side,
@@ -160,11 +160,11 @@ def _rest(one: AvoidanceProblem, step: int, state: FloatArray) -> AvoidanceProbl
 
 
 def arrival(states: FloatArray, along: float) -> float:
-    """Return when a motion in Euler steps reaches a place along the road; inf for never [s]."""
+    """Return when a motion in Euler steps reaches a position along the road [s]."""
     places = states[0]
     passed = np.flatnonzero(places >= along)
     if not len(passed):
-        # Beyond the horizon it goes on at the last speed.
+        # Beyond the horizon, the motion continues at the last speed.
         return STEP * (len(places) - 1) + (along - float(places[-1])) / float(states[3, -1])
     after = int(passed[0])
     share = (along - places[after - 1]) / (places[after] - places[after - 1])
@@ -176,8 +176,8 @@ def risk_perception(distance: FloatArray, speed: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    distance : l, to the end of the manoeuvre [m]
-    speed : v [m/s]
+    distance : l, distance to the end of the manoeuvre [m]
+    speed : v, speed [m/s]
 
     >>> round(float(risk_perception(np.array(43.0 - 13.5), np.array(7.5))), 3)
     3.933
@@ -188,7 +188,8 @@ def risk_perception(distance: FloatArray, speed: FloatArray) -> FloatArray:
 def printed_rejections(states: FloatArray, scene: Scene, radius: float = RADIUS) -> list[int]:
     """Return the steps at which the paper's inequality (16), exactly as printed, forbids a motion.
 
-    One-sided, with the principal arctangent of pedestrian's minus vehicle's velocity.
+    The printed inequality is one-sided and takes the principal arctangent of the pedestrian's velocity minus
+    the vehicle's.
     """
     who = people(scene, radius)
     x, y = -states[1, 1:], states[0, 1:]
@@ -203,5 +204,5 @@ def printed_rejections(states: FloatArray, scene: Scene, radius: float = RADIUS)
 
 
 def _principal(y: FloatArray, x: FloatArray) -> FloatArray:
-    """Return arctan(y / x), between −90 and 90 degrees also where x is zero."""
+    """Return arctan(y / x) between −90 and 90 degrees, also if x is zero [rad]."""
     return np.asarray(np.arctan2(np.where(x < 0.0, -y, y), np.abs(x)))

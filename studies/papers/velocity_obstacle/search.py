@@ -1,4 +1,4 @@
-"""The genetic algorithm on the velocity-obstacle paper's experiments, with many seeds and the programs."""
+"""Compares the genetic algorithm, with many seeds, to the programs on the velocity-obstacle experiments."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from controllers.velocity_obstacle.paper.sequential_programs import AvoidancePla
 
 QUICKER = 1.0 / 3.0
 REPEATED = 3
-"""The programs' time is the least of so many."""
+"""The programs' time is the smallest of this many repeats."""
 SEEDS = range(1, 21)
 KEPT = 0.12
-"""A plan of the genetic algorithm that misses constraints by no more counts: 0.12 m at the end of a lane
-change, or 0.7 degrees there."""
+"""A plan of the genetic algorithm counts as feasible if it violates constraints by no more than this: at the
+end of a lane change, 0.12 m or 0.7 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """What the genetic algorithm found with different seeds, and what the programs did."""
+    """Results of the genetic algorithm with different seeds, and of the quadratic programs."""
 
     budget: GeneticBudget
     plans: tuple[AvoidancePlan, ...]
     best: AvoidancePlan
-    """Of the quadratic programs."""
+    """Best plan of the quadratic programs."""
     quicker: bool
-    """Whether those needed less than ``QUICKER`` of the mean time of a search."""
+    """Whether the programs needed less than ``QUICKER`` of the mean time of a search."""
 
     @property
     def costs(self) -> FloatArray:
-        """Objective for each seed."""
+        """Objective of each seed's plan."""
         return np.array([plan.cost for plan in self.plans])
 
     @property
     def gaps(self) -> FloatArray:
-        """How much more each costs than the optimum, as a share."""
+        """Excess of each seed's objective over the optimum, as a share."""
         return self.costs / self.best.cost - 1.0
 
     @property
     def feasible(self) -> int:
-        """How many of them keep the constraints."""
+        """Number of plans that keep the constraints."""
         return sum(plan.violation <= KEPT for plan in self.plans)
 
     @property
@@ -60,15 +60,15 @@ def variation(plan: AvoidancePlan) -> float:
 
 
 def spread(problem: AvoidanceProblem, budget: GeneticBudget, optimiser: QuadraticOptimiser) -> Spread:
-    """Solve a problem with all seeds, and with sequential quadratic programs.
+    """Solve a problem genetically with all seeds, and with sequential quadratic programs.
 
     Parameters
     ----------
-    problem : one pedestrian, its side that of passing ahead
-    budget : of each search
-    optimiser : of the programs
+    problem : problem with one pedestrian, whose side is that of passing ahead
+    budget : budget of each search
+    optimiser : optimiser that solves the programs
     """
-    # The first calls build and load what is needed once.
+    # The first calls also build and load what is needed only once.
     best = optimiser.solve(problem, None)
     solve_genetically(problem, GeneticBudget(1, 4), 0)
     times = []
