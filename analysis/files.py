@@ -61,11 +61,11 @@ def read_json(path: Path) -> dict[str, Any]:
     Raises
     ------
     DamageError
-    If the file has a hash and was altered since.
+        If the file has a hash and was altered since.
     OSError
-    If it cannot be read.
+        If it cannot be read.
     ValueError
-    If it is truncated, is not JSON, or holds no object.
+        If it is truncated, is not JSON, or holds no object.
     """
     content = json.loads(read_verified(path))
     if not isinstance(content, dict):
@@ -93,11 +93,11 @@ def read_csv(path: Path) -> list[dict[str, str]]:
     Raises
     ------
     DamageError
-    If the file has a hash and was altered since.
+        If the file has a hash and was altered since.
     OSError
-    If it cannot be read.
+        If it cannot be read.
     UnicodeDecodeError, csv.Error
-    If it is not such a table.
+        If it is not such a table.
     """
     heads, *rows = read_csv_rows(path) or [[]]
     return [dict(zip(heads, row, strict=False)) for row in rows if row]

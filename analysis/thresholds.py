@@ -1,4 +1,4 @@
-"""All thresholds of an analysis, in one frozen object that is written to config.json."""
+"""All thresholds, radii and curves of an analysis, in one frozen object that is written to config.json."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Thresholds:
     encounter_range_m: float = 45.0
     """In an encounter, both users are within this distance of their conflict area, or of each other [m]."""
     visit_pairing_s: float = 60.0
-    """Visits to a conflict area farther apart in time than this are separate encounters [s]."""
+    """Two users' visits to a conflict area farther apart in time than this are no encounter [s]."""
     traffic_pairing_s: float = 10.0
     """The same limit if everybody is judged, because road users are then many [s]."""
     substep_s: float = 0.05

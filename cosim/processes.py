@@ -1,7 +1,7 @@
 """How worker processes start: as copies of a process that has loaded all modules, so that they load once.
 
 Loading the modules that a run needs takes more than a second, and a batch starts many processes: one for each
-run that runs at the same time, and a new one for each that a failed run has ended.
+run at the same time, and a replacement for each process whose run has failed.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def cores() -> int:
 
 
 def hold_back(number: signal.Signals) -> Callable[[], None]:
-    """Hold back a signal, so that processes started now ignore it; the returned function delivers it."""
+    """Hold back a signal without affecting processes started meanwhile; the returned function delivers it."""
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
     held: list[int] = []

@@ -13,7 +13,7 @@ from sumo_scenarios.xml_files import check_xml
 # SUMO's exp(0) is not defined; at this rate the first arrival is expected after thirty years.
 _NOBODY_PER_S = 1e-9
 MOST_PER_HOUR = 100_000.0
-"""Highest rate of a flow: more than fifty lanes can take, and inserting more would stall SUMO [1/h]."""
+"""Highest rate of a flow, which fifty lanes cannot take; SUMO would stall inserting more vehicles [1/h]."""
 
 
 def placeholders(scenario: Scenario, table: ScenarioTable) -> dict[str, str]:

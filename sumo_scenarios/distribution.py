@@ -86,7 +86,7 @@ class Distribution:
 
 
 def read_distribution(value: Any, low: float = -math.inf, high: float = math.inf) -> Distribution:
-    """Return the distribution that a description gives, checked to lie from ``low`` to ``high``.
+    """Return the distribution that a description gives, checked to give numbers from ``low`` to ``high``.
 
     Raises
     ------

@@ -38,7 +38,7 @@ def plain_name(path: Path, work_dir: Path) -> str:
     ----------
     path : the file
     work_dir : existing folder with a plain name; holds a link to the file, or to its folder, if the name of
-    either is not plain
+        either is not plain
 
     Returns
     -------

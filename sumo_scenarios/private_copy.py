@@ -47,7 +47,7 @@ def private_configuration(
 
 
 def _beside(path: Path, work_dir: Path) -> str:
-    """Return a file's name in the copy; beside it, the mere name, which is the same in every folder."""
+    """Return a file's name for the copy; without a folder if the file is beside it, wherever that is."""
     name = Path(plain_name(path, work_dir))
     return name.name if name.parent.resolve() == work_dir.resolve() else str(name)
 

@@ -13,7 +13,7 @@ from sumo_scenarios.model import Scenario
 from sumo_scenarios.recorded_rows import FloatArray, read_rows
 
 NUMBERS = ("time_s", "x_m", "y_m", "heading_rad", "speed_mps", "length_m", "width_m")
-"""Numeric columns: the position is the middle of the front bumper, headings count from east to the left."""
+"""Numeric columns; positions are of the front bumper's middle, headings counter-clockwise from east."""
 TEXTS = ("vehicle", "class", "edge")
 """Text columns: ``class`` is SUMO's vehicle class, ``edge`` the edge on which the vehicle appears."""
 

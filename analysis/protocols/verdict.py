@@ -23,7 +23,7 @@ class Demand:
     highest_impact_kmh : limit of rule ``impact_speed`` [km/h]
     avoidance_only : whether every contact is red
     in_view : whether the pedestrian is in the ego's path long before the test, so that a contact is
-    preventable
+        preventable
     """
 
     rule: str

@@ -25,7 +25,7 @@ class Driver(Protocol):
         ...
 
     def executed(self, name: str) -> Executed:
-        """Return where it is."""
+        """Return the vehicle's position, speed and lane in SUMO."""
         ...
 
 
@@ -68,7 +68,7 @@ class Moved:
         self._sumo.vehicle.moveToXY(name, *self._hint, front_x, front_y, angle, self._keep_route)
 
     def executed(self, name: str) -> Executed:
-        """Return where it is."""
+        """Return the vehicle's position, speed and lane in SUMO."""
         return _as_sumo_says(self._sumo, name)
 
 
@@ -104,7 +104,7 @@ class Native:
         self._sumo.vehicle.changeSublane(name, front_y - y)
 
     def executed(self, name: str) -> Executed:
-        """Return where it is."""
+        """Return the vehicle's position, speed and lane in SUMO."""
         return _as_sumo_says(self._sumo, name)
 
 

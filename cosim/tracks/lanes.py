@@ -134,7 +134,8 @@ class Walkways:
         on_foot = [lane for lane in network.lanes.values() if lane.permissions.allows("pedestrian")]
         lanes = [lane for lane in on_foot if not lane.permissions.allows("passenger")]
         beside = {lane.edge for lane in lanes}
-        # Where a road has no lane for pedestrians alone, as a living street, SUMO lets them walk on the road.
+        # Where a road has no lane for pedestrians alone, such as a living street, they walk on the road in
+        # SUMO.
         lanes += [
             lane
             for lane in on_foot

@@ -57,7 +57,7 @@ def on_clock(found: Trajectories, clock: Clock, bodies: str | None = None) -> pd
     found
     clock
     bodies : ``assumed`` lengths and widths or the ``recorded`` ones (median of a track, assumed where there
-    is none); by default, recorded if the layout has reliable ones
+        is none); by default, recorded if the layout has reliable ones
 
     Returns
     -------

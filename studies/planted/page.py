@@ -114,7 +114,7 @@ def _verdict(found: Mapping[str, list[Replication]]) -> str:
 
 
 def _decided(hits: int, of: int, made: int, at_least: float = 0.0, at_most: float = 1.0) -> str:
-    """Return whether a share meets its requirement; for a part of the study, its whole interval has to."""
+    """Return whether a share meets its requirement; in a partial study, only its whole interval decides."""
     ends = share_interval(hits, of)
     share = hits / of
     low, high = (share, share) if made >= WHOLE or ends is None else (ends.low, ends.high)
