@@ -91,8 +91,8 @@ def place_of(case: Case) -> float:
 def walking_time(case: Case, way: float) -> float:
     """Return how long the pedestrian takes from standstill over a distance ``way`` [s].
 
-    Over the acceleration distance s, the mean speed is half of v: t = (way + s) / v beyond s, and t = 2 √(way
-    · s) / v within it.
+    Over the acceleration distance s, the mean speed is half of v: t = (way + s) / v beyond s, and
+    t = 2 √(way · s) / v within it.
     """
     speed, ramp = case.group.pedestrian_speed_kmh / 3.6, case.group.acceleration_distance_m
     return 2.0 * math.sqrt(way * ramp) / speed if way < ramp else (way + ramp) / speed
