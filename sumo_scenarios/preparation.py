@@ -81,7 +81,8 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
-    if not SHORTEST_STEP_S <= scenario.step_s <= LONGEST_STEP_S:  # others are checked
+    # Only the step of a configuration is not checked yet.
+    if not SHORTEST_STEP_S <= scenario.step_s <= LONGEST_STEP_S:
         limits = f"{SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s"
         raise ScenarioError(f"{sumocfg}: step-length is {scenario.step_s:g} s; expected {limits}")
     configuration, types = read_sumocfg(sumocfg), types_file(scenario)

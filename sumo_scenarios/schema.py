@@ -1,4 +1,4 @@
-"""What a ``scenario.toml`` may hold; every other key is an error."""
+"""Keys that a ``scenario.toml`` may have; every other key is an error."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ OF_VARIANTS = frozenset(
         *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "search", "types"),
     )
 )
-"""Keys of a scenario.toml with a base; what it leaves out is as the base says."""
+"""Keys of a scenario.toml with a base; the base gives the values of keys left out."""
 
 
 class Table(BaseModel):

@@ -1,1 +1,1 @@
-"""The experiments of the papers, run on the road without SUMO, and what became of their claims."""
+"""The papers' experiments, run on the road without SUMO, and the results of checking their claims."""
