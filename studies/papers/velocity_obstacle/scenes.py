@@ -5,6 +5,7 @@ The paper's x points to the right and its y forward; here, ``along`` is its y an
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -160,12 +161,13 @@ def _rest(one: AvoidanceProblem, step: int, state: FloatArray) -> AvoidanceProbl
 
 
 def arrival(states: FloatArray, along: float) -> float:
-    """Return when a motion in Euler steps reaches a position along the road [s]."""
+    """Return when a motion in Euler steps reaches a position along the road; inf if it never does [s]."""
     places = states[0]
     passed = np.flatnonzero(places >= along)
     if not len(passed):
         # Beyond the horizon, the motion continues at the last speed.
-        return STEP * (len(places) - 1) + (along - float(places[-1])) / float(states[3, -1])
+        speed = float(states[3, -1])
+        return STEP * (len(places) - 1) + (along - float(places[-1])) / speed if speed > 0.0 else math.inf
     after = int(passed[0])
     share = (along - places[after - 1]) / (places[after] - places[after - 1])
     return STEP * (after - 1 + float(share))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from controllers.velocity_obstacle.cones import Cone
@@ -32,6 +33,12 @@ def test_the_second_experiment_brakes_and_arrives_late() -> None:
     plan = scenes.optimum(scenes.problem(E2), BEHIND)
     assert plan.states[3, -1] == pytest.approx(6.289, abs=1e-3)
     assert scenes.arrival(plan.states, 56.0) == pytest.approx(8.71, abs=0.01)
+
+
+def test_a_motion_that_has_stopped_never_arrives() -> None:
+    stopped = np.array([[0.0, 4.0, 4.0], [0.0] * 3, [0.0] * 3, [4.0, 0.0, 0.0]])
+    assert scenes.arrival(stopped, 2.0) == pytest.approx(0.5 * scenes.STEP)
+    assert scenes.arrival(stopped, 5.0) == np.inf
 
 
 def test_the_other_reading_of_the_list_makes_braking_the_smaller_change() -> None:
