@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from analysis.study.design import Study
@@ -55,15 +56,33 @@ def sentences(
 
 
 def _size(study: Study, fewest: int, planned: int) -> str:
-    seeds = len({run.seed for run in study.runs})
+    of_each = Counter(one for one, _ in {(run.condition_id, run.seed) for run in study.runs}).values()
+    fewest_seeds, most_seeds = min(of_each, default=0), max(of_each, default=0)
+    seeds = f"{most_seeds} seed{'s' if most_seeds > 1 else ''}"
+    seeds = seeds if fewest_seeds == most_seeds else f"{fewest_seeds} to {seeds} each"
     cells = len(study.conditions)
     conditions = f"{cells} condition{'s' if cells > 1 else ''}"
-    whole = f" of the {planned:,} of the whole study" if planned else ""
     enough = "" if fewest >= ENOUGH else f", fewer than the {ENOUGH} that the whole study aims at"
+    run = counted(len(study.runs), planned)
     return (
-        f"**How much was run.** {len(study.runs):,} runs{whole}: {conditions}, {seeds} "
-        f"seed{'s' if seeds > 1 else ''}; the smallest cell has {fewest} encounters{enough}."
+        f"**How much was run.** {run[0].upper()}{run[1:]}: {conditions}, {seeds}; the smallest cell "
+        f"has {fewest} encounters{enough}."
     )
+
+
+def counted(run: int, planned: int) -> str:
+    """Say how many runs there are, and how many the whole study has; 0 if that is not known.
+
+    >>> counted(810, 1350)
+    '810 runs of the 1,350 of the whole study'
+    >>> counted(1380, 1350)
+    'the 1,350 runs of the whole study and 30 with further seeds'
+    """
+    if not planned:
+        return f"{run:,} runs"
+    if run <= planned:
+        return f"{run:,} runs of the {planned:,} of the whole study"
+    return f"the {planned:,} runs of the whole study and {run - planned:,} with further seeds"
 
 
 def _contacts(rows: Mapping[str, Row]) -> str:

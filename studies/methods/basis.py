@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from analysis.markdown import table
 from analysis.study.design import Condition, Study
-from studies.methods.answer import ENOUGH
+from studies.methods.answer import ENOUGH, counted
 from studies.methods.rows import Row, title
 
 
@@ -32,9 +32,7 @@ def basis(study: Study, rows_of: Mapping[Condition, Sequence[Row]], planned: Map
         "scenario by scenario; the page counts what every method drove: it may be stopped at any time. "
         "[The table of its runs](study-papers.csv) is what the page is made of; with `--seeds` others can be "
         "added to it.\n",
-        f"Of the {sum(planned.values()):,} runs planned, this page counts {len(study.runs):,}"
-        if planned
-        else f"This page counts {len(study.runs):,} runs",
+        f"This page counts {counted(len(study.runs), sum(planned.values()))} "
         f"(seeds {', '.join(map(str, seeds))}; {len(study.all_labels())} methods). Of the {len(cells)} "
         f"cells, a method under a condition, {enough} have {ENOUGH} entered encounters or more. "
         f"{_code(study)}\n",

@@ -87,7 +87,7 @@ def test_the_page_says_the_answer_first_and_what_it_rests_on(tmp_path: Path) -> 
         "1. **How much was run.** 4 runs of the 6 of the whole study: 1 condition, 2 seeds; the smallest cell"
     )
     assert size in first
-    assert "Of the 6 runs planned, this page counts 4" in first
+    assert "This page counts 4 runs of the 6 of the whole study (seeds" in first
     row = "| aeb | 2 of 2 |  | 4 | **1** | 1 | 25.0% (0.6% … 80.6%) | 0.50 | 1 | 17.5 | 3.0 |"
     assert row in first
     assert (page.parent / "study-papers.png").exists()
@@ -209,6 +209,18 @@ def test_of_a_study_that_was_stopped_only_what_everybody_drove_is_counted(tmp_pa
     write_study_run(tmp_path / "aeb3", "aeb", 1, setting=many, encounters=[met] * 100)
     study = balanced(study_of_runs(driven(tmp_path)))
     assert [pooled(study, label).encounters for label in ("aeb", "sumo")] == [1, 1]
+
+
+def test_the_answer_says_where_further_seeds_were_driven_beyond_the_whole_study(tmp_path: Path) -> None:
+    met, few, many = {"min_ttc_s": 2.0}, {"pedestrians_per_hour": 100.0}, {"pedestrians_per_hour": 700.0}
+    for seed, setting in ((1, few), (1, many), (2, many)):
+        for label in ("aeb", "vo_mpc"):
+            folder = tmp_path / f"{label}{seed}{setting['pedestrians_per_hour']:.0f}"
+            write_study_run(folder, label, seed, setting=setting, encounters=[met] * 200)
+    study = balanced(study_of_runs(driven(tmp_path)))
+    rows_of = {label: pooled(study, label) for label in study.all_labels()}
+    (size, *_) = sentences(study, rows_of, 200, against(study, rows_of), 4)
+    assert "The 4 runs of the whole study and 2 with further seeds: 2 conditions, 1 to 2 seeds each" in size
 
 
 def test_a_seed_is_finished_before_the_next_and_a_level_in_it(tmp_path: Path) -> None:
