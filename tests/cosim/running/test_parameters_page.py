@@ -22,7 +22,7 @@ def test_the_parameters_of_one_controller_are_listed_with_unit_bounds_and_meanin
     assert main(["list", "controllers", "vo_mpc"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "parameter default unit bounds meaning" in text
-    assert "idle_interval_s 0.0 s at least 0 and at most 0.5 Time between plans" in text
+    assert "idle_interval_s 0.0 s at least 0 and at most 0.5 Time between two plans" in text
     assert main(["list", "sensing", "perfect"]) == 0
     assert "perfect has no parameters" in capsys.readouterr().out
 
