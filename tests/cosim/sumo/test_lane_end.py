@@ -1,17 +1,17 @@
 """Egos that could wait for ever: at the end of a lane that leads off their route, and anywhere: runs in SUMO."""
 
 import json
-import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
-import sumo
 
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 from cosim.sumo.stranded import MISSED, STOOD
 from sumo_scenarios.preparation import SOONEST_TELEPORT_S
+
+from . import built
 
 pytestmark = pytest.mark.sumo
 
@@ -57,17 +57,7 @@ def build(
     others: str = "",
 ) -> Path:
     """Return a configuration whose only ego departs in the right lane, so far along it, and goes east."""
-    parts = {
-        "node": f"<nodes>{NODES.format(type=junction)}</nodes>",
-        "edge": f"<edges>{EDGES}{way_back[0]}</edges>",
-        "connection": f"<connections>{CONNECTIONS}{way_back[1]}</connections>",
-    }
-    inputs: list[str | Path] = ["-o", folder / "n.net.xml"]
-    for kind, content in parts.items():
-        (folder / f"n.{kind}.xml").write_text(content)
-        inputs += [f"--{kind}-files", folder / f"n.{kind}.xml"]
-    netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
-    subprocess.run([netconvert, *inputs], check=True, capture_output=True)
+    built.network(folder, NODES.format(type=junction), EDGES + way_back[0], CONNECTIONS + way_back[1])
     (folder / "n.rou.xml").write_text(
         f'<routes>{others}<vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" '
         'departSpeed="0"><route edges="wj je"/></vehicle></routes>'

@@ -1,10 +1,8 @@
 """How far egos look, on a slow network and on one whose main road is driven at 100 km/h."""
 
-import subprocess
 from pathlib import Path
 
 import pytest
-import sumo
 
 from controllers.interface import Perception
 from cosim.sumo.network import Network
@@ -12,6 +10,7 @@ from cosim.sumo.network_file import read_network
 from cosim.sumo.sight import Sight, sight
 from sumo_scenarios.model import Egos
 
+from . import built
 from .conftest import OpenWorld, drive, keep_lane
 
 pytestmark = pytest.mark.sumo
@@ -33,18 +32,8 @@ def rural(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for name in ENDS
         for one, two in ((name, "c"), ("c", name))
     )
-    parts = {
-        "node": f'<nodes>{nodes}<node id="c" x="0" y="0"/></nodes>',
-        "edge": f"<edges>{edges}</edges>",
-        "connection": '<connections><crossing node="c" edges="wc cw" priority="true"/></connections>',
-    }
-    inputs: list[str | Path] = ["-o", folder / "rural.net.xml"]
-    for kind, content in parts.items():
-        (folder / f"n.{kind}.xml").write_text(content)
-        inputs += [f"--{kind}-files", folder / f"n.{kind}.xml"]
-    netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
-    subprocess.run([netconvert, *inputs], check=True, capture_output=True)
-    return folder / "rural.net.xml"
+    crossing = '<crossing node="c" edges="wc cw" priority="true"/>'
+    return built.network(folder, f'{nodes}<node id="c" x="0" y="0"/>', edges, crossing)
 
 
 def test_in_towns_it_is_the_same_everywhere_and_farther_where_roads_are_fast(

@@ -1,17 +1,17 @@
 """Egos in junctions whose lanes bend more than a car can: whole runs in SUMO."""
 
 import json
-import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
-import sumo
 
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 from cosim.sumo.network_file import read_network
 from cosim.sumo.route import Route
+
+from . import built
 
 pytestmark = pytest.mark.sumo
 
@@ -33,18 +33,7 @@ ROADS = (
 def build(folder: Path, net: tuple[str, str], step_s: float = 0.1) -> Path:
     """Return a SUMO configuration of a network with a sharp bend, made by netconvert."""
     nodes, edges = net
-    (folder / "n.nod.xml").write_text(f"<nodes>{nodes}</nodes>")
-    (folder / "n.edg.xml").write_text(f"<edges>{ROADS}{edges}</edges>")
-    netconvert = Path(sumo.SUMO_HOME) / "bin" / "netconvert"
-    inputs: list[str | Path] = [
-        "-n",
-        folder / "n.nod.xml",
-        "-e",
-        folder / "n.edg.xml",
-        "-o",
-        folder / "n.net.xml",
-    ]
-    subprocess.run([netconvert, *inputs], check=True, capture_output=True)
+    built.network(folder, nodes, ROADS + edges)
     configuration = folder / "n.sumocfg"
     configuration.write_text(
         '<configuration><input><net-file value="n.net.xml"/></input>'
