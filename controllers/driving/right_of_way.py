@@ -237,11 +237,12 @@ def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:
 
 
 def _speeds_until(along: float, road: RoadAhead, fastest: float) -> tuple[FloatArray, FloatArray]:
-    """Return places from the rear axle up to ``along`` and the highest speeds in the bends there [m, m/s]."""
+    """Return places from the rear axle up to ``along`` [m], and the highest speeds there [m/s]."""
     count = math.ceil(along / road.curvature_step) if road.curvature_step > 0.0 else 0
     bends = np.abs(road.curvature[:count])
     if not len(bends):
         bends = np.zeros(1)
     highest = np.sqrt(BEND_ACCELERATION / np.maximum(bends, BEND_ACCELERATION / fastest**2))
     places = np.append(np.arange(len(bends)) * road.curvature_step, along)
-    return places, np.maximum(np.append(highest, highest[-1]), SLOWEST)
+    limits = road.limit[np.maximum(np.searchsorted(road.limit_along, places, side="right") - 1, 0)]
+    return places, np.maximum(np.minimum(np.append(highest, highest[-1]), limits), SLOWEST)

@@ -18,7 +18,7 @@ from analysis.polylines import arc_lengths
 from controllers.interface import JunctionFoe
 from cosim.arrays import FloatArray
 from cosim.sumo.approaches import Approaches
-from cosim.sumo.lane_path import PathJunction
+from cosim.sumo.lane_path import WAY_SPACING, DrawnWay, PathJunction
 from cosim.sumo.lights import Lights
 from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
@@ -27,7 +27,9 @@ from cosim.sumo.sight import foe_range, sight
 
 CLEARANCE = 2.0
 """Ways nearer to each other than this are in conflict: a car's width plus 0.2 m [m]."""
-SAMPLE = 0.5
+AWAY = 1.0
+"""An ego whose way meets others before the end of its lane stops this far before it does [m]."""
+SAMPLE = WAY_SPACING
 """Spacing of the points at which the distance between ways is measured [m]."""
 
 
@@ -58,7 +60,7 @@ class FoeFinder:
         self._sumo = sumo
         self._network = network
         self._farthest = sight(network).vehicles
-        self._conflicts: dict[str, Mapping[str, Sequence[Conflict]]] = {}
+        self._conflicts: dict[tuple[str, bytes], Mapping[str, Sequence[Conflict]]] = {}
         self._ways: dict[str, tuple[tuple[str, str], tuple[tuple[str, float], ...]]] = {}
         """By vehicle: the lane and the route for which its next ways were found, and those ways."""
         self._approaches = Approaches(network)
@@ -90,7 +92,7 @@ class FoeFinder:
         """
         found: list[JunctionFoe] = []
         for junction in junctions:
-            conflicts = self._conflicts_of(junction.connection)
+            conflicts = self._conflicts_of(junction)
             if conflicts:
                 found += self._coming(name, origin, junction, conflicts, near, cars, lights)
         return sorted(found, key=lambda foe: (foe.entry, foe.name))
@@ -128,7 +130,7 @@ class FoeFinder:
                             foe,
                             start + conflict.entry,
                             start + conflict.exit,
-                            start,
+                            start + (0.0 if conflict.entry >= 0.0 else conflict.entry - AWAY),
                             foe_entry,
                             foe_exit,
                             # A vehicle cannot arrive before slower vehicles ahead of it in its lane.
@@ -189,29 +191,43 @@ class FoeFinder:
         ]
         return min(found, key=lambda c: abs(network.lanes[c.source].index - index), default=None)
 
-    def _conflicts_of(self, connection: Connection) -> Mapping[str, Sequence[Conflict]]:
-        """Return where other ways meet this one, by the last internal lane of the other way."""
-        key = connection.via[-1]
+    def _conflicts_of(self, junction: PathJunction) -> Mapping[str, Sequence[Conflict]]:
+        """Return where other ways meet one through a junction, by the last internal lane of the other way."""
+        connection, drawn = junction.connection, junction.drawn
+        key = connection.via[-1], b"" if drawn is None else drawn.points.tobytes()
         if key not in self._conflicts:
+            network = self._network
+            foes = network.foes(connection) if drawn is None else network.others_in_junction(connection)
+            own = self._sampled(connection) if drawn is None else drawn.points
             by_way: dict[str, list[Conflict]] = {}
-            for foe, yields in self._network.foes(connection):
-                conflict = self._conflict(connection, foe, yields)
+            for foe, yields in foes:
+                conflict = self._conflict(own, drawn, foe, yields)
                 if conflict is not None:
                     by_way.setdefault(foe.via[-1], []).append(conflict)
             self._conflicts[key] = by_way
         return self._conflicts[key]
 
-    def _conflict(self, connection: Connection, foe: Connection, must_yield: bool) -> Conflict | None:
-        own, other = self._sampled(connection), self._sampled(foe)
+    def _conflict(
+        self, own: FloatArray, drawn: DrawnWay | None, foe: Connection, must_yield: bool
+    ) -> Conflict | None:
+        other, begins = self._sampled(foe), 0.0
         close = scipy.spatial.distance.cdist(own, other) < CLEARANCE
+        own_hits = np.flatnonzero(close.any(axis=1))
+        reached = SAMPLE * own_hits
+        if drawn is not None:
+            # The front bumper of a car that turns round is far beside the way of its rear axle.
+            close_ahead = scipy.spatial.distance.cdist(drawn.ahead, other) < CLEARANCE
+            ahead_hits = np.flatnonzero(close_ahead.any(axis=1))
+            reached = np.append(reached, SAMPLE * ahead_hits + drawn.front)
+            own_hits, close, begins = np.append(own_hits, ahead_hits), close | close_ahead, drawn.begins
         if not close.any():
             return None
-        own_hits, other_hits = np.flatnonzero(close.any(axis=1)), np.flatnonzero(close.any(axis=0))
+        other_hits = np.flatnonzero(close.any(axis=0))
         return Conflict(
             foe,
             must_yield,
-            SAMPLE * float(own_hits[0]),
-            SAMPLE * float(own_hits[-1]),
+            begins + float(reached.min()),
+            begins + SAMPLE * float(own_hits.max()),
             SAMPLE * float(other_hits[0]),
             SAMPLE * float(other_hits[-1]),
             foe_range(self._network.lanes[foe.source].speed),

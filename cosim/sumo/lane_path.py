@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
@@ -32,6 +32,10 @@ LEFT_BEHIND = 30.0
 """If a path meets a crossing twice, a meeting further than this before its edge counts as passed [m]."""
 DIVERGED = 12.0
 """Lanes further apart than this do not count as beside each other [m]."""
+WIDE = 2.0
+"""A redrawn bend that gets further than this from the middle of its lanes is in the way of others [m]."""
+WAY_SPACING = 0.5
+"""[m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +78,20 @@ class PathStopSign:
 
 
 @dataclass(frozen=True, slots=True)
+class DrawnWay:
+    """A way through a junction that leaves the lanes, such as that of a car that turns round."""
+
+    begins: float
+    """Where its first point lies, from the end of the lane before the junction [m]."""
+    points: FloatArray
+    """Points of the rear axle, `WAY_SPACING` apart, (n, 2) [m]."""
+    ahead: FloatArray
+    """Where the front bumper is then, (n, 2) [m]."""
+    front: float
+    """Distance from the rear axle to the front bumper [m]."""
+
+
+@dataclass(frozen=True, slots=True)
 class PathJunction:
     """The passage of a path through a junction."""
 
@@ -83,6 +101,8 @@ class PathJunction:
     end: float
     waiting_place: float | None = None
     """Where SUMO's vehicles wait in the middle of the junction; ``None`` if they do not [m]."""
+    drawn: DrawnWay | None = field(default=None, compare=False)
+    """The way through it if it leaves the lanes widely; ``None`` if it follows them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +157,7 @@ class LanePath:
         """Where the lanes that were followed end [m]."""
         self.leads_to_end = leads_to_end
         """Whether the chain ends because the route does."""
+        self._front = turning.front
         self._slow = tuple(self._slow_stretch(bend, turning) for bend in self.bends)
         self._limits = self._speed_limits({})
         self.crossings: tuple[PathCrossing, ...] = ()
@@ -251,10 +272,28 @@ class LanePath:
             PathStopSign(connection.source, end) for connection, end, _ in left if connection.stop_sign
         )
         self.junctions = tuple(
-            PathJunction(connection, end, via[-1].end, via[0].end if len(via) > 1 else None)
+            PathJunction(
+                connection,
+                end,
+                via[-1].end,
+                via[0].end if len(via) > 1 else None,
+                self._drawn_between(end, via[-1].end),
+            )
             for connection, end, via in left
             if via
         )
+
+    def _drawn_between(self, start: float, end: float) -> DrawnWay | None:
+        """Return the way between two places [m] and through the wide bends there; ``None`` without one."""
+        wide = [bend for bend in self.bends if bend.off > WIDE and bend.start < end and start < bend.end]
+        if not wide:
+            return None
+        first, last = min(start, *(bend.start for bend in wide)), max(end, *(bend.end for bend in wide))
+        along = np.arange(first, last + WAY_SPACING, WAY_SPACING)
+        points = self.curve.at(along, np.zeros(len(along)))
+        heading = np.interp(along, self.curve.along, self.curve.heading)
+        ahead = points + self._front * np.column_stack((np.cos(heading), np.sin(heading)))
+        return DrawnWay(first - start, points, ahead, self._front)
 
     def leave_beside(self, way: Connection, length: float) -> None:
         """Note a way beside the end of these lanes by which a vehicle may still follow its route.

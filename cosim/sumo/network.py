@@ -200,6 +200,20 @@ class Network:
             and self.through[lane].source != connection.source
         ]
 
+    def others_in_junction(self, connection: Connection) -> list[tuple[Connection, bool]]:
+        """Return all connections of a junction from other lanes, and whether this one has to yield to each.
+
+        For a way that is not where SUMO draws it: it yields to all that SUMO does not know to meet it.
+        """
+        known = {foe.via[-1]: yields for foe, yields in self.foes(connection)}
+        if connection.via[-1] not in self._requests:
+            return []
+        _, group = self._requests[connection.via[-1]]
+        others = (self.through[lane] for lane in group.lanes if lane in self.through)
+        return [
+            (other, known.get(other.via[-1], True)) for other in others if other.source != connection.source
+        ]
+
     def passable(self, connection: Connection, vehicle_class: str) -> bool:
         """Return whether that class may drive a connection, its internal lanes and its target."""
         names = (*connection.via, connection.target)

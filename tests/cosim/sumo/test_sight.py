@@ -82,3 +82,23 @@ def test_a_fast_ego_is_told_of_people_on_the_road_while_it_can_stop_without_hast
     world = open_world(waits, egos, network=rural, duration_s=20.0)
     drive(world, lambda p: keep_lane(p, wish=FAST), look)
     assert max(seen) > 2.0 * FULL_STOP
+
+
+def test_an_ego_that_turns_round_is_told_of_those_whose_way_it_swings_into(
+    open_world: OpenWorld, rural: Path
+) -> None:
+    """SUMO draws the turn in 5 m between two lanes; a car needs so much room that it meets the main road."""
+    flow = '<flow id="f" type="car" from="wc" to="ce" begin="0" end="60" period="4" departSpeed="max"/>'
+    told: set[str] = set()
+
+    def look(perception: Perception) -> None:
+        for foe in perception.road.foes:
+            told.add(foe.name.split(".")[0])
+            assert foe.must_yield
+
+    egos = Egos(routes=(("sc", "cs"),), count=1)
+    world = open_world(flow, egos, network=rural, warmup_s=20.0, duration_s=60.0)
+    (turn,) = (one for one in world._network.connections["sc_1"] if one.target == "cs_1")
+    assert not any(foe.source == "wc_1" and foe.target == "ce_1" for foe, _ in world._network.foes(turn))
+    drive(world, lambda p: keep_lane(p, wish=8.0), look)
+    assert told == {"f"}
