@@ -94,6 +94,7 @@ def find(
     perception: Perception,
     obstacles: Obstacles,
     farthest: float,
+    beyond: float = 0.0,
     off: Obstacles | None = None,
 ) -> FloatArray | None:
     """Return the steering angles of the cheapest way, one per arc, shape (k,) [rad]; ``None`` for no way.
@@ -106,11 +107,13 @@ def find(
         Obstacles that may not be touched.
     farthest
         Greatest distance that the front bumper may move [m].
+    beyond
+        How much farther beside its lane the ego may get than where SUMO has a place for it [m].
     off
         If given, a shorter way is enough if the body is clear of these obstacles at its end.
     """
     ego = perception.ego
-    space = _space(perception, obstacles)
+    space = _space(perception, obstacles, beyond)
     angles = np.linspace(-ego.drive.max_steering, ego.drive.max_steering, ANGLES)
     arcs = int(min(REACH, farthest) / ARC)
     tree = [_start(ego)]
@@ -134,17 +137,19 @@ def find(
     return np.array(way[::-1])
 
 
-def leads_on(perception: Perception, obstacles: Obstacles, way: FloatArray, done: float) -> bool:
+def leads_on(
+    perception: Perception, obstacles: Obstacles, way: FloatArray, done: float, beyond: float = 0.0
+) -> bool:
     """Return whether the rest of a way is still free.
 
     Parameters
     ----------
-    perception, obstacles : as for :func:`find`
+    perception, obstacles, beyond : as for :func:`find`
     way : steering angles of the way, shape (k,) [rad]
     done : length that has been driven already [m]
     """
     at = _start(perception.ego)
-    space = _space(perception, obstacles.nearer(DRIFT), DRIFT)
+    space = _space(perception, obstacles.nearer(DRIFT), beyond + DRIFT)
     for number in range(int(done / ARC), len(way)):
         length = min(ARC, (number + 1) * ARC - done)
         at = _driven(space, at, way[number : number + 1], length)
@@ -165,14 +170,14 @@ class _Space(NamedTuple):
     """Greatest distance of the middle of the front bumper from the line [m]."""
 
 
-def _space(perception: Perception, obstacles: Obstacles, drift: float = 0.0) -> _Space:
+def _space(perception: Perception, obstacles: Obstacles, beyond: float) -> _Space:
     ego, line = perception.ego, _centre_line(perception.road)
     at = _start(ego)
     rear, front, _ = _aside(ego, line, at.x, at.y, at.heading)
     lane = perception.road.lane(perception.road.reference)
     reaches = 0.5 * (ego.body.width + (lane.width if lane else ego.body.width)) - IN_LANE
     # An ego that is farther beside the lane already may stay so.
-    limits = max(ASIDE, float(rear[0])) + drift, max(reaches, float(front[0])) + drift
+    limits = max(ASIDE, float(rear[0])) + beyond, max(reaches, float(front[0])) + beyond
     return _Space(ego, line, obstacles, *limits)
 
 

@@ -24,6 +24,9 @@ from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 
 PATIENCE = 4.0
 """Time for which an ego that is kept from starting waits [s]."""
+LAST_RESORT, BEYOND = 20.0, 1.5
+"""After this waiting time, a way may lead this much farther beside the lane, where SUMO has no place for an
+ego [s, m]."""
 LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
@@ -66,6 +69,8 @@ class WayOut:
     """Steering angles of the arcs of the way, shape (k,) [rad]."""
     _driven: float = 0.0
     """Length of the way that has been driven [m]."""
+    _beyond: float = 0.0
+    """How much farther beside the lane the present way may lead [m]."""
     _sought: float = -np.inf
     _last: float = 0.0
     # Times of the last search for a way and of the last call of ``command`` [s].
@@ -150,18 +155,19 @@ class WayOut:
         near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
         under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, near, way, done):
+        if way is not None and under_way and free_way.leads_on(perception, near, way, done, self._beyond):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
             far = _obstacles(people, wide, vehicles)
-            for obstacles in (far, near):
-                self._way = free_way.find(perception, obstacles, farthest)
+            last_resort = [(near, BEYOND)] if self.waited(time) > LAST_RESORT else []
+            for obstacles, self._beyond in ((far, 0.0), (near, 0.0), *last_resort):
+                self._way = free_way.find(perception, obstacles, farthest, self._beyond)
                 if self._way is not None:
                     return
             if leant_on:
                 apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
-                self._way = free_way.find(perception, near, farthest, apart)
+                self._way = free_way.find(perception, near, farthest, self._beyond, apart)
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:

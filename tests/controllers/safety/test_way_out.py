@@ -15,7 +15,7 @@ from controllers.interface import Body, Perception, Plan
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
-from controllers.safety.way_out import INCHING, PATIENCE, SPEED
+from controllers.safety.way_out import INCHING, LAST_RESORT, PATIENCE, SPEED
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
@@ -110,10 +110,16 @@ def test_in_a_tight_bend_it_passes_people_who_stand_inside_by_turning_late() -> 
     assert way[0] < way.max()
 
 
-def test_it_does_not_leave_the_lane_for_the_pavement() -> None:
-    """A row across the lane and 1.6 m to either side of its centre line could be gone round beside the road."""
-    row = _people(*((8.0, y) for y in np.arange(-1.6, 1.7, 0.8)))
-    assert free_way.find(perception(ego(speed=0.0)), row, np.inf) is None
+ROW = [(8.0, float(y)) for y in np.arange(-1.6, 1.7, 0.8)]
+"""People across the lane and to either side of it, who can only be gone round beside the road."""
+
+
+def test_beyond_the_lane_it_leads_only_where_it_may() -> None:
+    seen, row = perception(ego(speed=0.0)), _people(*ROW)
+    assert free_way.find(seen, row, np.inf) is None
+    way = free_way.find(seen, row, np.inf, beyond=1.5)
+    assert way is not None
+    assert _nearest(way, row) >= 0.0
 
 
 def test_off_those_who_lean_on_the_car_a_short_way_will_do_and_one_that_stays_beside_them_will_not() -> None:
@@ -165,6 +171,12 @@ def test_it_is_taken_after_a_while() -> None:
     first = plans[statuses.index(WAY_OUT)].command
     assert first.steering[0] > 0.1
     assert first.acceleration[0] < 0.0
+
+
+def test_the_lane_is_left_for_the_pavement_as_a_last_resort_only() -> None:
+    statuses = [plan.status for plan in _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0)]
+    assert WAY_OUT not in statuses[: int(10 * LAST_RESORT)]
+    assert statuses[-1] == WAY_OUT
 
 
 def test_who_was_held_once_and_then_let_go_waits_anew() -> None:
