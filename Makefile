@@ -26,8 +26,6 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
-# Tests spend a quarter of their time waiting for processes that they have started.
-TEST_JOBS ?= $(shell expr $(JOBS) \* 3 / 2)
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 # One BLAS thread: two simulations side by side are otherwise slower than one.
@@ -85,7 +83,7 @@ demo: $(VENV)/installed-report
 # A file stays in one process, so that what its tests share is made once; the files at the end are short.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(TEST_JOBS) --dist loadfile --no-loadscope-reorder
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
 
 test-slow: $(VENV)/installed-dev
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow

@@ -220,9 +220,13 @@ def test_a_bend_ahead_slows_the_ego_down_in_the_bend_alone(distance: float, stop
 def test_a_low_limit_on_the_way_makes_the_ego_take_longer(limit: float, stops: bool) -> None:
     """The foe is there after 5.5 s; at 2 m/s from 20 m on, the ego needs as long for the 11 m of conflict."""
     seen = perception(ego(8.0))
-    limits = {"limit_along": np.array([-100.0, 20.0, 32.0]), "limit": np.array([13.89, limit, 13.89])}
-    seen = replace(seen, road=replace(seen.road, foes=(_foe(55.0, 10.0),), **limits))
-    assert bool(_stops(seen)) is stops
+    road = replace(
+        seen.road,
+        limit_along=np.array([-100.0, 20.0, 32.0]),
+        limit=np.array([13.89, limit, 13.89]),
+        foes=(_foe(55.0, 10.0),),
+    )
+    assert bool(_stops(replace(seen, road=road))) is stops
 
 
 def test_without_any_known_bend_the_way_to_the_conflict_still_takes_its_time() -> None:
